@@ -1,0 +1,2 @@
+//! rtbench command line.
+fn main() {}

@@ -1,0 +1,356 @@
+//! The one scene type that every loader and generator fills, in f64.
+//!
+//! Primitives keep the order of their source (their index is their id everywhere: in hits, in
+//! tie-breaking, in counters). Vertices and normals are shared arrays that shapes index into.
+
+use glam::DVec3;
+
+/// Linear RGB, nominally in [0, 1].
+pub type Rgb = [f64; 3];
+
+/// A scene: camera, lights, materials and primitives, in one right-handed world space.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Scene {
+    /// Short name, used in tables: `balls`, `balls:5`, `kitchen`.
+    pub name: String,
+    /// The view. Loaders of formats without a camera leave [`Camera::default`]; see
+    /// [`Scene::frame_camera`].
+    pub camera: Camera,
+    /// Colour of rays that hit nothing.
+    pub background: Rgb,
+    /// Light sources, in file order.
+    pub lights: Vec<Light>,
+    /// Materials; primitives index into this.
+    pub materials: Vec<Material>,
+    /// Vertex positions shared by polygons, triangles and patches.
+    pub vertices: Vec<DVec3>,
+    /// Shading normals shared by patches; not necessarily of unit length.
+    pub normals: Vec<DVec3>,
+    /// Spheres, indexed by [`Shape::Sphere`].
+    pub spheres: Vec<Sphere>,
+    /// Truncated cones and cylinders, indexed by [`Shape::Cone`].
+    pub cones: Vec<Cone>,
+    /// All primitives in source order; the position is the primitive's id.
+    pub primitives: Vec<Primitive>,
+    /// What a loader noticed and went on from (missing material file, dropped faces, ...).
+    pub warnings: Vec<Warning>,
+}
+
+/// One primitive: its shape and the material it is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Primitive {
+    /// Geometry.
+    pub shape: Shape,
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+}
+
+/// Geometry of a primitive: indices into the scene's arrays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// Index into [`Scene::spheres`].
+    Sphere(u32),
+    /// Index into [`Scene::cones`].
+    Cone(u32),
+    /// A planar polygon, concave ones too: `count` vertices from `first` in [`Scene::vertices`].
+    Polygon {
+        /// First vertex.
+        first: u32,
+        /// Number of vertices, at least 3.
+        count: u32,
+    },
+    /// A flat triangle: three indices into [`Scene::vertices`].
+    Triangle {
+        /// Vertex indices.
+        v: [u32; 3],
+    },
+    /// A triangle with a shading normal at each vertex.
+    Patch {
+        /// Vertex indices into [`Scene::vertices`].
+        v: [u32; 3],
+        /// Normal indices into [`Scene::normals`].
+        n: [u32; 3],
+    },
+}
+
+/// A sphere; world units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sphere {
+    /// Centre.
+    pub center: DVec3,
+    /// Radius, >= 0.
+    pub radius: f64,
+}
+
+/// A truncated cone without caps; a cylinder when the radii are equal.
+///
+/// As in NFF, it is one-sided: positive radii show the outside, negative radii the inside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// Centre of the base disc.
+    pub base: DVec3,
+    /// Radius at the base.
+    pub base_radius: f64,
+    /// Centre of the apex disc.
+    pub apex: DVec3,
+    /// Radius at the apex.
+    pub apex_radius: f64,
+}
+
+/// Surface properties in the terms of NFF's `f` line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Name in the source file, empty where the format has none.
+    pub name: String,
+    /// Base colour.
+    pub color: Rgb,
+    /// Diffuse share Kd.
+    pub diffuse: f64,
+    /// Specular share Ks: highlights, and mirror reflection when > 0.
+    pub specular: f64,
+    /// Phong exponent of the highlight.
+    pub shine: f64,
+    /// Transmitted share T: > 0 spawns refracted rays.
+    pub transmittance: f64,
+    /// Index of refraction, used when `transmittance` > 0.
+    pub refraction_index: f64,
+}
+
+impl Default for Material {
+    /// A grey, fully diffuse, opaque surface.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            color: [0.7; 3],
+            diffuse: 1.0,
+            specular: 0.0,
+            shine: 0.0,
+            transmittance: 0.0,
+            refraction_index: 1.0,
+        }
+    }
+}
+
+/// A light source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// A point light without falloff, as NFF's `l`.
+    Point {
+        /// Where it is.
+        position: DVec3,
+        /// Its colour, or `None` where the file gives none (then every light counts
+        /// 1/sqrt(number of lights), as SPD's documentation asks).
+        color: Option<Rgb>,
+    },
+}
+
+/// A pinhole camera in NFF's terms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Eye.
+    pub from: DVec3,
+    /// Point in the middle of the image.
+    pub at: DVec3,
+    /// Up; need not be perpendicular to the viewing direction.
+    pub up: DVec3,
+    /// Full field of view in degrees, from edge to edge of a square image.
+    pub angle: f64,
+    /// Distance to the near plane as stated by the file (informative: rays start at the eye).
+    pub hither: f64,
+    /// Width and height in pixels as stated by the file.
+    pub resolution: [u32; 2],
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            from: DVec3::new(0.0, 0.0, 1.0),
+            at: DVec3::ZERO,
+            up: DVec3::Y,
+            angle: 45.0,
+            hither: 0.0,
+            resolution: [512, 512],
+        }
+    }
+}
+
+/// Something a loader noticed and went on from; the text names file and line where there are any.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Warning(pub String);
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// An axis-aligned box in f64 (`min > max` when empty).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Lower corner.
+    pub min: DVec3,
+    /// Upper corner.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// The empty box.
+    pub const EMPTY: Self =
+        Self { min: DVec3::splat(f64::INFINITY), max: DVec3::splat(f64::NEG_INFINITY) };
+
+    /// Grows the box so that it holds `p`.
+    pub fn include(&mut self, p: DVec3) {
+        self.min = self.min.min(p);
+        self.max = self.max.max(p);
+    }
+
+    /// Edge lengths; negative when empty.
+    pub fn size(&self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// True when nothing was included.
+    pub fn is_empty(&self) -> bool {
+        self.min.x > self.max.x
+    }
+}
+
+impl Scene {
+    /// An empty scene of that name.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..Self::default() }
+    }
+
+    /// Adds a material and returns its index.
+    pub fn push_material(&mut self, material: Material) -> u32 {
+        self.materials.push(material);
+        index(self.materials.len() - 1)
+    }
+
+    /// Adds a sphere.
+    pub fn push_sphere(&mut self, material: u32, center: DVec3, radius: f64) {
+        self.spheres.push(Sphere { center, radius });
+        let shape = Shape::Sphere(index(self.spheres.len() - 1));
+        self.primitives.push(Primitive { shape, material });
+    }
+
+    /// Adds a truncated cone (a cylinder when the radii are equal).
+    pub fn push_cone(&mut self, material: u32, cone: Cone) {
+        self.cones.push(cone);
+        let shape = Shape::Cone(index(self.cones.len() - 1));
+        self.primitives.push(Primitive { shape, material });
+    }
+
+    /// Adds a planar polygon with its own copies of the vertices.
+    pub fn push_polygon(&mut self, material: u32, vertices: &[DVec3]) {
+        let first = index(self.vertices.len());
+        self.vertices.extend_from_slice(vertices);
+        let shape = Shape::Polygon { first, count: index(vertices.len()) };
+        self.primitives.push(Primitive { shape, material });
+    }
+
+    /// Adds a triangle with its own copies of the vertices.
+    pub fn push_triangle(&mut self, material: u32, vertices: [DVec3; 3]) {
+        let first = index(self.vertices.len());
+        self.vertices.extend_from_slice(&vertices);
+        let shape = Shape::Triangle { v: [first, first + 1, first + 2] };
+        self.primitives.push(Primitive { shape, material });
+    }
+
+    /// Adds a triangular patch (vertices with normals) with its own copies of both.
+    pub fn push_patch(&mut self, material: u32, vertices: [DVec3; 3], normals: [DVec3; 3]) {
+        let first = index(self.vertices.len());
+        let first_n = index(self.normals.len());
+        self.vertices.extend_from_slice(&vertices);
+        self.normals.extend_from_slice(&normals);
+        let shape = Shape::Patch {
+            v: [first, first + 1, first + 2],
+            n: [first_n, first_n + 1, first_n + 2],
+        };
+        self.primitives.push(Primitive { shape, material });
+    }
+
+    /// The vertices of a polygon, triangle or patch; empty for other shapes.
+    pub fn outline(&self, shape: Shape) -> Vec<DVec3> {
+        match shape {
+            Shape::Sphere(_) | Shape::Cone(_) => Vec::new(),
+            Shape::Polygon { first, count } => {
+                self.vertices[first as usize..][..count as usize].to_vec()
+            }
+            Shape::Triangle { v } | Shape::Patch { v, .. } => {
+                v.iter().map(|&i| self.vertices[i as usize]).collect()
+            }
+        }
+    }
+
+    /// Tight bounds of one shape (of a cone: of its two rim circles).
+    pub fn shape_bounds(&self, shape: Shape) -> Bounds {
+        let mut bounds = Bounds::EMPTY;
+        match shape {
+            Shape::Sphere(i) => {
+                let s = self.spheres[i as usize];
+                bounds.include(s.center - DVec3::splat(s.radius.abs()));
+                bounds.include(s.center + DVec3::splat(s.radius.abs()));
+            }
+            Shape::Cone(i) => {
+                let c = self.cones[i as usize];
+                let w = (c.apex - c.base).normalize_or_zero();
+                let reach = (DVec3::ONE - w * w).max(DVec3::ZERO).map(f64::sqrt);
+                for (center, radius) in [(c.base, c.base_radius), (c.apex, c.apex_radius)] {
+                    bounds.include(center - reach * radius.abs());
+                    bounds.include(center + reach * radius.abs());
+                }
+            }
+            Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
+                for p in self.outline(shape) {
+                    bounds.include(p);
+                }
+            }
+        }
+        bounds
+    }
+
+    /// Bounds of all primitives.
+    pub fn bounds(&self) -> Bounds {
+        let mut all = Bounds::EMPTY;
+        for primitive in &self.primitives {
+            let b = self.shape_bounds(primitive.shape);
+            all.include(b.min);
+            all.include(b.max);
+        }
+        all
+    }
+
+    /// True when every primitive is a triangle or a patch, so that a pure triangle set serves.
+    pub fn is_triangles_only(&self) -> bool {
+        self.primitives
+            .iter()
+            .all(|p| matches!(p.shape, Shape::Triangle { .. } | Shape::Patch { .. }))
+    }
+
+    /// Points the camera at the whole scene from the front, above and right of it: what scenes
+    /// without a camera get.
+    pub fn frame_camera(&mut self) {
+        let bounds = self.bounds();
+        if bounds.is_empty() {
+            return;
+        }
+        let center = (bounds.min + bounds.max) * 0.5;
+        let radius = (bounds.size().length() * 0.5).max(f64::MIN_POSITIVE);
+        let angle: f64 = 45.0;
+        let distance = radius / (angle.to_radians() * 0.5).sin();
+        self.camera = Camera {
+            from: center + DVec3::new(0.5, 0.4, 1.0).normalize() * distance,
+            at: center,
+            up: DVec3::Y,
+            angle,
+            hither: 0.0,
+            resolution: self.camera.resolution,
+        };
+    }
+}
+
+fn index(i: usize) -> u32 {
+    u32::try_from(i)
+        .expect("scene arrays hold at most 2^32 - 1 elements; loaders check sizes first")
+}
