@@ -1,1 +1,30 @@
-//! Geometry, primitives and acceleration structures.
+//! Geometry, primitives and acceleration structures for ray tracing, with the work counters of
+//! Havran and Sixta (1999).
+//!
+//! How the parts meet:
+//! * [`primitives::PrimSet`] owns geometry and answers "where does this ray hit primitive `id`?".
+//! * [`structures::Structure`] owns ids only. It is built from bounds and *walks* a ray, pushing
+//!   candidate ids into a [`sink::Sink`].
+//! * A [`sink::Sink`] is the query: closest hit or occlusion, with or without
+//!   [`counters::Counters`]. Every traversal is therefore written once.
+//! * [`tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
+//!   whole batch of rays, everything inside it static.
+//! * [`structures::REGISTRY`] lists the structures: one line each.
+
+pub mod aabb;
+pub mod bounds_rule;
+pub mod cell_lists;
+pub mod counters;
+pub mod params;
+pub mod primitives;
+pub mod ray;
+pub mod resolution;
+pub mod scalar;
+pub mod sink;
+pub mod structures;
+pub mod tracer;
+pub mod voxel_walk;
+
+pub use aabb::Aabb;
+pub use ray::{Hit, MISS, Ray};
+pub use scalar::{Scalar, Vec3, Vector};

@@ -1,0 +1,139 @@
+//! Lists of primitive ids per cell in one array: count, prefix sum, fill (compressed rows).
+
+/// For every cell, the slice of ids it holds.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct CellLists {
+    /// `ids[starts[c]..starts[c + 1]]` belongs to cell `c`.
+    starts: Vec<u32>,
+    ids: Vec<u32>,
+}
+
+/// The order of ids within a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ListOrder {
+    /// Ascending ids.
+    File,
+    /// Descending ids, as Havran and Sixta's uniform grid had them.
+    Reverse,
+}
+
+/// More references than a `u32` can count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TooManyReferences(pub u64);
+
+/// Says which cells a primitive goes to.
+pub trait Placement {
+    /// Calls `emit` with every cell primitive `id` goes to; the same ones each time it is asked.
+    fn cells_of(&self, id: u32, emit: impl FnMut(usize));
+}
+
+impl CellLists {
+    /// Builds the lists of `cells` cells for primitives `0..primitives`.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`] when the references exceed `max_references`; nothing is allocated
+    /// for them then.
+    pub fn build(
+        cells: usize,
+        primitives: usize,
+        order: ListOrder,
+        max_references: u64,
+        placement: &impl Placement,
+    ) -> Result<Self, TooManyReferences> {
+        let mut starts = vec![0u32; cells + 1];
+        let mut total = 0u64;
+        for id in 0..primitives as u32 {
+            placement.cells_of(id, |cell| {
+                starts[cell] = starts[cell].wrapping_add(1);
+                total += 1;
+            });
+        }
+        if total > max_references.min(u64::from(u32::MAX)) {
+            return Err(TooManyReferences(total));
+        }
+        // starts[c] becomes the end of cell c; filling from the back turns it into its start
+        let mut sum = 0u32;
+        for s in &mut starts {
+            sum += *s;
+            *s = sum;
+        }
+        let mut ids = vec![0u32; total as usize];
+        let mut place = |id: u32| {
+            placement.cells_of(id, |cell| {
+                starts[cell] -= 1;
+                ids[starts[cell] as usize] = id;
+            });
+        };
+        match order {
+            ListOrder::File => (0..primitives as u32).rev().for_each(&mut place),
+            ListOrder::Reverse => (0..primitives as u32).for_each(&mut place),
+        }
+        Ok(Self { starts, ids })
+    }
+
+    /// The ids of a cell; empty for a cell that does not exist.
+    #[inline(always)]
+    pub fn list(&self, cell: usize) -> &[u32] {
+        match self.starts.get(cell..cell + 2) {
+            Some(&[a, b]) => self.ids.get(a as usize..b as usize).unwrap_or(&[]),
+            _ => &[],
+        }
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Number of cells without ids.
+    pub fn empty_cells(&self) -> usize {
+        self.starts.windows(2).filter(|w| w[0] == w[1]).count()
+    }
+
+    /// Number of ids in all cells together.
+    pub fn references(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Bytes occupied.
+    pub fn bytes(&self) -> usize {
+        (self.starts.len() + self.ids.len()) * 4
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Primitive i goes to cells i % 4 and 2.
+    struct TwoEach;
+
+    impl Placement for TwoEach {
+        fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+            emit(id as usize % 4);
+            emit(2);
+        }
+    }
+
+    fn build(order: ListOrder, max: u64) -> Result<CellLists, TooManyReferences> {
+        CellLists::build(5, 6, order, max, &TwoEach)
+    }
+
+    #[test]
+    fn every_reference_in_the_order_asked_for() {
+        let lists = build(ListOrder::File, 99).unwrap();
+        assert_eq!(lists.list(0), [0, 4]);
+        assert_eq!(lists.list(1), [1, 5]);
+        assert_eq!(lists.list(2), [0, 1, 2, 2, 3, 4, 5]);
+        assert_eq!(lists.list(4), [0u32; 0]);
+        assert_eq!(lists.list(99), [0u32; 0]);
+        assert_eq!((lists.cells(), lists.empty_cells(), lists.references()), (5, 1, 12));
+        let reverse = build(ListOrder::Reverse, 99).unwrap();
+        assert_eq!(reverse.list(2), [5, 4, 3, 2, 2, 1, 0]);
+    }
+
+    #[test]
+    fn too_many_references_are_refused() {
+        assert_eq!(build(ListOrder::File, 11), Err(TooManyReferences(12)));
+    }
+}

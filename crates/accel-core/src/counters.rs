@@ -1,0 +1,75 @@
+//! The work counters of Havran and Sixta (1999): what no machine can change.
+//!
+//! | symbol | meaning |
+//! | --- | --- |
+//! | N_IT | ray-primitive intersection tests |
+//! | N_TS | traversal steps: cells (or nodes) visited, of the hierarchy too |
+//! | N_ETS | elementary steps: cells (or leaves) that hold primitives directly |
+//! | N_EETS | elementary steps into empty cells |
+//!
+//! Counting is a type parameter. The timed pass runs with [`NoCounters`], whose methods are empty
+//! and whose size is zero.
+
+/// What a traversal reports. Default methods do nothing.
+pub trait Counters: Default + Copy + Send {
+    /// False for [`NoCounters`]: lets an adapter skip work that is only done for counting.
+    const ENABLED: bool;
+    /// `n` intersection tests.
+    #[inline(always)]
+    fn intersection_tests(&mut self, _n: usize) {}
+    /// A step into a cell or leaf that may hold primitives.
+    #[inline(always)]
+    fn elementary_step(&mut self, _empty: bool) {}
+    /// A step in the hierarchy: an inner node, or a grid that was entered.
+    #[inline(always)]
+    fn inner_step(&mut self) {}
+}
+
+/// Counts nothing, costs nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoCounters;
+
+impl Counters for NoCounters {
+    const ENABLED: bool = false;
+}
+
+/// Sums over a batch of rays.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WorkCounters {
+    /// N_IT: intersection tests.
+    pub intersection_tests: u64,
+    /// N_TS: traversal steps of every kind.
+    pub traversal_steps: u64,
+    /// N_ETS: elementary steps.
+    pub elementary_steps: u64,
+    /// N_EETS: elementary steps into empty cells.
+    pub empty_elementary_steps: u64,
+}
+
+impl Counters for WorkCounters {
+    const ENABLED: bool = true;
+
+    #[inline(always)]
+    fn intersection_tests(&mut self, n: usize) {
+        self.intersection_tests += n as u64;
+    }
+    #[inline(always)]
+    fn elementary_step(&mut self, empty: bool) {
+        self.traversal_steps += 1;
+        self.elementary_steps += 1;
+        self.empty_elementary_steps += u64::from(empty);
+    }
+    #[inline(always)]
+    fn inner_step(&mut self) {
+        self.traversal_steps += 1;
+    }
+}
+
+impl std::ops::AddAssign for WorkCounters {
+    fn add_assign(&mut self, other: Self) {
+        self.intersection_tests += other.intersection_tests;
+        self.traversal_steps += other.traversal_steps;
+        self.elementary_steps += other.elementary_steps;
+        self.empty_elementary_steps += other.empty_elementary_steps;
+    }
+}

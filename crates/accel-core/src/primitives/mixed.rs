@@ -1,0 +1,193 @@
+//! Triangles, polygons, spheres and cones under one id space, in file order.
+
+use super::polygon::{Polygon, PolygonError};
+use super::triangle::{Shear, TriangleTest, Watertight};
+use super::{Cone, PrimSet, Sphere, TransmissiveSet};
+use crate::aabb::Aabb;
+use crate::ray::Ray;
+use crate::scalar::{Scalar, Vec3, Vector};
+
+/// What kind of primitive an id stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PrimitiveKind {
+    /// A triangle or a patch.
+    Triangle,
+    /// A polygon.
+    Polygon,
+    /// A sphere.
+    Sphere,
+    /// A cone or cylinder.
+    Cone,
+}
+
+/// The kind in the upper two bits, the index within the kind below.
+#[derive(Debug, Clone, Copy)]
+struct Tagged(u32);
+
+const INDEX_BITS: u32 = 30;
+
+impl Tagged {
+    fn new(kind: PrimitiveKind, index: usize) -> Self {
+        Self((kind as u32) << INDEX_BITS | index as u32)
+    }
+    #[inline(always)]
+    fn kind(self) -> PrimitiveKind {
+        match self.0 >> INDEX_BITS {
+            0 => PrimitiveKind::Triangle,
+            1 => PrimitiveKind::Polygon,
+            2 => PrimitiveKind::Sphere,
+            _ => PrimitiveKind::Cone,
+        }
+    }
+    #[inline(always)]
+    fn index(self) -> usize {
+        (self.0 & ((1 << INDEX_BITS) - 1)) as usize
+    }
+}
+
+/// Primitives of any kind. Built by [`MixedSetBuilder`].
+#[derive(Debug, Clone)]
+pub struct MixedSet<S: Scalar> {
+    order: Vec<Tagged>,
+    triangles: Vec<[[S; 3]; 3]>,
+    polygons: Vec<Polygon<S>>,
+    polygon_vertices: Vec<[S; 3]>,
+    spheres: Vec<Sphere<S>>,
+    cones: Vec<Cone<S>>,
+    transmissive: TransmissiveSet,
+}
+
+/// Collects primitives in id order.
+#[derive(Debug)]
+pub struct MixedSetBuilder<S: Scalar> {
+    set: MixedSet<S>,
+}
+
+impl<S: Scalar> Default for MixedSetBuilder<S> {
+    fn default() -> Self {
+        Self {
+            set: MixedSet {
+                order: Vec::new(),
+                triangles: Vec::new(),
+                polygons: Vec::new(),
+                polygon_vertices: Vec::new(),
+                spheres: Vec::new(),
+                cones: Vec::new(),
+                transmissive: TransmissiveSet::default(),
+            },
+        }
+    }
+}
+
+impl<S: Scalar> MixedSetBuilder<S> {
+    fn push(&mut self, kind: PrimitiveKind, index: usize) {
+        self.set.order.push(Tagged::new(kind, index));
+    }
+
+    /// Adds a triangle.
+    pub fn triangle(&mut self, v: [glam::DVec3; 3]) {
+        self.set.triangles.push(v.map(|p| Vec3::<S>::from_dvec3(p).to_array()));
+        self.push(PrimitiveKind::Triangle, self.set.triangles.len() - 1);
+    }
+
+    /// Adds a polygon; one with three vertices is stored and tested as a
+    /// triangle (the box rules of both are the same).
+    ///
+    /// # Errors
+    /// [`PolygonError`] for fewer than three vertices.
+    pub fn polygon(&mut self, vertices: &[glam::DVec3]) -> Result<(), PolygonError> {
+        if let &[a, b, c] = vertices {
+            self.triangle([a, b, c]);
+            return Ok(());
+        }
+        let polygon = Polygon::new(vertices, &mut self.set.polygon_vertices)?;
+        self.set.polygons.push(polygon);
+        self.push(PrimitiveKind::Polygon, self.set.polygons.len() - 1);
+        Ok(())
+    }
+
+    /// Adds a sphere.
+    pub fn sphere(&mut self, center: glam::DVec3, radius: f64) {
+        let center = Vec3::<S>::from_dvec3(center);
+        self.set.spheres.push(Sphere { center, radius: S::from_f64(radius) });
+        self.push(PrimitiveKind::Sphere, self.set.spheres.len() - 1);
+    }
+
+    /// Adds a truncated cone; see [`Cone::new`].
+    pub fn cone(&mut self, cone: Cone<S>) {
+        self.set.cones.push(cone);
+        self.push(PrimitiveKind::Cone, self.set.cones.len() - 1);
+    }
+
+    /// Marks the last primitive as one that lets shadow rays pass.
+    pub fn last_is_transmissive(&mut self) {
+        if let Some(last) = self.set.order.len().checked_sub(1) {
+            self.set.transmissive.insert(last as u32);
+        }
+    }
+
+    /// The finished set.
+    pub fn finish(self) -> MixedSet<S> {
+        self.set
+    }
+}
+
+impl<S: Scalar> PrimSet<S> for MixedSet<S> {
+    type RaySetup = Shear<S>;
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    fn bounds(&self, id: u32) -> Aabb<S> {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        match tagged.kind() {
+            PrimitiveKind::Triangle => {
+                Aabb::of_triangle(&self.triangles[i].map(Vec3::<S>::from_array))
+            }
+            PrimitiveKind::Polygon => self.polygons[i].bounds(),
+            PrimitiveKind::Sphere => self.spheres[i].bounds(),
+            PrimitiveKind::Cone => self.cones[i].bounds(),
+        }
+    }
+
+    fn kind(&self, id: u32) -> PrimitiveKind {
+        self.order[id as usize].kind()
+    }
+
+    #[inline(always)]
+    fn setup(&self, ray: &Ray<S>) -> Shear<S> {
+        Shear::of(ray)
+    }
+
+    #[inline(always)]
+    fn intersect(&self, id: u32, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        match tagged.kind() {
+            PrimitiveKind::Triangle => Watertight::intersect(&self.triangles[i], ray, shear, t_max),
+            PrimitiveKind::Polygon => {
+                self.polygons[i].intersect(&self.polygon_vertices, ray, shear, t_max)
+            }
+            PrimitiveKind::Sphere => self.spheres[i].intersect(ray, t_max),
+            PrimitiveKind::Cone => self.cones[i].intersect(ray, t_max),
+        }
+    }
+
+    #[inline(always)]
+    fn is_opaque(&self, id: u32) -> bool {
+        !self.transmissive.contains(id)
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.order.as_slice())
+            + size_of_val(self.triangles.as_slice())
+            + size_of_val(self.polygons.as_slice())
+            + size_of_val(self.polygon_vertices.as_slice())
+            + size_of_val(self.spheres.as_slice())
+            + size_of_val(self.cones.as_slice())
+            + self.transmissive.bytes()
+    }
+}

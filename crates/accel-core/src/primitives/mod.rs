@@ -1,0 +1,76 @@
+//! Geometry that rays are tested against.
+//!
+//! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
+//! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space.
+
+mod cone;
+mod mixed;
+mod polygon;
+mod sphere;
+mod triangle;
+
+pub use cone::Cone;
+pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
+pub use polygon::{Polygon, PolygonError};
+pub use sphere::Sphere;
+pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
+
+use crate::aabb::Aabb;
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+
+/// A set of primitives with ids `0..len()`.
+pub trait PrimSet<S: Scalar>: Send + Sync {
+    /// What a test needs to know of a ray beyond the ray itself, computed once a ray.
+    type RaySetup: Copy;
+
+    /// Number of primitives.
+    fn len(&self) -> usize;
+    /// True when there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Bounds that hold every point at which the primitive can be hit, up to the rounding of the
+    /// hit itself.
+    fn bounds(&self, id: u32) -> Aabb<S>;
+    /// What kind of primitive it is.
+    fn kind(&self, id: u32) -> PrimitiveKind;
+    /// Prepares a ray.
+    fn setup(&self, ray: &Ray<S>) -> Self::RaySetup;
+    /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.
+    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
+    /// False for primitives that let shadow rays pass.
+    fn is_opaque(&self, id: u32) -> bool;
+    /// Bytes the set occupies.
+    fn bytes(&self) -> usize;
+
+    /// Bounds of all primitives.
+    fn scene_bounds(&self) -> Aabb<S> {
+        (0..self.len() as u32).fold(Aabb::empty(), |all, id| all.union(self.bounds(id)))
+    }
+}
+
+/// The set of primitives that let shadow rays pass: empty in most scenes.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct TransmissiveSet {
+    words: Vec<u64>,
+}
+
+impl TransmissiveSet {
+    pub(crate) fn insert(&mut self, id: u32) {
+        let word = id as usize / 64;
+        if self.words.len() <= word {
+            self.words.resize(word + 1, 0);
+        }
+        self.words[word] |= 1 << (id % 64);
+    }
+
+    #[inline(always)]
+    pub(crate) fn contains(&self, id: u32) -> bool {
+        self.words.get(id as usize / 64).is_some_and(|w| w >> (id % 64) & 1 == 1)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.words.len() * 8
+    }
+}

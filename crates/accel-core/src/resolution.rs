@@ -1,0 +1,237 @@
+//! How many voxels: the rules of thumb, safe for flat, tiny and stretched scenes.
+//!
+//! With N primitives, D voxels wanted per primitive, box sides s and volume V:
+//! * *regular*: every axis gets (D N)^(1/3).
+//! * *Woo* (A. Woo, "Ray tracing polygons using spatial subdivision", Graphics Interface 1992,
+//!   as Havran and Sixta 1999 print it): the longest axis gets (D N)^(1/3), the others in
+//!   proportion to their length.
+//! * *heterogeneous* (K. Klimaszewski and T. Sederberg 1997, likewise): s_i (D N / V)^(1/3), so
+//!   that voxels are cubes and there are D N of them.
+//! * *density*: heterogeneous, but an axis too thin for one cube gets one voxel and the others
+//!   share what it leaves, so that flat scenes have D N voxels as well.
+//! * *average edge*: the voxel's side is the mean of the longest sides of the primitives' boxes.
+//!
+//! Havran and Sixta's printed formulas do not give the resolutions they list, so reproducing
+//! them takes the listed numbers ([`ResolutionRule::Fixed`]).
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::aabb::Aabb;
+use crate::scalar::{Scalar, Vector};
+
+/// A rule for the number of voxels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResolutionRule {
+    /// Cubic voxels, D N of them, flat scenes too.
+    Density,
+    /// Longest axis (D N)^(1/3).
+    Woo,
+    /// s_i (D N / V)^(1/3).
+    Heterogeneous,
+    /// (D N)^(1/3) on every axis.
+    Regular,
+    /// Side = average longest side of a primitive's box.
+    AverageEdge,
+    /// Given.
+    Fixed([u32; 3]),
+}
+
+impl ResolutionRule {
+    /// Names of the rules that need no numbers.
+    pub const NAMES: &'static [&'static str] =
+        &["density", "woo", "heterogeneous", "regular", "average-edge"];
+}
+
+impl FromStr for ResolutionRule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Ok(match text {
+            "density" => Self::Density,
+            "woo" => Self::Woo,
+            "heterogeneous" => Self::Heterogeneous,
+            "regular" => Self::Regular,
+            "average-edge" => Self::AverageEdge,
+            _ => {
+                let parts: Option<Vec<u32>> =
+                    text.split('x').map(|n| n.parse().ok().filter(|&n| n > 0)).collect();
+                match parts.as_deref() {
+                    Some(&[x, y, z]) => Self::Fixed([x, y, z]),
+                    Some(&[n]) => Self::Fixed([n; 3]),
+                    _ => {
+                        return Err(format!(
+                            "expected one of {} or voxels like 64x64x16",
+                            Self::NAMES.join(", ")
+                        ));
+                    }
+                }
+            }
+        })
+    }
+}
+
+impl fmt::Display for ResolutionRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Density => f.write_str("density"),
+            Self::Woo => f.write_str("woo"),
+            Self::Heterogeneous => f.write_str("heterogeneous"),
+            Self::Regular => f.write_str("regular"),
+            Self::AverageEdge => f.write_str("average-edge"),
+            Self::Fixed([x, y, z]) => write!(f, "{x}x{y}x{z}"),
+        }
+    }
+}
+
+/// What a rule looks at.
+#[derive(Debug, Clone, Copy)]
+pub struct ResolutionInput<S: Scalar> {
+    /// Box to be divided.
+    pub bounds: Aabb<S>,
+    /// Number of primitives, N.
+    pub primitives: usize,
+    /// Voxels per primitive, D.
+    pub density: f64,
+    /// Mean of the longest box sides of the primitives; only read by *average edge*.
+    pub mean_longest_side: f64,
+    /// Upper limit for the product.
+    pub max_cells: u64,
+}
+
+/// Largest number of voxels on one axis (indices must be exact in f32).
+pub const MAX_PER_AXIS: u32 = 1 << 20;
+
+/// The number of voxels on each axis: at least 1, at most [`MAX_PER_AXIS`], the product at most
+/// `max_cells` for every rule that computes them; `Err(product)` when a fixed one asks for more.
+pub fn resolve<S: Scalar>(
+    rule: ResolutionRule,
+    input: &ResolutionInput<S>,
+) -> Result<[u32; 3], u128> {
+    let size = input.bounds.size().to_array().map(|s| s.to_f64().max(0.0));
+    let wanted = (input.density * input.primitives as f64).max(1.0);
+    let longest = size.iter().copied().fold(0.0, f64::max);
+    if !(longest > 0.0 && longest.is_finite()) {
+        return Ok([1; 3]);
+    }
+    let real = match rule {
+        ResolutionRule::Fixed(n) => {
+            let product = n.iter().map(|&n| u128::from(n)).product::<u128>();
+            return if product > u128::from(input.max_cells) || n.iter().any(|&n| n > MAX_PER_AXIS) {
+                Err(product)
+            } else {
+                Ok(n)
+            };
+        }
+        ResolutionRule::Regular => [wanted.cbrt(); 3],
+        ResolutionRule::Woo => size.map(|s| wanted.cbrt() * s / longest),
+        ResolutionRule::Heterogeneous => {
+            let side = (size.iter().product::<f64>() / wanted).cbrt();
+            size.map(|s| if side > 0.0 { s / side } else { 1.0 })
+        }
+        ResolutionRule::Density => {
+            let side = cube_side(size, wanted);
+            size.map(|s| s / side)
+        }
+        ResolutionRule::AverageEdge => {
+            let side =
+                if input.mean_longest_side > 0.0 { input.mean_longest_side } else { longest };
+            size.map(|s| s / side)
+        }
+    };
+    Ok(limited(real, input.max_cells))
+}
+
+/// The side of a cube such that `wanted` of them fill the box, when an axis thinner than a cube
+/// holds one layer.
+fn cube_side(size: [f64; 3], wanted: f64) -> f64 {
+    let mut sorted = size;
+    sorted.sort_by(f64::total_cmp);
+    let [thin, middle, long] = sorted;
+    let side3 = (thin * middle * long / wanted).cbrt();
+    if side3 > 0.0 && side3 <= thin {
+        return side3;
+    }
+    let side2 = (middle * long / wanted).sqrt();
+    if side2 > 0.0 && side2 <= middle {
+        return side2;
+    }
+    long / wanted
+}
+
+/// Truncates to whole voxels, at least one an axis, and scales down what exceeds the limits.
+fn limited(real: [f64; 3], max_cells: u64) -> [u32; 3] {
+    let whole = |r: [f64; 3]| r.map(|x| x.clamp(1.0, f64::from(MAX_PER_AXIS)) as u32);
+    let product = |n: [u32; 3]| n.iter().map(|&n| u128::from(n)).product::<u128>();
+    let mut real = real.map(|x| x.clamp(1.0, f64::from(MAX_PER_AXIS)));
+    let mut n = whole(real);
+    while product(n) > u128::from(max_cells.max(1)) {
+        // shrink the axes that still have more than one voxel
+        let free = n.iter().filter(|&&n| n > 1).count().max(1) as f64;
+        let excess = product(n) as f64 / max_cells.max(1) as f64;
+        let factor = excess.powf(-1.0 / free).min(0.999);
+        real = real.map(|x| (x * factor).max(1.0));
+        n = whole(real);
+    }
+    n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, dvec3};
+
+    fn input(size: DVec3, primitives: usize, density: f64) -> ResolutionInput<f64> {
+        ResolutionInput {
+            bounds: Aabb { min: DVec3::ZERO, max: size },
+            primitives,
+            density,
+            mean_longest_side: 0.5,
+            max_cells: 1 << 26,
+        }
+    }
+
+    #[test]
+    fn rules_on_a_plain_box() {
+        let i = input(dvec3(4.0, 2.0, 1.0), 4096, 1.0);
+        let n = |rule| resolve(rule, &i).unwrap();
+        assert_eq!(n(ResolutionRule::Regular), [16, 16, 16]);
+        assert_eq!(n(ResolutionRule::Woo), [16, 8, 4]);
+        assert_eq!(n(ResolutionRule::Density), [32, 16, 8]);
+        assert_eq!(n(ResolutionRule::AverageEdge), [8, 4, 2]);
+        assert_eq!(n(ResolutionRule::Fixed([5, 6, 7])), [5, 6, 7]);
+    }
+
+    #[test]
+    fn flat_stretched_and_point_like_scenes() {
+        // HARD_CASES Gr1, Gr2
+        let n = |size, rule| resolve(rule, &input(size, 1000, 2.0)).unwrap();
+        for rule in ["density", "woo", "heterogeneous", "regular", "average-edge"] {
+            let rule: ResolutionRule = rule.parse().unwrap();
+            for size in [
+                dvec3(10.0, 0.0, 10.0),
+                dvec3(1e9, 1.0, 1.0),
+                dvec3(0.0, 0.0, 0.0),
+                dvec3(1e-30, 1e-30, 1e-30),
+                dvec3(1e30, 1e30, 1e30),
+            ] {
+                let n = n(size, rule);
+                let product: u64 = n.iter().map(|&n| u64::from(n)).product();
+                assert!(n.iter().all(|&n| n >= 1) && product <= 1 << 26, "{rule} {size} {n:?}");
+            }
+        }
+        assert_eq!(n(dvec3(10.0, 0.0, 10.0), ResolutionRule::Density), [44, 1, 44]);
+    }
+
+    #[test]
+    fn fixed_beyond_the_limit_is_refused_and_text_round_trips() {
+        let i = input(DVec3::ONE, 10, 1.0);
+        assert_eq!(resolve(ResolutionRule::Fixed([4096; 3]), &i), Err(1 << 36));
+        for text in ["density", "woo", "heterogeneous", "regular", "average-edge", "46x46x3"] {
+            assert_eq!(text.parse::<ResolutionRule>().unwrap().to_string(), text);
+        }
+        for text in ["", "0x1x1", "1x2", "cubic", "-3"] {
+            assert!(text.parse::<ResolutionRule>().is_err(), "{text}");
+        }
+    }
+}

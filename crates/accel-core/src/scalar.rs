@@ -1,0 +1,225 @@
+//! f32 and f64 from one source: the scalar trait and the vector trait over glam's types.
+
+use std::fmt::{Debug, Display};
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// glam's three-component vector for the scalar `S`: `glam::Vec3` or `glam::DVec3`.
+pub type Vec3<S> = <S as Scalar>::Vec3;
+
+/// A floating-point type of the kernel: `f32` or `f64` (sealed).
+pub trait Scalar:
+    sealed::Sealed
+    + Copy
+    + PartialOrd
+    + Debug
+    + Display
+    + Default
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// glam's vector of this scalar.
+    type Vec3: Vector<Self>;
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// Positive infinity.
+    const INFINITY: Self;
+    /// Distance from 1 to the next larger number (2^-23 or 2^-52).
+    const EPSILON: Self;
+    /// `f32` or `f64`.
+    const NAME: &'static str;
+
+    /// Rounds to nearest.
+    fn from_f64(x: f64) -> Self;
+    /// Exact.
+    fn to_f64(self) -> f64;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Largest integer not above.
+    fn floor(self) -> Self;
+    /// Truncates towards zero, saturating; NaN gives 0.
+    fn to_i32(self) -> i32;
+    /// Exact for |i| < 2^24.
+    fn from_i32(i: i32) -> Self;
+    /// `self * a + b` with one rounding.
+    fn fused_mul_add(self, a: Self, b: Self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The next representable number above.
+    fn next_up(self) -> Self;
+    /// The next representable number below.
+    fn next_down(self) -> Self;
+
+    /// `self < other ? self : other`: one instruction, and `other` when `self` is NaN.
+    #[inline(always)]
+    fn lesser(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+
+    /// `self > other ? self : other`: one instruction, and `other` when `self` is NaN.
+    #[inline(always)]
+    fn greater(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+}
+
+/// A three-component vector of `S`; implemented by glam's `Vec3` and `DVec3`.
+pub trait Vector<S: Scalar>:
+    Copy
+    + PartialEq
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<S, Output = Self>
+    + Neg<Output = Self>
+{
+    /// From components.
+    fn new(x: S, y: S, z: S) -> Self;
+    /// All components equal.
+    fn splat(x: S) -> Self {
+        Self::new(x, x, x)
+    }
+    /// Components as an array.
+    fn to_array(self) -> [S; 3];
+    /// From an array.
+    fn from_array(a: [S; 3]) -> Self {
+        Self::new(a[0], a[1], a[2])
+    }
+    /// Dot product.
+    fn dot(self, other: Self) -> S;
+    /// Cross product.
+    fn cross(self, other: Self) -> Self;
+    /// Componentwise minimum.
+    fn min(self, other: Self) -> Self;
+    /// Componentwise maximum.
+    fn max(self, other: Self) -> Self;
+    /// Euclidean length.
+    fn length(self) -> S {
+        self.dot(self).sqrt()
+    }
+    /// From f64, each component rounded to nearest.
+    fn from_dvec3(v: glam::DVec3) -> Self;
+    /// To f64, exact.
+    fn to_dvec3(self) -> glam::DVec3;
+    /// No component is infinite or NaN.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! scalar {
+    ($s:ty, $v:ty, $name:literal) => {
+        impl Scalar for $s {
+            type Vec3 = $v;
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const INFINITY: Self = <$s>::INFINITY;
+            const EPSILON: Self = <$s>::EPSILON;
+            const NAME: &'static str = $name;
+
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                x as $s
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.abs()
+            }
+            #[inline(always)]
+            fn floor(self) -> Self {
+                self.floor()
+            }
+            #[inline(always)]
+            fn to_i32(self) -> i32 {
+                self as i32
+            }
+            #[inline(always)]
+            fn from_i32(i: i32) -> Self {
+                i as $s
+            }
+            #[inline(always)]
+            fn fused_mul_add(self, a: Self, b: Self) -> Self {
+                self.mul_add(a, b)
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                self.is_finite()
+            }
+            #[inline(always)]
+            fn next_up(self) -> Self {
+                self.next_up()
+            }
+            #[inline(always)]
+            fn next_down(self) -> Self {
+                self.next_down()
+            }
+        }
+
+        impl Vector<$s> for $v {
+            #[inline(always)]
+            fn new(x: $s, y: $s, z: $s) -> Self {
+                <$v>::new(x, y, z)
+            }
+            #[inline(always)]
+            fn to_array(self) -> [$s; 3] {
+                <$v>::to_array(&self)
+            }
+            #[inline(always)]
+            fn dot(self, other: Self) -> $s {
+                self.dot(other)
+            }
+            #[inline(always)]
+            fn cross(self, other: Self) -> Self {
+                self.cross(other)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self::new(self.x.lesser(other.x), self.y.lesser(other.y), self.z.lesser(other.z))
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self::new(self.x.greater(other.x), self.y.greater(other.y), self.z.greater(other.z))
+            }
+            #[inline(always)]
+            fn from_dvec3(v: glam::DVec3) -> Self {
+                <$v>::new(v.x as $s, v.y as $s, v.z as $s)
+            }
+            #[inline(always)]
+            fn to_dvec3(self) -> glam::DVec3 {
+                glam::DVec3::new(f64::from(self.x), f64::from(self.y), f64::from(self.z))
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                <$v>::is_finite(self)
+            }
+        }
+    };
+}
+
+scalar!(f32, glam::Vec3, "f32");
+scalar!(f64, glam::DVec3, "f64");

@@ -1,0 +1,189 @@
+//! Queries as sinks: a traversal pushes candidates, the sink tests them and says when to stop.
+//!
+//! One traversal thus serves closest hit, occlusion and the historical shadow ray, with and
+//! without counters.
+
+use std::ops::ControlFlow;
+
+use crate::counters::Counters;
+use crate::primitives::PrimSet;
+use crate::ray::{Hit, MISS, Ray};
+use crate::scalar::Scalar;
+
+/// What a traversal sees of a query.
+pub trait Sink<S: Scalar> {
+    /// True when the sink counts: lets an adapter skip work that is only done for counting.
+    const COUNTING: bool;
+    /// No hit beyond this parameter matters any more. A traversal stops once everything it has
+    /// not visited lies strictly beyond it.
+    fn t_max(&self) -> S;
+    /// Tests the candidates; `Break` ends the query.
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()>;
+    /// Reports a step into a cell or leaf.
+    fn elementary_step(&mut self, empty: bool);
+    /// Reports a step within a hierarchy.
+    fn inner_step(&mut self);
+}
+
+macro_rules! count_steps {
+    () => {
+        const COUNTING: bool = C::ENABLED;
+        #[inline(always)]
+        fn elementary_step(&mut self, empty: bool) {
+            self.counters.elementary_step(empty);
+        }
+        #[inline(always)]
+        fn inner_step(&mut self) {
+            self.counters.inner_step();
+        }
+    };
+}
+
+/// The closest hit in `[t_min, t_max]`; of equal hits the lowest id wins.
+pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+    prims: &'a P,
+    ray: &'a Ray<S>,
+    setup: P::RaySetup,
+    best: Hit<S>,
+    counters: C,
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
+    /// Starts a query.
+    #[inline(always)]
+    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        let best = Hit { t: ray.t_max, id: MISS };
+        Self { prims, ray, setup: prims.setup(ray), best, counters: C::default() }
+    }
+
+    /// The answer and what it took.
+    #[inline(always)]
+    pub fn finish(self) -> (Hit<S>, C) {
+        (self.best, self.counters)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> {
+    count_steps!();
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.best.t
+    }
+
+    #[inline(always)]
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        self.counters.intersection_tests(ids.len());
+        for &id in ids {
+            if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
+                && (t < self.best.t || id < self.best.id)
+            {
+                self.best = Hit { t, id };
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Is the ray blocked by an opaque primitive? Transmissive ones let it pass.
+pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+    prims: &'a P,
+    ray: &'a Ray<S>,
+    setup: P::RaySetup,
+    blocked: bool,
+    counters: C,
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
+    /// Starts a query.
+    #[inline(always)]
+    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        Self { prims, ray, setup: prims.setup(ray), blocked: false, counters: C::default() }
+    }
+
+    /// The answer and what it took.
+    #[inline(always)]
+    pub fn finish(self) -> (bool, C) {
+        (self.blocked, self.counters)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for AnyHit<'_, S, P, C> {
+    count_steps!();
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.ray.t_max
+    }
+
+    #[inline(always)]
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        for &id in ids {
+            self.counters.intersection_tests(1);
+            let hit = self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max);
+            if hit.is_some() && self.prims.is_opaque(id) {
+                self.blocked = true;
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The shadow ray of Havran and Sixta (1999): stops at the first opaque hit in list order, even
+/// beyond the current cell; a transmissive primitive that was hit is remembered and not tested
+/// again. Only used for counting.
+pub struct HistoricalShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+    prims: &'a P,
+    ray: &'a Ray<S>,
+    setup: P::RaySetup,
+    blocked: bool,
+    glass: Vec<u32>,
+    counters: C,
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalShadow<'a, S, P, C> {
+    /// Starts a query.
+    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        Self {
+            prims,
+            ray,
+            setup: prims.setup(ray),
+            blocked: false,
+            glass: Vec::new(),
+            counters: C::default(),
+        }
+    }
+
+    /// Blocked or not, the number of distinct transmissive primitives hit on the way, and what
+    /// it took.
+    pub fn finish(self) -> (bool, usize, C) {
+        (self.blocked, self.glass.len(), self.counters)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, P, C> {
+    count_steps!();
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.ray.t_max
+    }
+
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        for &id in ids {
+            if self.glass.contains(&id) {
+                continue;
+            }
+            self.counters.intersection_tests(1);
+            if self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max).is_some() {
+                if self.prims.is_opaque(id) {
+                    self.blocked = true;
+                    return ControlFlow::Break(());
+                }
+                self.glass.push(id);
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}

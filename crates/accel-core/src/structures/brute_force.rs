@@ -1,0 +1,46 @@
+//! Every primitive for every ray: the oracle, and the baseline of all baselines.
+
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::params::Params;
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+use crate::sink::Sink;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "brute-force",
+    summary: "tests every primitive for every ray; the oracle in f64",
+    paper: "none",
+    deviations: "none",
+    params: &[],
+    variants: &[""],
+    known_defect: no_defect,
+    sampled: true,
+};
+
+/// One list of all ids.
+pub struct BruteForce<S> {
+    ids: Vec<u32>,
+    scalar: std::marker::PhantomData<S>,
+}
+
+impl<S: Scalar> Structure<S> for BruteForce<S> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        sink.elementary_step(self.ids.is_empty());
+        let _ = sink.test(&self.ids);
+    }
+
+    fn shape(&self) -> Shape {
+        Shape {
+            cells: 1,
+            references: self.ids.len() as u64,
+            bytes: self.ids.len() as u64 * 4,
+            ..Shape::default()
+        }
+    }
+}

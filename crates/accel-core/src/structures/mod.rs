@@ -1,0 +1,249 @@
+//! Acceleration structures. One file a structure, one line each in [`REGISTRY`].
+//!
+//! A structure holds ids and knows nothing of primitives but their bounds. Help, `rtbench list`,
+//! the settings parser and the test matrix are all made from the registry.
+
+pub mod brute_force;
+mod obvhs_adapter;
+pub mod obvhs_bvh2;
+pub mod obvhs_cwbvh;
+pub mod uniform_grid;
+
+use crate::params::{ParamError, ParamSpec, Params};
+use crate::primitives::{MixedSet, MoellerTrumbore, PrimSet, TriangleSet, Watertight};
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+use crate::sink::Sink;
+use crate::tracer::{Bound, Tracer};
+
+/// Every structure of the workspace: one line each.
+pub static REGISTRY: &[Entry] = &[
+    entry!(brute_force::BruteForce, brute_force::INFO),
+    entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
+    entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+];
+
+/// An acceleration structure over primitive ids.
+pub trait Structure<S: Scalar>: Sized + Send + Sync {
+    /// Builds the structure over all primitives of the set.
+    ///
+    /// # Errors
+    /// [`BuildError`] when the set or the settings cannot be served; never a panic.
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError>;
+
+    /// Pushes every primitive that the ray may hit within the sink's interval, in any order, and
+    /// may stop as soon as the rest lies beyond `sink.t_max()`. The ray is traceable
+    /// ([`Ray::is_traceable`]).
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
+
+    /// What was built; a walk over the structure, not part of the build.
+    fn shape(&self) -> Shape;
+}
+
+/// What a structure consists of, in the symbols of Havran and Sixta (1999).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Shape {
+    /// N_IN: hierarchical cells (inner nodes).
+    pub inner_cells: u64,
+    /// N_V: elementary cells (voxels, leaves).
+    pub cells: u64,
+    /// N_EV: elementary cells without primitives.
+    pub empty_cells: u64,
+    /// N_OIV: primitive references in elementary cells.
+    pub references: u64,
+    /// Voxels an axis, for structures that have one resolution.
+    pub resolution: Option<[u32; 3]>,
+    /// Bytes of the structure itself, without the primitives.
+    pub bytes: u64,
+}
+
+/// Why a structure could not be built.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// There is nothing to build over.
+    #[error("{structure}: the scene has no primitives")]
+    NoPrimitives {
+        /// Structure.
+        structure: &'static str,
+    },
+    /// A primitive reaches to infinity or has NaN coordinates.
+    #[error("{structure}: primitive {id} has bounds that are not finite")]
+    NonFiniteBounds {
+        /// Structure.
+        structure: &'static str,
+        /// First such primitive.
+        id: u32,
+    },
+    /// A limit on memory would be exceeded.
+    #[error("{structure}: {what} would be {needed}, more than the limit of {limit}")]
+    TooLarge {
+        /// Structure.
+        structure: &'static str,
+        /// What is too large.
+        what: &'static str,
+        /// How much was needed.
+        needed: u128,
+        /// The limit.
+        limit: u128,
+    },
+    /// A setting is wrong.
+    #[error(transparent)]
+    Param(#[from] ParamError),
+}
+
+/// What a registry line says of a structure.
+#[derive(Debug)]
+pub struct StructureInfo {
+    /// Name as typed: `uniform-grid`.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Where it comes from.
+    pub paper: &'static str,
+    /// What we do differently.
+    pub deviations: &'static str,
+    /// Its parameters.
+    pub params: &'static [ParamSpec],
+    /// The settings that a run over "all structures" measures, each as `name=value ...`.
+    pub variants: &'static [&'static str],
+    /// A defect that these settings keep on purpose (a library as shipped): its wrong hits are
+    /// shown but are not a failure of this harness.
+    pub known_defect: fn(&Params) -> Option<&'static str>,
+    /// Only measured on a sample of the rays: it is too slow for all.
+    pub sampled: bool,
+}
+
+/// A set of primitives, whichever.
+pub enum PrimsRef<'a, S: Scalar> {
+    /// Triangles with the watertight test.
+    Watertight(&'a TriangleSet<S, Watertight>),
+    /// Triangles with the Moeller-Trumbore test.
+    MoellerTrumbore(&'a TriangleSet<S, MoellerTrumbore>),
+    /// Primitives of any kind.
+    Mixed(&'a MixedSet<S>),
+}
+
+impl<S: Scalar> Clone for PrimsRef<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: Scalar> Copy for PrimsRef<'_, S> {}
+
+type Builder<S> =
+    for<'a> fn(PrimsRef<'a, S>, &Params) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>;
+
+/// One line of the registry.
+pub struct Entry {
+    /// What it says of itself.
+    pub info: &'static StructureInfo,
+    build_f32: Builder<f32>,
+    build_f64: Builder<f64>,
+}
+
+impl Entry {
+    /// Validates settings.
+    ///
+    /// # Errors
+    /// [`ParamError`] naming what is valid.
+    pub fn params<'s>(
+        &self,
+        settings: impl IntoIterator<Item = (&'s str, &'s str)>,
+    ) -> Result<Params, ParamError> {
+        Params::new(self.info.name, self.info.params, settings)
+    }
+
+    /// Builds the structure over the set, ready to trace.
+    ///
+    /// # Errors
+    /// [`BuildError`].
+    pub fn build<'a, S: Buildable>(
+        &self,
+        prims: PrimsRef<'a, S>,
+        params: &Params,
+    ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+        S::builder(self)(prims, params)
+    }
+}
+
+/// The scalars that registry entries have builders for.
+pub trait Buildable: Scalar {
+    /// The entry's builder for this scalar.
+    fn builder(entry: &Entry) -> Builder<Self>;
+}
+
+impl Buildable for f32 {
+    fn builder(entry: &Entry) -> Builder<f32> {
+        entry.build_f32
+    }
+}
+
+impl Buildable for f64 {
+    fn builder(entry: &Entry) -> Builder<f64> {
+        entry.build_f64
+    }
+}
+
+/// The entry of that name.
+pub fn find(name: &str) -> Option<&'static Entry> {
+    REGISTRY.iter().find(|e| e.info.name == name)
+}
+
+/// Builds `T` over whichever set it is and boxes it as a tracer.
+pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
+    prims: PrimsRef<'a, S>,
+    params: &Params,
+) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+    fn over<'a, S: Scalar, P: PrimSet<S>, T: Structure<S> + 'a>(
+        prims: &'a P,
+        params: &Params,
+    ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+        if prims.is_empty() {
+            return Err(BuildError::NoPrimitives { structure: params.structure() });
+        }
+        Ok(Box::new(Bound::new(prims, T::build(prims, params)?)))
+    }
+    match prims {
+        PrimsRef::Watertight(p) => over::<S, _, T>(p, params),
+        PrimsRef::MoellerTrumbore(p) => over::<S, _, T>(p, params),
+        PrimsRef::Mixed(p) => over::<S, _, T>(p, params),
+    }
+}
+
+/// A registry entry for a generic structure and its description.
+#[macro_export]
+macro_rules! entry {
+    ($structure:path, $info:path) => {
+        $crate::structures::Entry::new(
+            &$info,
+            |p, s| {
+                use $structure as It;
+                $crate::structures::build_tracer::<f32, It<f32>>(p, s)
+            },
+            |p, s| {
+                use $structure as It;
+                $crate::structures::build_tracer::<f64, It<f64>>(p, s)
+            },
+        )
+    };
+}
+use entry;
+
+impl Entry {
+    /// Used by [`entry!`].
+    pub const fn new(
+        info: &'static StructureInfo,
+        build_f32: Builder<f32>,
+        build_f64: Builder<f64>,
+    ) -> Self {
+        Self { info, build_f32, build_f64 }
+    }
+}
+
+/// For [`StructureInfo::known_defect`]: none.
+pub fn no_defect(_: &Params) -> Option<&'static str> {
+    None
+}
