@@ -1,2 +1,7 @@
-//! rtbench command line.
-fn main() {}
+//! The `rtbench` command: everything is in the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    rtbench::main()
+}
