@@ -1,6 +1,7 @@
 //! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF and JSON scene files, and
 //! the Standard Procedural Databases generated in code.
 
+pub mod procedural;
 pub mod scene;
 
 pub use scene::{
