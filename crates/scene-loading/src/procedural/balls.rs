@@ -3,7 +3,7 @@
 //!
 //! Figures and order: `balls.c` of SPD 3.14.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
@@ -78,8 +78,11 @@ fn rotation_from_z(direction: DVec3) -> DMat3 {
 /// a cube corner turned upright, three times around.
 fn petals() -> [DVec3; 9] {
     let upright = rotation(DVec3::new(1.0, -1.0, 0.0), (2.0 / 6.0_f64.sqrt()).asin());
+    // Not FRAC_1_SQRT_2, which is one ulp more: that shows where coordinates cancel to about 1e-16,
+    // a remainder that the files print.
+    let half_diagonal = 1.0 / 2.0_f64.sqrt();
     let trio = [[1.0, 1.0, 0.0], [1.0, 0.0, -1.0], [0.0, 1.0, -1.0]]
-        .map(|d| upright * (DVec3::from_array(d) * FRAC_1_SQRT_2));
+        .map(|d| upright * (DVec3::from_array(d) * half_diagonal));
     std::array::from_fn(|i| {
         let third = (i / 3) as f64;
         DMat3::from_rotation_z(third * 2.0 * PI / 3.0) * trio[i % 3]

@@ -82,7 +82,7 @@ pub(super) fn generate(size: u32) -> Scene {
 /// Every fifth gear or so is of coloured glass, the others are matte.
 fn surface(x: u32, y: u32, z: u32) -> Material {
     let matte = matte(color(x, y, z));
-    if (x * 4 + y * 2 + z) % 5 == 0 {
+    if (x * 4 + y * 2 + z).is_multiple_of(5) {
         Material { diffuse: 0.2, transmittance: 0.8, refraction_index: 1.1, ..matte }
     } else {
         matte

@@ -22,10 +22,10 @@ pub fn write_nff(scene: &Scene, out: &mut impl io::Write) -> io::Result<()> {
     write_head(scene, &mut out)?;
     let mut current = None;
     for primitive in &scene.primitives {
-        if current.replace(primitive.material) != Some(primitive.material) {
-            if let Some(material) = scene.materials.get(primitive.material as usize) {
-                write_material(material, &mut out)?;
-            }
+        if current.replace(primitive.material) != Some(primitive.material)
+            && let Some(material) = scene.materials.get(primitive.material as usize)
+        {
+            write_material(material, &mut out)?;
         }
         write_primitive(scene, primitive, &mut out)?;
     }

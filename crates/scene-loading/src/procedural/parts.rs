@@ -70,16 +70,6 @@ pub(super) fn ground(half: f64, z: f64) -> [DVec3; 4] {
 }
 
 /// Rotation by `angle` (radians) about `axis` (any length but 0).
-///
-/// Differs from [`DMat3::from_axis_angle`] in how the diagonal is rounded, which shows where
-/// coordinates cancel to about 1e-16 and the files print that remainder.
 pub(super) fn rotation(axis: DVec3, angle: f64) -> DMat3 {
-    let axis = axis / axis.length();
-    let square = axis * axis;
-    let diagonal = square + (DVec3::ONE - square) * angle.cos();
-    let mut rotation = DMat3::from_axis_angle(axis, angle);
-    rotation.x_axis.x = diagonal.x;
-    rotation.y_axis.y = diagonal.y;
-    rotation.z_axis.z = diagonal.z;
-    rotation
+    DMat3::from_axis_angle(axis / axis.length(), angle)
 }
