@@ -33,7 +33,8 @@ pub struct BoundsOf<'a, S: Scalar, P: PrimSet<S>> {
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
-    /// Looks at all primitives once. `Err(id)` names the first one whose bounds are not finite.
+    /// Looks at all primitives once. `Err(id)` names the farthest one when
+    /// the scene's box is too large for the scalar.
     pub fn new(prims: &'a P, rule: BoundsRule) -> Result<Self, u32> {
         let mut this = Self { prims, rule, scene: Aabb::empty(), padding: S::ZERO };
         let scene = match rule {
@@ -42,12 +43,12 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
                 (0..prims.len() as u32).fold(Aabb::empty(), |all, id| all.union(this.of(id)))
             }
         };
-        // min/max drop NaN, so a NaN box must be looked for; an infinite one shows in the union
-        let nan_or_infinite = |id: &u32| {
-            !prims.bounds(*id).is_finite() || prims.bounds(*id).magnitude() > S::from_f64(1e30)
-        };
-        if !scene.is_finite() {
-            return Err((0..prims.len() as u32).find(nan_or_infinite).unwrap_or(0));
+        // sets hold finite coordinates only, but the sum of two can still overflow
+        if !(scene.is_finite() && scene.size().is_finite()) {
+            let far = |id: &u32| {
+                prims.bounds(*id).magnitude() >= scene.magnitude() || !prims.bounds(*id).is_finite()
+            };
+            return Err((0..prims.len() as u32).find(far).unwrap_or(0));
         }
         match rule {
             BoundsRule::Padded => {

@@ -1,1 +1,14 @@
-//! A classical ray tracer.
+//! A classical ray tracer for `rtbench`: it produces the rays of a scene once, by kind, so that
+//! every structure can be asked the same questions, and it renders the same image.
+
+pub mod camera;
+pub mod film;
+pub mod geometry;
+pub mod rays;
+pub mod surface;
+pub mod tracers;
+
+pub use film::{Image, ImageError};
+pub use geometry::{Geometry, GeometryError};
+pub use rays::{RayBatches, RayKind, RaySettings, generate_rays};
+pub use tracers::whitted::render;

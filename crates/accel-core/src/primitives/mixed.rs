@@ -1,10 +1,10 @@
 //! Triangles, polygons, spheres and cones under one id space, in file order.
 
-use super::polygon::{Polygon, PolygonError};
+use super::polygon::Polygon;
 use super::triangle::{Shear, TriangleTest, Watertight};
-use super::{Cone, PrimSet, Sphere, TransmissiveSet};
+use super::{Cone, PrimSet, PrimitiveError, Sphere, TransmissiveSet};
 use crate::aabb::Aabb;
-use crate::ray::Ray;
+use crate::ray::{MISS, Ray};
 use crate::scalar::{Scalar, Vec3, Vector};
 
 /// What kind of primitive an id stands for.
@@ -80,43 +80,74 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
 }
 
 impl<S: Scalar> MixedSetBuilder<S> {
-    fn push(&mut self, kind: PrimitiveKind, index: usize) {
-        self.set.order.push(Tagged::new(kind, index));
-    }
-
-    /// Adds a triangle.
-    pub fn triangle(&mut self, v: [glam::DVec3; 3]) {
-        self.set.triangles.push(v.map(|p| Vec3::<S>::from_dvec3(p).to_array()));
-        self.push(PrimitiveKind::Triangle, self.set.triangles.len() - 1);
-    }
-
-    /// Adds a polygon; one with three vertices is stored and tested as a
-    /// triangle (the box rules of both are the same).
-    ///
-    /// # Errors
-    /// [`PolygonError`] for fewer than three vertices.
-    pub fn polygon(&mut self, vertices: &[glam::DVec3]) -> Result<(), PolygonError> {
-        if let &[a, b, c] = vertices {
-            self.triangle([a, b, c]);
-            return Ok(());
+    /// Gives the primitive its id, unless its coordinates do not fit.
+    fn push(
+        &mut self,
+        kind: PrimitiveKind,
+        count: usize,
+        is_finite: bool,
+    ) -> Result<(), PrimitiveError> {
+        let id = self.set.order.len() as u32;
+        if count > 1 << INDEX_BITS || id == MISS {
+            return Err(PrimitiveError::TooMany { limit: 1 << INDEX_BITS });
         }
-        let polygon = Polygon::new(vertices, &mut self.set.polygon_vertices)?;
-        self.set.polygons.push(polygon);
-        self.push(PrimitiveKind::Polygon, self.set.polygons.len() - 1);
+        if !is_finite {
+            return Err(PrimitiveError::NotFinite { id });
+        }
+        self.set.order.push(Tagged::new(kind, count - 1));
         Ok(())
     }
 
+    /// Adds a triangle.
+    ///
+    /// # Errors
+    /// [`PrimitiveError`], as every method here; the builder is of no further use then.
+    pub fn triangle(&mut self, v: [glam::DVec3; 3]) -> Result<(), PrimitiveError> {
+        let v = v.map(|p| Vec3::<S>::from_dvec3(p).to_array());
+        self.set.triangles.push(v);
+        let finite = v.as_flattened().iter().all(|x| x.is_finite());
+        self.push(PrimitiveKind::Triangle, self.set.triangles.len(), finite)
+    }
+
+    /// Adds a polygon; one with three vertices is stored and tested as a triangle (the box rules
+    /// of both are the same).
+    ///
+    /// # Errors
+    /// [`PrimitiveError`].
+    pub fn polygon(&mut self, vertices: &[glam::DVec3]) -> Result<(), PrimitiveError> {
+        if let &[a, b, c] = vertices {
+            return self.triangle([a, b, c]);
+        }
+        let id = self.set.order.len() as u32;
+        let first = self.set.polygon_vertices.len();
+        let polygon = Polygon::new(vertices, &mut self.set.polygon_vertices)
+            .map_err(|e| PrimitiveError::TooFewVertices { id, vertices: e.0 })?;
+        self.set.polygons.push(polygon);
+        let added = &self.set.polygon_vertices[first..];
+        let finite = added.as_flattened().iter().all(|x| x.is_finite());
+        self.push(PrimitiveKind::Polygon, self.set.polygons.len(), finite)
+    }
+
     /// Adds a sphere.
-    pub fn sphere(&mut self, center: glam::DVec3, radius: f64) {
+    ///
+    /// # Errors
+    /// [`PrimitiveError`].
+    pub fn sphere(&mut self, center: glam::DVec3, radius: f64) -> Result<(), PrimitiveError> {
         let center = Vec3::<S>::from_dvec3(center);
-        self.set.spheres.push(Sphere { center, radius: S::from_f64(radius) });
-        self.push(PrimitiveKind::Sphere, self.set.spheres.len() - 1);
+        let sphere = Sphere { center, radius: S::from_f64(radius) };
+        self.set.spheres.push(sphere);
+        let finite = sphere.bounds().is_finite();
+        self.push(PrimitiveKind::Sphere, self.set.spheres.len(), finite)
     }
 
     /// Adds a truncated cone; see [`Cone::new`].
-    pub fn cone(&mut self, cone: Cone<S>) {
+    ///
+    /// # Errors
+    /// [`PrimitiveError`].
+    pub fn cone(&mut self, cone: Cone<S>) -> Result<(), PrimitiveError> {
         self.set.cones.push(cone);
-        self.push(PrimitiveKind::Cone, self.set.cones.len() - 1);
+        let finite = cone.bounds().is_finite();
+        self.push(PrimitiveKind::Cone, self.set.cones.len(), finite)
     }
 
     /// Marks the last primitive as one that lets shadow rays pass.

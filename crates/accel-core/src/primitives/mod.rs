@@ -11,13 +11,38 @@ mod triangle;
 
 pub use cone::Cone;
 pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
-pub use polygon::{Polygon, PolygonError};
+pub use polygon::Polygon;
 pub use sphere::Sphere;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::Scalar;
+
+/// Why a primitive cannot be part of a set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum PrimitiveError {
+    /// A NaN or infinite coordinate, or one too large for the scalar of the set.
+    #[error("primitive {id} has a coordinate that is not finite (or too large for this precision)")]
+    NotFinite {
+        /// Its id.
+        id: u32,
+    },
+    /// A polygon with fewer than three vertices.
+    #[error("polygon {id} has {vertices} vertices; at least 3 are needed")]
+    TooFewVertices {
+        /// Its id.
+        id: u32,
+        /// How many it has.
+        vertices: usize,
+    },
+    /// More primitives than ids.
+    #[error("more than {limit} primitives of a kind")]
+    TooMany {
+        /// The limit.
+        limit: u32,
+    },
+}
 
 /// A set of primitives with ids `0..len()`.
 pub trait PrimSet<S: Scalar>: Send + Sync {

@@ -9,7 +9,7 @@
 
 use std::marker::PhantomData;
 
-use super::{PrimSet, PrimitiveKind, TransmissiveSet};
+use super::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
@@ -180,12 +180,23 @@ pub struct TriangleSet<S: Scalar, T: TriangleTest<S> = Watertight> {
 impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
     /// From vertex triples; ids follow the order given. `is_transmissive(id)` marks the triangles
     /// that let shadow rays pass.
-    pub fn new(triangles: Vec<[[S; 3]; 3]>, is_transmissive: impl Fn(u32) -> bool) -> Self {
+    ///
+    /// # Errors
+    /// [`PrimitiveError::NotFinite`] for the first triangle with a NaN or infinite coordinate.
+    pub fn new(
+        triangles: Vec<[[S; 3]; 3]>,
+        is_transmissive: impl Fn(u32) -> bool,
+    ) -> Result<Self, PrimitiveError> {
+        if let Some(id) =
+            triangles.iter().position(|t| !t.as_flattened().iter().all(|x| x.is_finite()))
+        {
+            return Err(PrimitiveError::NotFinite { id: id as u32 });
+        }
         let mut transmissive = TransmissiveSet::default();
         (0..triangles.len() as u32)
             .filter(|&id| is_transmissive(id))
             .for_each(|id| transmissive.insert(id));
-        Self { triangles, transmissive, test: PhantomData }
+        Ok(Self { triangles, transmissive, test: PhantomData })
     }
 
     /// The vertices, by id.
@@ -245,7 +256,7 @@ mod tests {
 
     fn lattice<S: Scalar>(n: i32) -> Vec<[[S; 3]; 3]> {
         let p = |x: i32, y: i32| {
-            let z = f64::from((x * 7 + y * 13) % 5) * 0.01;
+            let z = f64::from((x * 7 + y * 13) % 5) * 0.002;
             [S::from_f64(f64::from(x) * 0.1), S::from_f64(f64::from(y) * 0.1), S::from_f64(z)]
         };
         let mut out = Vec::new();

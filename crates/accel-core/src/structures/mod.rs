@@ -68,12 +68,12 @@ pub enum BuildError {
         /// Structure.
         structure: &'static str,
     },
-    /// A primitive reaches to infinity or has NaN coordinates.
-    #[error("{structure}: primitive {id} has bounds that are not finite")]
+    /// The scene's box is too large for the scalar.
+    #[error("{structure}: the scene is too large for this precision (see primitive {id})")]
     NonFiniteBounds {
         /// Structure.
         structure: &'static str,
-        /// First such primitive.
+        /// The first of the farthest primitives.
         id: u32,
     },
     /// A limit on memory would be exceeded.

@@ -226,14 +226,14 @@ fn to_f32<S: Scalar>(v: crate::Vec3<S>) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::{MixedSetBuilder, TriangleSet, Watertight};
+    use crate::primitives::{MixedSetBuilder, PrimitiveError, TriangleSet, Watertight};
 
     #[test]
     fn coincident_centres_are_grouped_and_nothing_is_lost() {
         let mut builder = MixedSetBuilder::<f32>::default();
         for i in 0..1000u32 {
             let centre = if i % 2 == 0 { glam::DVec3::ZERO } else { glam::DVec3::X * f64::from(i) };
-            builder.sphere(centre, 0.1 + f64::from(i) * 1e-4);
+            builder.sphere(centre, 0.1 + f64::from(i) * 1e-4).unwrap();
         }
         let set = builder.finish();
         let entry = crate::structures::find("obvhs-bvh2").unwrap();
@@ -246,23 +246,26 @@ mod tests {
     }
 
     #[test]
-    fn non_finite_boxes_are_refused() {
+    fn what_is_not_finite_never_reaches_a_structure() {
         let good = [[0.0f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            let set = TriangleSet::<f32, Watertight>::new(
-                vec![good, good, [[bad, bad, bad], [bad, bad, bad], [bad, bad, bad]], good],
-                |_| false,
+            let mut triangles = vec![good; 4];
+            triangles[2][1][0] = bad;
+            let set = TriangleSet::<f32, Watertight>::new(triangles, |_| false);
+            assert_eq!(set.unwrap_err(), PrimitiveError::NotFinite { id: 2 });
+        }
+        // finite, but the scene's size is not
+        let far = |x: f32| [[x; 3], [x * 0.9, x, x], [x, x * 0.9, x]];
+        let set = vec![good, far(3e38), far(-3e38)];
+        let set = TriangleSet::<f32, Watertight>::new(set, |_| false).unwrap();
+        for entry in crate::structures::REGISTRY.iter().filter(|e| e.info.name != "brute-force") {
+            let params = entry.params([]).unwrap();
+            let result = entry.build(crate::structures::PrimsRef::Watertight(&set), &params);
+            assert!(
+                matches!(result, Err(BuildError::NonFiniteBounds { id: 1, .. })),
+                "{} accepts it",
+                entry.info.name
             );
-            for entry in crate::structures::REGISTRY.iter().filter(|e| e.info.name != "brute-force")
-            {
-                let params = entry.params([]).unwrap();
-                let result = entry.build(crate::structures::PrimsRef::Watertight(&set), &params);
-                assert!(
-                    matches!(result, Err(BuildError::NonFiniteBounds { id: 2, .. })),
-                    "{} accepts {bad}",
-                    entry.info.name
-                );
-            }
         }
     }
 }

@@ -1,0 +1,136 @@
+//! From the f64 scene to the primitive sets that structures are built over, converted once.
+
+use accel_core::primitives::{
+    Cone, MixedSet, MixedSetBuilder, MoellerTrumbore, PrimSet, PrimitiveError, TriangleSet,
+    Watertight,
+};
+use accel_core::structures::{Buildable, PrimsRef};
+use accel_core::{Vec3, Vector};
+use scene_loading::{Scene, Shape};
+
+/// Why a scene's geometry cannot be used.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("scene {scene}: {source}")]
+pub struct GeometryError {
+    /// Scene name.
+    pub scene: String,
+    /// What is wrong.
+    pub source: PrimitiveError,
+}
+
+/// A scene's primitives in the precision `S`; ids are the positions in [`Scene::primitives`].
+pub enum Geometry<S: Buildable> {
+    /// Triangles alone, with the watertight test.
+    Triangles(TriangleSet<S, Watertight>),
+    /// Triangles alone, with the Moeller-Trumbore test.
+    MoellerTrumbore(TriangleSet<S, MoellerTrumbore>),
+    /// Primitives of several kinds.
+    Mixed(MixedSet<S>),
+}
+
+impl<S: Buildable> Geometry<S> {
+    /// A triangle set where every primitive is a triangle, patch or three-sided polygon, else a
+    /// mixed set.
+    ///
+    /// # Errors
+    /// [`GeometryError`] for coordinates that are not finite in `S` and polygons with too few
+    /// vertices.
+    pub fn of(scene: &Scene) -> Result<Self, GeometryError> {
+        let error = |source| GeometryError { scene: scene.name.clone(), source };
+        if scene.primitives.iter().all(|p| is_triangle(p.shape)) {
+            let triangles = scene.primitives.iter().map(|p| triangle(scene, p.shape)).collect();
+            TriangleSet::new(triangles, |id| is_transmissive(scene, id))
+                .map(Self::Triangles)
+                .map_err(error)
+        } else {
+            mixed(scene).map(Self::Mixed).map_err(error)
+        }
+    }
+
+    /// The same with another triangle test; mixed sets keep theirs.
+    pub fn with_moeller_trumbore(self) -> Self {
+        match self {
+            Self::Triangles(set) => Self::MoellerTrumbore(set.with_test()),
+            other => other,
+        }
+    }
+
+    /// For building structures.
+    pub fn prims(&self) -> PrimsRef<'_, S> {
+        match self {
+            Self::Triangles(set) => PrimsRef::Watertight(set),
+            Self::MoellerTrumbore(set) => PrimsRef::MoellerTrumbore(set),
+            Self::Mixed(set) => PrimsRef::Mixed(set),
+        }
+    }
+
+    /// Number of primitives.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Triangles(set) => set.len(),
+            Self::MoellerTrumbore(set) => set.len(),
+            Self::Mixed(set) => set.len(),
+        }
+    }
+
+    /// True when there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes of the primitives.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Triangles(set) => set.bytes(),
+            Self::MoellerTrumbore(set) => set.bytes(),
+            Self::Mixed(set) => set.bytes(),
+        }
+    }
+}
+
+fn is_triangle(shape: Shape) -> bool {
+    matches!(shape, Shape::Triangle { .. } | Shape::Patch { .. } | Shape::Polygon { count: 3, .. })
+}
+
+fn is_transmissive(scene: &Scene, id: u32) -> bool {
+    scene
+        .primitives
+        .get(id as usize)
+        .and_then(|p| scene.materials.get(p.material as usize))
+        .is_some_and(|m| m.transmittance > 0.0)
+}
+
+fn triangle<S: Buildable>(scene: &Scene, shape: Shape) -> [[S; 3]; 3] {
+    let v = match shape {
+        Shape::Triangle { v } | Shape::Patch { v, .. } => v,
+        Shape::Polygon { first, .. } => [first, first + 1, first + 2],
+        Shape::Sphere(_) | Shape::Cone(_) => [0; 3],
+    };
+    v.map(|i| Vec3::<S>::from_dvec3(scene.vertices[i as usize]).to_array())
+}
+
+fn mixed<S: Buildable>(scene: &Scene) -> Result<MixedSet<S>, PrimitiveError> {
+    let mut set = MixedSetBuilder::<S>::default();
+    for (id, primitive) in scene.primitives.iter().enumerate() {
+        match primitive.shape {
+            Shape::Sphere(i) => {
+                let s = scene.spheres[i as usize];
+                set.sphere(s.center, s.radius)?;
+            }
+            Shape::Cone(i) => {
+                let c = scene.cones[i as usize];
+                set.cone(Cone::new(c.base, c.base_radius, c.apex, c.apex_radius))?;
+            }
+            Shape::Triangle { v } | Shape::Patch { v, .. } => {
+                set.triangle(v.map(|i| scene.vertices[i as usize]))?;
+            }
+            Shape::Polygon { first, count } => {
+                set.polygon(&scene.vertices[first as usize..][..count as usize])?;
+            }
+        }
+        if is_transmissive(scene, id as u32) {
+            set.last_is_transmissive();
+        }
+    }
+    Ok(set.finish())
+}

@@ -1,0 +1,136 @@
+//! The rays of a scene by kind, produced once and replayed to every structure.
+
+use accel_core::Ray;
+use accel_core::structures::Buildable;
+use accel_core::tracer::Tracer;
+use rayon::prelude::*;
+use scene_loading::Scene;
+
+use crate::geometry::Geometry;
+use crate::tracers::whitted::{Row, Whitted};
+
+/// What a ray is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum RayKind {
+    /// From the eye.
+    Primary,
+    /// From a hit point to a light: a question of occlusion.
+    Shadow,
+    /// Mirrored.
+    Reflected,
+    /// Into or out of a transmissive body.
+    Refracted,
+    /// One cosine-distributed bounce for each primary hit: incoherent rays, in every scene.
+    Diffuse,
+}
+
+impl RayKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] =
+        [Self::Primary, Self::Shadow, Self::Reflected, Self::Refracted, Self::Diffuse];
+
+    /// Name as typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Shadow => "shadow",
+            Self::Reflected => "reflected",
+            Self::Refracted => "refracted",
+            Self::Diffuse => "diffuse",
+        }
+    }
+
+    /// What it is, one line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Primary => "from the eye; closest hit",
+            Self::Shadow => "from a hit point to each light it faces; occlusion by opaque things",
+            Self::Reflected => "mirror direction at specular or transmissive surfaces; closest hit",
+            Self::Refracted => "through transmissive surfaces by Snell's law; closest hit",
+            Self::Diffuse => "one cosine-distributed bounce per primary hit; closest hit",
+        }
+    }
+
+    /// True when the question is occlusion, not the closest hit.
+    pub fn is_occlusion(self) -> bool {
+        self == Self::Shadow
+    }
+}
+
+/// How rays are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RaySettings {
+    /// Pixels of the image.
+    pub resolution: [u32; 2],
+    /// Longest chain of closest-hit rays; eye rays have depth 1.
+    pub max_depth: u32,
+    /// The rules of Havran and Sixta (1999) where they differ from ours: corner rays, an epsilon
+    /// of 0.01 world units, normals not flipped to the viewer, their cone normal.
+    pub historical: bool,
+    /// Also make the diffuse bounce set.
+    pub diffuse: bool,
+    /// Seed of the diffuse directions.
+    pub seed: u64,
+}
+
+impl Default for RaySettings {
+    fn default() -> Self {
+        Self { resolution: [256, 256], max_depth: 5, historical: false, diffuse: true, seed: 1 }
+    }
+}
+
+impl RaySettings {
+    /// The setting of Havran and Sixta (1999): 513 x 513 eye rays, depth 5, no diffuse set.
+    pub fn published() -> Self {
+        Self { resolution: [512, 512], max_depth: 5, historical: true, diffuse: false, seed: 1 }
+    }
+}
+
+/// Rays by kind, in scanline order.
+#[derive(Debug, Clone, Default)]
+pub struct RayBatches<S: Buildable> {
+    batches: [Vec<Ray<S>>; 5],
+    /// Refracted rays that total internal reflection left untraced; Havran and Sixta count them.
+    pub total_internal_reflections: u64,
+}
+
+impl<S: Buildable> RayBatches<S> {
+    /// The rays of a kind.
+    pub fn rays(&self, kind: RayKind) -> &[Ray<S>] {
+        &self.batches[kind as usize]
+    }
+
+    /// Rays of all kinds.
+    pub fn total(&self) -> usize {
+        self.batches.iter().map(Vec::len).sum()
+    }
+
+    pub(crate) fn batch_mut(&mut self, kind: RayKind) -> &mut Vec<Ray<S>> {
+        &mut self.batches[kind as usize]
+    }
+
+    fn append(&mut self, mut other: Self) {
+        for (all, more) in self.batches.iter_mut().zip(&mut other.batches) {
+            all.append(more);
+        }
+        self.total_internal_reflections += other.total_internal_reflections;
+    }
+}
+
+/// Traces the scene with `tracer` and keeps every ray it took. Runs in the current rayon pool;
+/// the rays do not depend on the number of threads.
+pub fn generate_rays<S: Buildable>(
+    scene: &Scene,
+    geometry: &Geometry<S>,
+    tracer: &dyn Tracer<S>,
+    settings: &RaySettings,
+) -> RayBatches<S> {
+    let whitted = Whitted::new(scene, geometry, settings);
+    let rows: Vec<Row<S>> =
+        (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
+    let mut all = RayBatches::default();
+    for row in rows {
+        all.append(row.rays);
+    }
+    all
+}

@@ -1,0 +1,3 @@
+//! Tracers turn a scene into rays and an image.
+
+pub mod whitted;

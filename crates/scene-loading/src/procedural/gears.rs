@@ -1,0 +1,128 @@
+//! `gears`: a cube of meshing gears above a reflecting ground, some of them of glass.
+//!
+//! Figures and order: `gears.c` of SPD 3.14.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::parts::{View, glossy, ground, matte, stage};
+use crate::scene::{Material, Rgb, Scene};
+
+const TEETH: usize = 36;
+
+/// Vertices of a gear's face.
+const FACE: usize = 4 * TEETH;
+
+/// Tip circle, in units of the pitch; below 1, so that meshing gears leave a gap.
+const TIP: f64 = 0.995;
+
+/// How far the root circle is within the pitch.
+const TOOTH_HEIGHT: f64 = 1.0 - 0.9;
+
+/// Corners of one tooth: on the tip circle or the root circle, at that share of the tooth's angle.
+const TOOTH: [(Circle, f64); 4] =
+    [(Circle::Tip, -0.19), (Circle::Tip, 0.19), (Circle::Root, 0.3), (Circle::Root, 0.7)];
+
+#[derive(Clone, Copy)]
+enum Circle {
+    Tip,
+    Root,
+}
+
+/// A gear's shape, the same for all gears of a scene.
+struct Profile {
+    tip: f64,
+    root: f64,
+    thickness: f64,
+}
+
+/// Generates `size` cubed gears.
+pub(super) fn generate(size: u32) -> Scene {
+    let view = View {
+        from: [-1.1, -2.1, 2.6],
+        at: [0.0; 3],
+        up: [0.0, 0.0, 1.0],
+        angle: 45.0,
+        hither: 1.0,
+    };
+    let lights = [
+        [2.0, 4.0, 4.0],
+        [-2.0, 4.0, 3.0],
+        [2.0, -2.5, 2.5],
+        [-1.0, -4.0, 2.0],
+        [-1.111, -2.121, 2.626],
+    ];
+    let mut scene = stage(view, &lights);
+    let floor = scene.push_material(glossy([1.0, 0.85, 0.7], 0.3, 0.6, 37.0));
+    scene.push_polygon(floor, &ground(2.0, 0.0));
+
+    let n = f64::from(size);
+    let pitch = 1.0 / (n - (n - 1.0) * TOOTH_HEIGHT / 2.0);
+    let profile = Profile {
+        tip: TIP * pitch,
+        root: (1.0 - TOOTH_HEIGHT) * pitch,
+        thickness: (1.0 / (2.0 * n)).min(0.1),
+    };
+    let first = DVec3::new(-1.0 + pitch, -1.0 + pitch, 1.0);
+    let step = DVec3::new(pitch * (2.0 - TOOTH_HEIGHT), pitch * (2.0 - TOOTH_HEIGHT), -1.0 / n);
+    for z in 0..size {
+        for y in 0..size {
+            for x in 0..size {
+                let material = scene.push_material(surface(x, y, z));
+                let center = first + DVec3::new(x.into(), y.into(), z.into()) * step;
+                let turn = PI * f64::from((x + y + z) % 2) / TEETH as f64;
+                push_gear(&mut scene, material, &profile, center, turn);
+            }
+        }
+    }
+    scene
+}
+
+/// Every fifth gear or so is of coloured glass, the others are matte.
+fn surface(x: u32, y: u32, z: u32) -> Material {
+    let matte = matte(color(x, y, z));
+    if (x * 4 + y * 2 + z).is_multiple_of(5) {
+        Material { diffuse: 0.2, transmittance: 0.8, refraction_index: 1.1, ..matte }
+    } else {
+        matte
+    }
+}
+
+/// A colour that differs between neighbours; its largest component is 1.
+fn color(x: u32, y: u32, z: u32) -> Rgb {
+    let mix = |a: u32, b: u32, c: u32, sevenths: f64| {
+        0.01 + (f64::from(a * 3 + b * 2 + c + 1) * sevenths / 7.0).fract()
+    };
+    let color = [mix(x, y, z, 5.0), mix(y, z, x, 3.0), mix(z, x, y, 2.0)];
+    let largest = color.into_iter().fold(0.0, f64::max);
+    color.map(|c| c / largest)
+}
+
+/// Adds the face above, the flanks and the face below of a gear whose upper face is at `center`.
+fn push_gear(scene: &mut Scene, material: u32, profile: &Profile, center: DVec3, turn: f64) {
+    let top = outline(profile, center, turn, 1.0);
+    scene.push_polygon(material, &top);
+    let down = DVec3::new(0.0, 0.0, profile.thickness);
+    for (i, &here) in top.iter().enumerate() {
+        let next = top[(i + 1) % FACE];
+        scene.push_polygon(material, &[here, here - down, next - down, next]);
+    }
+    let below = center + DVec3::new(0.0, 0.0, -profile.thickness);
+    scene.push_polygon(material, &outline(profile, below, turn, -1.0));
+}
+
+/// The toothed outline around `center`, against the clock for `sense` = 1, with it for -1.
+fn outline(profile: &Profile, center: DVec3, turn: f64, sense: f64) -> [DVec3; FACE] {
+    let tooth_angle = sense * (2.0 * PI / TEETH as f64);
+    std::array::from_fn(|i| {
+        let tooth_start = turn + sense * (2.0 * PI * (i / 4) as f64 / TEETH as f64);
+        let (circle, share) = TOOTH[i % 4];
+        let radius = match circle {
+            Circle::Tip => profile.tip,
+            Circle::Root => profile.root,
+        };
+        let (sin, cos) = (tooth_start + share * tooth_angle).sin_cos();
+        DVec3::new(radius * cos, radius * sin, 0.0) + center
+    })
+}

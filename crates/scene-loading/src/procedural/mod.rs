@@ -1,0 +1,132 @@
+//! The Standard Procedural Databases (SPD), generated in code.
+//!
+//! Eric Haines published these eight scenes for comparing ray tracers: E. Haines, "A Proposal for
+//! Standard Graphics Environments", IEEE CG&A 7(11), 1987. Geometry, views, lights and materials
+//! follow release 3.14 (<https://github.com/erich666/StandardProceduralDatabases>, CC0); each
+//! module names the file its figures are from. Arithmetic is done in `f64` in the same order as
+//! there, so that a scene printed with six digits ([`write_nff`]) equals the files in use since.
+//!
+//! A scene is named by a spec: `balls` (default size) or `balls:5`.
+
+mod balls;
+mod gears;
+mod lattice;
+mod mount;
+mod nff_export;
+mod parts;
+mod printed;
+mod rings;
+mod teapot;
+mod teapot_patches;
+mod tetra;
+mod tree;
+
+pub use nff_export::write_nff;
+pub use printed::{Printed, round_to_printed};
+
+use crate::scene::Scene;
+
+/// One generator of the family.
+#[derive(Debug, Clone, Copy)]
+pub struct SpdEntry {
+    /// Name in specs.
+    pub name: &'static str,
+    /// Size factor of the published scene.
+    pub default_size: u32,
+    /// Largest size factor that [`generate`] accepts: about 20 million primitives.
+    pub max_size: u32,
+    /// What the scene shows and how it grows with the size factor `n`.
+    pub summary: &'static str,
+    /// The generator, for sizes from 1 to `max_size`; [`generate`] checks that and sets the name.
+    pub generate: fn(u32) -> Scene,
+}
+
+/// All generators, by name.
+#[rustfmt::skip]
+pub static SPD: &[SpdEntry] = &[
+    SpdEntry { name: "balls", default_size: 4, max_size: 7, summary: "sphereflake: (9^(n+1) - 1) / 8 mirroring spheres on a square", generate: balls::generate },
+    SpdEntry { name: "gears", default_size: 4, max_size: 51, summary: "n^3 meshing gears, some of glass: 146 polygons each, faces with 144 vertices", generate: gears::generate },
+    SpdEntry { name: "lattice", default_size: 12, max_size: 170, summary: "cubic lattice: (n+1)^3 mirroring spheres, 3 n (n+1)^2 cylinders", generate: lattice::generate },
+    SpdEntry { name: "mount", default_size: 6, max_size: 11, summary: "fractal mountain of 2 * 4^n triangles, 4 glass spheres", generate: mount::generate },
+    SpdEntry { name: "rings", default_size: 7, max_size: 99, summary: "pyramid of ring clusters: 5 n (n+1) (2n+1) cylinders and as many spheres", generate: rings::generate },
+    SpdEntry { name: "teapot", default_size: 12, max_size: 554, summary: "teapot of 64 n^2 - 8 n triangular patches on a board of n^2 squares", generate: teapot::generate },
+    SpdEntry { name: "tetra", default_size: 6, max_size: 12, summary: "tetrahedral pyramid (Sierpinski): 4^n triangles", generate: tetra::generate },
+    SpdEntry { name: "tree", default_size: 11, max_size: 22, summary: "branching tree: 2^(n+1) - 1 cones and as many spheres", generate: tree::generate },
+];
+
+/// Why a spec names no scene.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SpecError {
+    /// There is no generator of that name.
+    #[error("no procedural scene is called `{name}`; there are {known}")]
+    UnknownName {
+        /// The name asked for.
+        name: String,
+        /// The names there are, with commas between them.
+        known: String,
+    },
+    /// The size is not a number or not in the generator's range.
+    #[error(
+        "scene `{name}` has no size `{size}`: sizes are whole numbers from 1 to {max_size} \
+         (default {default_size})"
+    )]
+    BadSize {
+        /// The generator.
+        name: &'static str,
+        /// The size asked for.
+        size: String,
+        /// The generator's largest size.
+        max_size: u32,
+        /// The generator's size where none is given.
+        default_size: u32,
+    },
+}
+
+/// Generates the scene that `spec` names: `name` or `name:size`.
+///
+/// [`Scene::name`] is the spec in its shortest form: `balls` at the default size, else `balls:5`.
+///
+/// # Errors
+/// [`SpecError`] when the name is unknown or the size is not a number from 1 to the generator's
+/// largest.
+pub fn generate(spec: &str) -> Result<Scene, SpecError> {
+    let (name, size) = match spec.split_once(':') {
+        Some((name, size)) => (name, Some(size)),
+        None => (spec, None),
+    };
+    let entry = SPD.iter().find(|entry| entry.name == name).ok_or_else(|| {
+        let known = SPD.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
+        SpecError::UnknownName { name: name.to_owned(), known }
+    })?;
+    let size = match size {
+        None => entry.default_size,
+        Some(text) => {
+            text.parse().ok().filter(|size| (1..=entry.max_size).contains(size)).ok_or_else(
+                || SpecError::BadSize {
+                    name: entry.name,
+                    size: text.to_owned(),
+                    max_size: entry.max_size,
+                    default_size: entry.default_size,
+                },
+            )?
+        }
+    };
+    let mut scene = (entry.generate)(size);
+    scene.name = if size == entry.default_size {
+        entry.name.to_owned()
+    } else {
+        format!("{}:{size}", entry.name)
+    };
+    Ok(scene)
+}
+
+/// [`generate`] with every number rounded to the six digits of the distributed files
+/// ([`round_to_printed`]): what a reader of those files gets.
+///
+/// # Errors
+/// As [`generate`].
+pub fn generate_as_printed(spec: &str) -> Result<Scene, SpecError> {
+    let mut scene = generate(spec)?;
+    round_to_printed(&mut scene);
+    Ok(scene)
+}

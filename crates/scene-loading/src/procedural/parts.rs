@@ -1,0 +1,75 @@
+//! What the generators have in common: the sky, the view's fixed parts, the kinds of surface.
+
+use glam::{DMat3, DVec3};
+
+use crate::scene::{Camera, Light, Material, Rgb, Scene};
+
+/// Background of every SPD scene.
+const SKY: Rgb = [0.078, 0.361, 0.753];
+
+/// Exponent written for surfaces without a highlight.
+const NO_HIGHLIGHT: f64 = 100_000.0;
+
+/// The part of a view that differs between scenes.
+pub(super) struct View {
+    pub from: [f64; 3],
+    pub at: [f64; 3],
+    pub up: [f64; 3],
+    /// Full field of view, degrees.
+    pub angle: f64,
+    pub hither: f64,
+}
+
+/// A scene with view, sky and uncoloured point lights, without primitives.
+pub(super) fn stage(view: View, lights: &[[f64; 3]]) -> Scene {
+    Scene {
+        camera: Camera {
+            from: DVec3::from_array(view.from),
+            at: DVec3::from_array(view.at),
+            up: DVec3::from_array(view.up),
+            angle: view.angle,
+            hither: view.hither,
+            resolution: [512, 512],
+        },
+        background: SKY,
+        lights: lights
+            .iter()
+            .map(|&p| Light::Point { position: DVec3::from_array(p), color: None })
+            .collect(),
+        ..Scene::default()
+    }
+}
+
+/// An opaque surface without highlight. The files give such surfaces the index of refraction 0.
+pub(super) fn matte(color: Rgb) -> Material {
+    Material {
+        color,
+        diffuse: 1.0,
+        specular: 0.0,
+        shine: NO_HIGHLIGHT,
+        transmittance: 0.0,
+        refraction_index: 0.0,
+        ..Material::default()
+    }
+}
+
+/// An opaque surface with a highlight that has fallen to one half at `half_angle` degrees.
+pub(super) fn glossy(color: Rgb, diffuse: f64, specular: f64, half_angle: f64) -> Material {
+    Material { diffuse, specular, shine: phong_exponent(half_angle), ..matte(color) }
+}
+
+/// The exponent `e` with `cos(half_angle)^e = 1/2`; the angle is in degrees, between 0 and 90.
+pub(super) fn phong_exponent(half_angle: f64) -> f64 {
+    0.5_f64.ln() / half_angle.to_radians().cos().ln()
+}
+
+/// Corners of the square `|x|, |y| <= half` at height `z`, from `+ +` on, against the clock as
+/// seen from above.
+pub(super) fn ground(half: f64, z: f64) -> [DVec3; 4] {
+    [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, z))
+}
+
+/// Rotation by `angle` (radians) about `axis` (any length but 0).
+pub(super) fn rotation(axis: DVec3, angle: f64) -> DMat3 {
+    DMat3::from_axis_angle(axis / axis.length(), angle)
+}

@@ -1,0 +1,265 @@
+//! The generated SPD scenes against the files that the original programs (SPD 3.14) write.
+//!
+//! Checksums, counts and bounds below were computed from those files, not from our scenes: the
+//! checksum is the SHA-256 of the file with `-0` replaced by `0`, so that it covers every number
+//! and the order of everything.
+
+use glam::DVec3;
+use scene_loading::procedural::{self, SPD, SpecError, write_nff};
+use scene_loading::{Light, Scene, Shape};
+use sha2::{Digest, Sha256};
+
+/// What the original file of a scene holds.
+struct Reference {
+    name: &'static str,
+    counts: Counts,
+    materials: usize,
+    lights: usize,
+    min: [f64; 3],
+    max: [f64; 3],
+    sha256: &'static str,
+}
+
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+struct Counts {
+    spheres: usize,
+    cones: usize,
+    polygons: usize,
+    patches: usize,
+}
+
+const REFERENCES: [Reference; 8] = [
+    Reference {
+        name: "balls",
+        counts: Counts { spheres: 7381, cones: 0, polygons: 1, patches: 0 },
+        materials: 2,
+        lights: 3,
+        min: [-12.0, -12.0, -0.5],
+        max: [12.0, 12.0, 0.83056684],
+        sha256: "ca955919729183aff08bde63286a8b6dc4196626f99f642f150b9210ed7249bf",
+    },
+    Reference {
+        name: "gears",
+        counts: Counts { spheres: 0, cones: 0, polygons: 9345, patches: 0 },
+        materials: 65,
+        lights: 5,
+        min: [-2.0, -2.0, 0.0],
+        max: [2.0, 2.0, 1.0],
+        sha256: "888b3b7f3573891dbfe3e5b5c852020677fb2c526f0455a57018ed57702c0336",
+    },
+    Reference {
+        name: "lattice",
+        counts: Counts { spheres: 2197, cones: 6084, polygons: 0, patches: 0 },
+        materials: 8281,
+        lights: 6,
+        min: [-0.0208333; 3],
+        max: [1.0208333; 3],
+        sha256: "768ec7e5327a523027235e71a898783e6e4d9cb2500c79ca25dfe6931ca66177",
+    },
+    Reference {
+        name: "mount",
+        counts: Counts { spheres: 4, cones: 0, polygons: 8192, patches: 0 },
+        materials: 2,
+        lights: 1,
+        min: [-1.15961, -1.0, -0.702953],
+        max: [1.0, 1.15961, 1.37821],
+        sha256: "c48f8bdbcc7f28e661939b9c246e41c78d562662bc9b43819000cdc9538809b9",
+    },
+    Reference {
+        name: "rings",
+        counts: Counts { spheres: 4200, cones: 4200, polygons: 1, patches: 0 },
+        materials: 841,
+        lights: 3,
+        min: [-10.8389, 1.65358, -9.33895],
+        max: [8.83895, 20.905, 10.3389],
+        sha256: "e0f31dca34897a69575da1492d1bcdd3c5a8b1101c109ea3040e28c3ca4cc042",
+    },
+    Reference {
+        name: "teapot",
+        counts: Counts { spheres: 0, cones: 0, polygons: 144, patches: 9120 },
+        materials: 3,
+        lights: 2,
+        min: [-4.0, -4.0, 0.0],
+        max: [4.0, 4.0, 3.15],
+        sha256: "90531da9a4374eb485da3270873e472093e28748c89940c7f094c19f7a35fed0",
+    },
+    Reference {
+        name: "tetra",
+        counts: Counts { spheres: 0, cones: 0, polygons: 4096, patches: 0 },
+        materials: 1,
+        lights: 1,
+        min: [-1.0; 3],
+        max: [1.0; 3],
+        sha256: "6bb2da0228e0edc67f1d780926aafc9fd1bd04c1887472a4af5b567a208dbffe",
+    },
+    Reference {
+        name: "tree",
+        counts: Counts { spheres: 4095, cones: 4095, polygons: 1, patches: 0 },
+        materials: 2,
+        lights: 7,
+        min: [-50.0, -50.0, 0.0],
+        max: [50.0, 50.0, 3.13748741],
+        sha256: "57ae111e5e70e6ca13caf5868804a43a1ca68dadf5dfffcbef265adefcada8a2",
+    },
+];
+
+fn counts(scene: &Scene) -> Counts {
+    let mut counts = Counts::default();
+    for primitive in &scene.primitives {
+        match primitive.shape {
+            Shape::Sphere(_) => counts.spheres += 1,
+            Shape::Cone(_) => counts.cones += 1,
+            Shape::Polygon { .. } => counts.polygons += 1,
+            Shape::Patch { .. } => counts.patches += 1,
+            Shape::Triangle { .. } => panic!("SPD scenes have no plain triangles"),
+        }
+    }
+    counts
+}
+
+fn checksum(scene: &Scene) -> String {
+    let mut text = Vec::new();
+    write_nff(scene, &mut text).unwrap();
+    Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[test]
+fn default_sizes_equal_the_original_files() {
+    assert!(SPD.iter().map(|e| e.name).eq(REFERENCES.iter().map(|r| r.name)));
+    for reference in REFERENCES {
+        let name = reference.name;
+        let scene = procedural::generate(name).unwrap();
+        assert_eq!(scene.name, name);
+        assert_eq!(counts(&scene), reference.counts, "{name}");
+        assert_eq!(scene.materials.len(), reference.materials, "{name}");
+        assert_eq!(scene.lights.len(), reference.lights, "{name}");
+        assert!(scene.lights.iter().all(|l| matches!(l, Light::Point { color: None, .. })));
+        assert!(scene.warnings.is_empty());
+        assert_eq!(checksum(&scene), reference.sha256, "{name}");
+
+        let printed = procedural::generate_as_printed(name).unwrap();
+        assert_eq!(checksum(&printed), reference.sha256, "{name}");
+        let bounds = printed.bounds();
+        let (min, max) = (DVec3::from_array(reference.min), DVec3::from_array(reference.max));
+        assert!((bounds.min - min).abs().max_element() < 1e-8, "{name}: {bounds:?}");
+        assert!((bounds.max - max).abs().max_element() < 1e-8, "{name}: {bounds:?}");
+    }
+}
+
+#[test]
+fn views_are_the_published_ones() {
+    let camera = procedural::generate_as_printed("rings").unwrap().camera;
+    assert_eq!(camera.from, DVec3::new(-1.0, -2.61313, 0.5));
+    assert_eq!(camera.at, DVec3::new(-1.0, -1.61313, 0.5));
+    assert_eq!(camera.up, DVec3::Z);
+    assert_eq!((camera.angle, camera.hither, camera.resolution), (45.0, 1.0, [512, 512]));
+    let camera = procedural::generate_as_printed("lattice").unwrap().camera;
+    assert_eq!(camera.from, DVec3::new(0.541667, 1.0, 0.958333));
+    assert_eq!(camera.at, DVec3::new(0.541667, -1.0, -1.04167));
+    assert_eq!(camera.up, DVec3::new(0.2, 1.0, 0.0));
+    assert_eq!((camera.angle, camera.hither, camera.resolution), (60.0, 0.0, [512, 512]));
+}
+
+#[test]
+fn materials_count_the_surface_lines() {
+    let scene = procedural::generate_as_printed("lattice").unwrap();
+    for (i, primitive) in scene.primitives.iter().enumerate() {
+        assert_eq!(primitive.material as usize, i);
+    }
+    let sphere = &scene.materials[0];
+    assert_eq!(sphere.color, [0.9; 3]);
+    assert_eq!((sphere.diffuse, sphere.specular, sphere.shine), (0.5, 0.5, 3.0827));
+    assert_eq!((sphere.transmittance, sphere.refraction_index), (0.0, 0.0));
+    let glass = &procedural::generate_as_printed("mount").unwrap().materials[0];
+    assert_eq!((glass.diffuse, glass.specular, glass.shine), (0.1, 0.1, 101.148));
+    assert_eq!((glass.transmittance, glass.refraction_index), (0.9, 1.5));
+}
+
+#[test]
+fn a_changed_coordinate_changes_the_checksum() {
+    let balls = &REFERENCES[0];
+    let mut scene = procedural::generate_as_printed("balls").unwrap();
+    assert_eq!(checksum(&scene), balls.sha256);
+    scene.spheres[5000].center.y *= 1.0 + 1e-4;
+    assert_ne!(checksum(&scene), balls.sha256);
+}
+
+#[test]
+fn other_sizes_have_the_documented_counts() {
+    let n = 3_usize;
+    let check = |spec: &str, expected: Counts| {
+        let scene = procedural::generate(spec).unwrap();
+        assert_eq!(scene.name, spec);
+        assert_eq!(counts(&scene), expected, "{spec}");
+    };
+    let none = Counts::default();
+    check("balls:3", Counts { spheres: (9_usize.pow(4) - 1) / 8, polygons: 1, ..none });
+    check("gears:3", Counts { polygons: 146 * n.pow(3) + 1, ..none });
+    check("lattice:3", Counts { spheres: 64, cones: 3 * n * 16, ..none });
+    check("mount:3", Counts { spheres: 4, polygons: 2 * 64, ..none });
+    let rods = 5 * n * (n + 1) * (2 * n + 1);
+    check("rings:3", Counts { spheres: rods, cones: rods, polygons: 1, ..none });
+    check("teapot:3", Counts { polygons: 9, patches: 64 * n * n - 8 * n, ..none });
+    check("tetra:3", Counts { polygons: 64, ..none });
+    check("tree:3", Counts { spheres: 15, cones: 15, polygons: 1, ..none });
+}
+
+/// Checksums of what the original programs write at sizes that are not the default.
+#[test]
+fn other_sizes_equal_the_original_programs() {
+    for (spec, sha256) in [
+        ("balls:2", "889986d6c46a909339ad333680c98b3ff939bfe6aaf2aa513c36c8b3ef8be9b4"),
+        ("gears:3", "12e2cbf84c947e288c0e38212a118db42023429b5d5db338c5d792fd898672b3"),
+        ("lattice:5", "5729e1f3742969f4a31c37f97fd2758ac91097c6b106ab3253afaaf5786b7948"),
+        ("mount:9", "4cc66c8dc2ba85c9117eb3219ac175bd228b0c5ea37b5b8706a80d7c74a366a6"),
+        ("rings:3", "ee3002f59226b345d32361348db23d57446edea9ad48f30af6e07bb48bebf5ca"),
+        ("teapot:5", "41756e21f0bf58aa7f4a553cf34791bb79078c0d20c67d2f2c86d3b545e2b48b"),
+        ("tetra:4", "8002960cb8820727ace1ed3a78c7f680a3c39012077f641fa0472c00a1bafa14"),
+        ("tree:8", "a72f719e9f786d1643558beec3805fb3bff3b7d8234dfac8645215f933cd00f5"),
+    ] {
+        assert_eq!(checksum(&procedural::generate(spec).unwrap()), sha256, "{spec}");
+    }
+}
+
+#[test]
+fn bad_specs_are_typed_errors() {
+    let error = procedural::generate("bals").unwrap_err();
+    assert!(matches!(&error, SpecError::UnknownName { name, .. } if name == "bals"));
+    for entry in SPD {
+        assert!(error.to_string().contains(entry.name), "{error}");
+    }
+    for size in ["0", "8", "", "-1", "four", "4:4", "99999999999999999999"] {
+        let error = procedural::generate(&format!("balls:{size}")).unwrap_err();
+        assert!(matches!(&error, SpecError::BadSize { name: "balls", max_size: 7, .. }));
+        assert!(error.to_string().contains("from 1 to 7"), "{error}");
+    }
+}
+
+#[test]
+fn the_default_size_spelt_out_is_the_default_scene() {
+    assert_eq!(procedural::generate("tetra:6"), procedural::generate("tetra"));
+    assert_eq!(procedural::generate("tetra:5").unwrap().name, "tetra:5");
+}
+
+/// The limits are as large as 20 million primitives allow.
+#[test]
+fn largest_sizes_stay_below_twenty_million_primitives() {
+    let primitives = |name: &str, n: u64| match name {
+        "balls" => (9_u64.pow(n as u32 + 1) - 1) / 8 + 1,
+        "gears" => 146 * n.pow(3) + 1,
+        "lattice" => (n + 1).pow(3) + 3 * n * (n + 1).pow(2),
+        "mount" => 2 * 4_u64.pow(n as u32) + 4,
+        "rings" => 10 * n * (n + 1) * (2 * n + 1) + 1,
+        "teapot" => 65 * n * n - 8 * n,
+        "tetra" => 4_u64.pow(n as u32),
+        "tree" => 2 * (2_u64.pow(n as u32 + 1) - 1) + 1,
+        _ => panic!("no formula for {name}"),
+    };
+    for entry in SPD {
+        let max = u64::from(entry.max_size);
+        assert!(primitives(entry.name, max) < 20_000_000, "{}", entry.name);
+        assert!(primitives(entry.name, max + 1) > 20_000_000, "{}", entry.name);
+        let scene = (entry.generate)(2);
+        assert_eq!(scene.primitives.len() as u64, primitives(entry.name, 2), "{}", entry.name);
+    }
+}
