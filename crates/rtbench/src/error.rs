@@ -4,10 +4,10 @@ use std::io;
 use std::path::PathBuf;
 
 use accel_core::structures::BuildError;
-use scene_loading::LoadError;
+use crate::scene_source::LoadError;
 
 use crate::plan::PlanError;
-use crate::renderer::{GeometryError, ImageError};
+use renderer::{GeometryError, ImageError};
 
 /// Fine.
 pub const SUCCESS: u8 = 0;
@@ -29,13 +29,8 @@ pub enum Error {
     #[error(transparent)]
     Load(#[from] LoadError),
     /// A scene's geometry could not be made.
-    #[error("scene {scene}: {source}")]
-    Geometry {
-        /// Scene.
-        scene: String,
-        /// Why.
-        source: GeometryError,
-    },
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
     /// A structure could not be built where nothing can be done without it.
     #[error("scene {scene}: {source}")]
     Build {

@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use accel_core::params::ParamError;
 use accel_core::structures::Entry;
-use scene_loading::LoadError;
+use crate::scene_source::LoadError;
 
 use crate::args::{Precision, RunArgs};
-use crate::renderer::{RayKind, RaySettings};
+use renderer::{RayKind, RaySettings};
 use crate::rows::{self, Row};
 use crate::scene_source::SceneSource;
 use crate::suggest;
