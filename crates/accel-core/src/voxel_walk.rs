@@ -89,7 +89,13 @@ impl<S: Scalar> GridFrame<S> {
     /// Starts a walk, or `None` when the ray misses the box within its interval.
     #[inline(always)]
     pub fn walk(&self, ray: &Ray<S>) -> Option<VoxelWalk<S>> {
-        let (t_in, _) = self.bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max)?;
+        self.walk_from(ray, ray.t_min)
+    }
+
+    /// Starts a walk at parameter `t_start` in place of the ray's `t_min`.
+    #[inline(always)]
+    pub fn walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<VoxelWalk<S>> {
+        let (t_in, _) = self.bounds.clip(ray.origin, ray.direction, t_start, ray.t_max)?;
         let o = ray.origin.to_array();
         let d = ray.direction.to_array();
         let p = ray.at(t_in).to_array();

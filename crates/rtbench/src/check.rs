@@ -134,11 +134,7 @@ fn compare<S: Buildable>(
 }
 
 /// Seconds that one call a kind would take for all rays, from a few evenly spread ones.
-fn pilot<S: Buildable>(
-    tracer: &dyn Tracer<S>,
-    set: &BatchSet<'_, S>,
-    clock: &dyn Clock,
-) -> f64 {
+fn pilot<S: Buildable>(tracer: &dyn Tracer<S>, set: &BatchSet<'_, S>, clock: &dyn Clock) -> f64 {
     let mut total = 0.0;
     for batch in &set.batches {
         let all = batch.rays.len();
@@ -161,10 +157,7 @@ fn pilot<S: Buildable>(
 }
 
 /// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
-fn count<S: Buildable>(
-    tracer: &dyn Tracer<S>,
-    batch: &Batch<'_, S>,
-) -> (Answers<S>, WorkCounters) {
+fn count<S: Buildable>(tracer: &dyn Tracer<S>, batch: &Batch<'_, S>) -> (Answers<S>, WorkCounters) {
     let sum = |mut a: WorkCounters, b: WorkCounters| {
         a += b;
         a
@@ -176,9 +169,7 @@ fn count<S: Buildable>(
             .rays
             .par_chunks(CHUNK)
             .zip(answers.par_chunks_mut(CHUNK))
-            .map(|(rays, answers)| {
-                tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, answers)
-            })
+            .map(|(rays, answers)| tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, answers))
             .reduce(WorkCounters::default, sum);
         (Answers::Blocked(answers.iter().map(|a| a.blocked).collect()), work)
     } else {

@@ -45,11 +45,7 @@ impl Terminal {
         use std::io::IsTerminal;
         let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty())
             || std::env::var_os("TERM").is_some_and(|v| v == "dumb");
-        Self {
-            stdout: io::stdout().is_terminal(),
-            stderr: io::stderr().is_terminal(),
-            no_color,
-        }
+        Self { stdout: io::stdout().is_terminal(), stderr: io::stderr().is_terminal(), no_color }
     }
 
     /// Whether standard output gets colours.

@@ -3,8 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
-use accel_core::structures::BuildError;
 use crate::scene_source::LoadError;
+use accel_core::structures::BuildError;
 
 use crate::plan::PlanError;
 use renderer::{GeometryError, ImageError};
@@ -88,7 +88,10 @@ impl Error {
     /// The exit code it stands for.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Plan(_) | Self::Load(LoadError::UnknownScene { .. }) => USAGE,
+            Self::Plan(PlanError::Scene(e)) | Self::Load(e) => {
+                if matches!(e, LoadError::UnknownScene { .. }) { USAGE } else { FAILURE }
+            }
+            Self::Plan(_) => USAGE,
             _ => FAILURE,
         }
     }

@@ -22,6 +22,7 @@ pub mod progress;
 pub mod random;
 pub mod record;
 pub mod reference;
+pub mod reproduce;
 pub mod rows;
 pub mod scene_run;
 pub mod scene_source;
@@ -42,7 +43,7 @@ use crate::args::{Cli, Command};
 use crate::clock::SystemClock;
 use crate::context::{Context, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS, USAGE};
-use crate::scene_source::SceneCatalogue;
+use crate::scene_source::Installed;
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
@@ -52,7 +53,7 @@ pub fn main() -> ExitCode {
     let mut err = io::stderr();
     let mut context = Context {
         registry: REGISTRY,
-        scenes: &SceneCatalogue,
+        scenes: &Installed,
         clock: &SystemClock::default(),
         out: &mut out,
         err: &mut err,

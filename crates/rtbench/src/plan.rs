@@ -7,13 +7,12 @@ use std::time::Duration;
 
 use accel_core::params::ParamError;
 use accel_core::structures::Entry;
-use crate::scene_source::LoadError;
 
 use crate::args::{Precision, RunArgs};
-use renderer::{RayKind, RaySettings};
 use crate::rows::{self, Row};
-use crate::scene_source::SceneSource;
+use crate::scene_source::{KnownScene, LoadError, SceneSource};
 use crate::suggest;
+use renderer::{RayKind, RaySettings};
 
 /// The set that runs when no scene is named.
 pub const DEFAULT_SET: &str = "spd";
@@ -132,8 +131,8 @@ impl Limits {
 /// A validated run.
 #[derive(Debug)]
 pub struct Plan<'r> {
-    /// Scenes by name, in the order given, without duplicates.
-    pub scenes: Vec<String>,
+    /// Scenes, in the order given, without duplicates.
+    pub scenes: Vec<Box<dyn KnownScene>>,
     /// Rows of every scene's table.
     pub rows: Vec<Row<'r>>,
     /// Index of the row that ratios are taken to.
@@ -168,6 +167,8 @@ impl<'r> Plan<'r> {
         registry: &'r [Entry],
         scenes: &dyn SceneSource,
     ) -> Result<Self, PlanError> {
+        let default = [DEFAULT_SET.to_owned()];
+        let names = if args.scenes.is_empty() { &default } else { args.scenes.as_slice() };
         let mut rows = rows::select(registry, &args.structures, &args.overrides)?;
         let baseline = baseline(registry, &mut rows, args.reference.as_deref())?;
         let kinds = kinds(&args.rays)?;
@@ -185,7 +186,7 @@ impl<'r> Plan<'r> {
             ..RaySettings::default()
         };
         Ok(Self {
-            scenes: expand(&args.scenes, scenes)?,
+            scenes: scenes.resolve(names)?,
             answers: answers(registry)?,
             rows,
             baseline,
@@ -261,17 +262,4 @@ fn kinds(names: &[String]) -> Result<Vec<RayKind>, PlanError> {
     }
     // In the order of the tables, without duplicates.
     Ok(RayKind::ALL.into_iter().filter(|k| names.is_empty() || kinds.contains(k)).collect())
-}
-
-fn expand(names: &[String], scenes: &dyn SceneSource) -> Result<Vec<String>, PlanError> {
-    let default = [DEFAULT_SET.to_owned()];
-    let mut all: Vec<String> = Vec::new();
-    for name in if names.is_empty() { &default } else { names } {
-        for scene in scenes.expand(name)? {
-            if !all.contains(&scene) {
-                all.push(scene);
-            }
-        }
-    }
-    Ok(all)
 }

@@ -10,9 +10,9 @@ impl Random {
     /// A stream for a seed and what it is used for: different uses get unrelated streams.
     pub fn new(seed: u64, purpose: &str) -> Self {
         // FNV-1a of the purpose, mixed with the seed.
-        let hash = purpose
-            .bytes()
-            .fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3));
+        let hash = purpose.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| {
+            (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3)
+        });
         let mut random = Self { state: seed ^ hash };
         random.next_u64();
         random

@@ -103,8 +103,8 @@ pub struct SceneRecord {
     pub sha256: String,
     /// Where it comes from.
     pub source: String,
-    /// Under which licence.
-    pub licence: String,
+    /// Under which licence, where known.
+    pub licence: Option<String>,
     /// Number of primitives.
     pub primitives: u64,
     /// Bytes of the primitives, without structures.

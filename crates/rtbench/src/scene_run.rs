@@ -48,8 +48,8 @@ pub fn run_scene<S: Buildable>(
     progress.message(format!("{}: rays and oracle", scene.name));
     let exact = Geometry::<f64>::of(scene)?;
     let geometry = Geometry::<S>::of(scene)?;
-    let oracle = Oracle::new(&exact)
-        .map_err(|source| Error::Build { scene: scene.name.clone(), source })?;
+    let oracle =
+        Oracle::new(&exact).map_err(|source| Error::Build { scene: scene.name.clone(), source })?;
     let stage = Stage { scene, geometry: &geometry, oracle: &oracle };
     let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
     let all = BatchSet::new(&rays, answers);

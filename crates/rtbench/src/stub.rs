@@ -1,5 +1,7 @@
 //! Stands in for the scene catalogue until it is merged: the SPD family only.
 
+use std::path::{Path, PathBuf};
+
 use scene_loading::{Scene, procedural};
 
 /// As in `scene_loading`.
@@ -27,52 +29,79 @@ pub struct LoadedScene {
     /// Where it comes from.
     pub source: String,
     /// Under which licence.
-    pub licence: String,
+    pub licence: Option<String>,
 }
 
 /// As in `scene_loading`.
 #[derive(Debug, Default)]
 pub struct SceneCatalogue;
 
-impl crate::scene_source::SceneSource for SceneCatalogue {
-    fn expand(&self, name: &str) -> Result<Vec<String>, LoadError> {
-        if name == "spd" {
-            return Ok(procedural::SPD.iter().map(|s| s.name.to_owned()).collect());
-        }
-        let known: Vec<_> = procedural::SPD.iter().map(|s| s.name).collect();
-        if known.contains(&name.split(':').next().unwrap_or_default()) {
-            return Ok(vec![name.to_owned()]);
-        }
-        Err(LoadError::UnknownScene {
-            name: name.to_owned(),
-            suggestion: crate::suggest::hint(name, known.iter().copied()),
-            valid: known.join(", "),
-        })
+/// As in `scene_loading`.
+#[derive(Debug)]
+pub struct SceneRef {
+    /// Name.
+    pub name: String,
+}
+
+/// As in `scene_loading`.
+#[derive(Debug)]
+pub struct SceneFile {
+    pub name: String,
+    pub title: String,
+}
+
+/// As in `scene_loading`.
+#[derive(Debug)]
+pub struct SceneSet {
+    pub name: String,
+    pub scenes: Vec<String>,
+}
+
+impl SceneCatalogue {
+    pub fn open(_: Option<&Path>) -> Result<Self, LoadError> {
+        Ok(Self)
     }
 
-    fn load(&self, name: &str) -> Result<LoadedScene, LoadError> {
-        let scene = procedural::generate(name).map_err(|e| LoadError::UnknownScene {
-            name: name.to_owned(),
+    pub fn resolve(&self, names: &[String]) -> Result<Vec<SceneRef>, LoadError> {
+        let known: Vec<_> = procedural::SPD.iter().map(|s| s.name).collect();
+        let mut all = Vec::new();
+        for name in names {
+            if name == "spd" {
+                all.extend(known.iter().map(|s| SceneRef { name: (*s).to_owned() }));
+            } else if known.contains(&name.split(':').next().unwrap_or_default()) {
+                all.push(SceneRef { name: name.clone() });
+            } else {
+                return Err(LoadError::UnknownScene {
+                    name: name.to_owned(),
+                    suggestion: crate::suggest::hint(name, known.iter().copied()),
+                    valid: known.join(", "),
+                });
+            }
+        }
+        Ok(all)
+    }
+
+    pub fn scenes(&self) -> impl Iterator<Item = &SceneFile> {
+        std::iter::empty()
+    }
+
+    pub fn sets(&self) -> impl Iterator<Item = &SceneSet> {
+        std::iter::empty()
+    }
+}
+
+impl SceneRef {
+    pub fn load(&self) -> Result<LoadedScene, LoadError> {
+        let scene = procedural::generate(&self.name).map_err(|e| LoadError::UnknownScene {
+            name: self.name.clone(),
             suggestion: String::new(),
             valid: e.to_string(),
         })?;
-        Ok(LoadedScene {
-            scene,
-            sha256: String::new(),
-            source: "generated".into(),
-            licence: "CC0".into(),
-        })
+        let (sha256, source) = (String::new(), "generated".into());
+        Ok(LoadedScene { scene, sha256, source, licence: None })
     }
 
-    fn scenes(&self) -> Vec<(String, String)> {
-        procedural::SPD.iter().map(|s| (s.name.into(), s.summary.into())).collect()
-    }
-
-    fn sets(&self) -> Vec<(String, Vec<String>)> {
-        vec![("spd".into(), procedural::SPD.iter().map(|s| s.name.into()).collect())]
-    }
-
-    fn fetch(&self, _: &str) -> Result<String, LoadError> {
-        Ok("nothing to fetch".into())
+    pub fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
+        Ok(None)
     }
 }

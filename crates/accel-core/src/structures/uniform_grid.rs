@@ -6,7 +6,8 @@
 //!
 //! Deviations: lists stand in one array (count, prefix sum, fill); boxes are padded by a few ulps
 //! so that rounding loses nothing; the walk recomputes plane parameters instead of accumulating.
-//! `boxes=historical order=reverse` is Havran and Sixta's (1999) grid as their counters show it.
+//! `boxes=historical order=reverse` is Havran and Sixta's (1999) grid as their counters show it:
+//! its walks also begin at the ray's origin, although hits only count beyond the epsilon.
 
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::aabb::Aabb;
@@ -83,6 +84,8 @@ const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
 pub struct UniformGrid<S: Scalar> {
     frame: GridFrame<S>,
     lists: CellLists,
+    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    from_origin: bool,
 }
 
 /// Bounding-box insertion.
@@ -132,12 +135,13 @@ impl<S: Scalar> Structure<S> for UniformGrid<S> {
                 needed: u128::from(e.0),
                 limit: u128::from(max_references),
             })?;
-        Ok(Self { frame, lists })
+        Ok(Self { frame, lists, from_origin: historical })
     }
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let Some(mut walk) = self.frame.walk(ray) else { return };
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        let Some(mut walk) = self.frame.walk_from(ray, t_start) else { return };
         loop {
             let list = self.lists.list(walk.index());
             sink.elementary_step(list.is_empty());

@@ -19,10 +19,10 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         Listed::Structures => {
             context.registry.iter().map(|e| structure(e.info)).collect::<Vec<_>>()
         }
-        Listed::Scenes => context.scenes.scenes().into_iter().map(|s| entry(&s)).collect(),
+        Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
         Listed::Sets => context
             .scenes
-            .sets()
+            .sets()?
             .into_iter()
             .map(|(name, scenes)| json!({"name": name, "scenes": scenes}))
             .collect(),
@@ -97,9 +97,9 @@ fn write_names(out: &mut dyn Write, items: &[Value]) -> io::Result<()> {
     let text = |item: &Value, key: &str| item[key].as_str().unwrap_or_default().to_owned();
     let width = items.iter().map(|i| text(i, "name").chars().count()).max().unwrap_or(0);
     for item in items {
-        let members = item["scenes"].as_array().map(|all| {
-            all.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(", ")
-        });
+        let members = item["scenes"]
+            .as_array()
+            .map(|all| all.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(", "));
         let about = members.unwrap_or_else(|| text(item, "summary"));
         writeln!(out, "{:<width$}  {about}", text(item, "name"))?;
     }

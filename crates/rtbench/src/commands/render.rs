@@ -23,9 +23,9 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<(), Error> {
             Row::defaults(entry)?
         }
     };
-    let mut names = context.scenes.expand(&args.scene).map_err(PlanError::from)?;
-    let name = match (names.pop(), names.is_empty()) {
-        (Some(name), true) => name,
+    let mut scenes = context.scenes.resolve(std::slice::from_ref(&args.scene))?;
+    let scene = match (scenes.pop(), scenes.is_empty()) {
+        (Some(scene), true) => scene,
         _ => {
             return Err(PlanError::Malformed {
                 text: args.scene.clone(),
@@ -42,23 +42,21 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<(), Error> {
         .open(&args.output)
         .map_err(|source| Error::Write { path: args.output.clone(), source })?;
     drop(file);
-    let loaded = context.scenes.load(&name)?;
+    let name = scene.name();
+    let loaded = scene.load()?;
     for warning in &loaded.scene.warnings {
         context.warn(format_args!("{name}: {warning}"));
     }
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
-    let settings = RaySettings {
-        resolution: [args.size; 2],
-        diffuse: false,
-        ..RaySettings::default()
-    };
+    let settings =
+        RaySettings { resolution: [args.size; 2], diffuse: false, ..RaySettings::default() };
     let threads = args.threads.map_or_else(machine::threads, usize::from);
     let image = pool(threads)?
         .install(|| {
             let tracer = row.entry.build(geometry.prims(), &row.params)?;
             Ok(render(&loaded.scene, &geometry, &*tracer, &settings))
         })
-        .map_err(|source| Error::Build { scene: name.clone(), source })?;
+        .map_err(|source| Error::Build { scene: name.to_owned(), source })?;
     image
         .save_png(&args.output)
         .map_err(|source| Error::Image { path: args.output.clone(), source })?;

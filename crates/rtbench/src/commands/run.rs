@@ -29,15 +29,15 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
     let progress = progress(context, &plan);
     let start = context.clock.now();
     let mut failures = 0_usize;
-    for (i, name) in plan.scenes.iter().enumerate() {
+    for (i, known) in plan.scenes.iter().enumerate() {
+        let name = known.name();
         progress.message(format!("{name}: loading"));
         let deadline = deadline(&plan, start, context.clock.now(), plan.scenes.len() - i);
         let equipment = Equipment { pools: &pools, clock: context.clock, progress: &progress };
-        let measured =
-            context.scenes.load(name).map_err(Error::from).and_then(|loaded| match plan.precision {
-                Precision::F32 => run_scene::<f32>(&plan, &loaded, &equipment, deadline),
-                Precision::F64 => run_scene::<f64>(&plan, &loaded, &equipment, deadline),
-            });
+        let measured = known.load().map_err(Error::from).and_then(|loaded| match plan.precision {
+            Precision::F32 => run_scene::<f32>(&plan, &loaded, &equipment, deadline),
+            Precision::F64 => run_scene::<f64>(&plan, &loaded, &equipment, deadline),
+        });
         let scene = match measured {
             Ok(scene) => scene,
             Err(error) => {

@@ -3,8 +3,7 @@
 use crate::args::{SceneNames, ScenesAction};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
-use crate::plan::PlanError;
-use crate::scene_source::LoadedScene;
+use crate::scene_source::{KnownScene, LoadedScene};
 
 /// Runs and returns the exit code.
 ///
@@ -19,21 +18,19 @@ pub fn run(context: &mut Context<'_>, action: &ScenesAction) -> Result<u8, Error
 }
 
 /// The scenes named, or all.
-fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<String>, Error> {
+fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownScene>>, Error> {
     if names.names.is_empty() {
-        return Ok(context.scenes.scenes().into_iter().map(|(name, _)| name).collect());
+        let all: Vec<String> = context.scenes.scenes()?.into_iter().map(|(name, _)| name).collect();
+        return Ok(context.scenes.resolve(&all)?);
     }
-    let mut all = Vec::new();
-    for name in &names.names {
-        all.extend(context.scenes.expand(name).map_err(PlanError::from)?);
-    }
-    Ok(all)
+    Ok(context.scenes.resolve(&names.names)?)
 }
 
 fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     let mut code = SUCCESS;
-    for name in named(context, names)? {
-        match context.scenes.load(&name) {
+    for scene in named(context, names)? {
+        let name = scene.name();
+        match scene.load() {
             Ok(loaded) => write_info(context, &loaded)?,
             Err(error) => {
                 code = FAILURE;
@@ -68,7 +65,7 @@ fn write_info(context: &mut Context<'_>, loaded: &LoadedScene) -> Result<(), Err
     let camera = &scene.camera;
     writeln!(out, "  camera:     from {} at {}, {} degrees", camera.from, camera.at, camera.angle)?;
     writeln!(out, "  source:     {}", loaded.source)?;
-    writeln!(out, "  licence:    {}", loaded.licence)?;
+    writeln!(out, "  licence:    {}", loaded.licence.as_deref().unwrap_or("unknown"))?;
     writeln!(out, "  sha256:     {}", loaded.sha256)?;
     for warning in &scene.warnings {
         writeln!(out, "  warning:    {warning}")?;
@@ -78,8 +75,9 @@ fn write_info(context: &mut Context<'_>, loaded: &LoadedScene) -> Result<(), Err
 
 fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     let mut code = SUCCESS;
-    for name in named(context, names)? {
-        let said = context.scenes.load(&name).map_err(Error::from).and_then(|loaded| {
+    for scene in named(context, names)? {
+        let name = scene.name();
+        let said = scene.load().map_err(Error::from).and_then(|loaded| {
             renderer::Geometry::<f64>::of(&loaded.scene)?;
             renderer::Geometry::<f32>::of(&loaded.scene)?;
             Ok(loaded.scene.warnings)
@@ -104,9 +102,11 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
 
 fn fetch(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     let mut code = SUCCESS;
-    for name in named(context, names)? {
-        match context.scenes.fetch(&name) {
-            Ok(said) => writeln!(context.out, "{name}: {said}")?,
+    for scene in named(context, names)? {
+        let name = scene.name();
+        match scene.fetch() {
+            Ok(Some(path)) => writeln!(context.out, "{name}: {}", path.display())?,
+            Ok(None) => writeln!(context.out, "{name}: nothing to fetch")?,
             Err(error) => {
                 code = FAILURE;
                 let _ = writeln!(context.err, "error: {name}: {error}");

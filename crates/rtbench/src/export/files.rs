@@ -78,7 +78,9 @@ impl Outputs {
             };
             match written {
                 Err(e) if output.stream.is_some() && e.kind() == io::ErrorKind::BrokenPipe => {}
-                other => other.map_err(|source| Error::Write { path: output.path.clone(), source })?,
+                other => {
+                    other.map_err(|source| Error::Write { path: output.path.clone(), source })?
+                }
             }
         }
         Ok(())
@@ -87,12 +89,8 @@ impl Outputs {
 
 fn open(path: PathBuf, format: Format) -> Result<Output, Error> {
     let error = |source| Error::Write { path: path.clone(), source };
-    let file = OpenOptions::new()
-        .create(true)
-        .write(true)
-        .truncate(false)
-        .open(&path)
-        .map_err(error)?;
+    let file =
+        OpenOptions::new().create(true).write(true).truncate(false).open(&path).map_err(error)?;
     let is_file = file.metadata().map_err(error)?.is_file();
     Ok(Output { path, format, stream: (!is_file).then_some(file) })
 }

@@ -52,7 +52,8 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
     let mut header =
         vec!["structure", "N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"];
     header.extend(["MiB", "rays", "build ms", "trace ms", "image ms", "ratio [95%]"]);
-    for (name, shown) in RATES.iter().zip([has("primary"), has("shadow"), secondary, has("diffuse")])
+    for (name, shown) in
+        RATES.iter().zip([has("primary"), has("shadow"), secondary, has("diffuse")])
     {
         if shown {
             header.push(name);

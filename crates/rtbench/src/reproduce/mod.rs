@@ -1,0 +1,228 @@
+//! `rtbench reproduce havran1999`: the published figures beside ours.
+//!
+//! V. Havran, F. Sixta, "Comparison of Hierarchical Grids", Ray Tracing News 12(1), 1999. What
+//! the counters mean was found by experiment; `results/published/README.md` has the rules.
+//! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
+
+pub mod published;
+mod uniform;
+pub mod verdict;
+
+use accel_core::Hit;
+use accel_core::structures::{BuildError, Entry, Shape, find};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::{counters::WorkCounters, params::ParamError};
+use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, generate_rays};
+use scene_loading::Scene;
+use scene_loading::procedural::{SpecError, generate_as_printed};
+
+use published::{Figure, SCENES, table};
+use verdict::{Verdict, judge};
+
+/// One figure, published and ours.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Row {
+    /// Scene.
+    pub scene: String,
+    /// Structure as published.
+    pub structure: String,
+    /// Setting as published.
+    pub params: String,
+    /// Counter.
+    pub counter: String,
+    /// Published figure, as printed.
+    pub published: String,
+    /// Ours.
+    pub ours: f64,
+    /// Ours / published.
+    pub ratio: f64,
+    /// Judgement.
+    #[serde(serialize_with = "as_text")]
+    pub verdict: Verdict,
+}
+
+fn as_text<S: serde::Serializer>(v: &Verdict, s: S) -> Result<S::Ok, S::Error> {
+    s.collect_str(v)
+}
+
+/// Why a reproduction could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReproduceError {
+    /// No such scene in the paper.
+    #[error("the paper has no scene '{0}' that we have; it has {valid}", valid = SCENES.join(", "))]
+    UnknownScene(String),
+    /// No such structure among those reproduced.
+    #[error("no published figures for structure '{0}'; there are {valid}", valid = STRUCTURES.join(", "))]
+    UnknownStructure(String),
+    /// An embedded file of figures is damaged.
+    #[error("results/published: {0}")]
+    Figures(#[from] csv::Error),
+    /// A scene could not be generated.
+    #[error(transparent)]
+    Scene(#[from] SpecError),
+    /// A scene could not be converted.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A structure could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A setting was refused.
+    #[error(transparent)]
+    Param(#[from] ParamError),
+    /// The registry lacks a structure.
+    #[error("structure '{0}' is not in the registry")]
+    Missing(&'static str),
+}
+
+/// What can be reproduced so far.
+pub const STRUCTURES: [&str; 2] = ["invariants", "uniform"];
+
+/// A scene in the published setting: its rays, made once.
+pub struct PublishedScene {
+    pub(crate) name: String,
+    pub(crate) geometry: Geometry<f64>,
+    pub(crate) rays: RayBatches<f64>,
+}
+
+/// What a structure did for all rays of a scene.
+pub(crate) struct Work {
+    pub(crate) shape: Shape,
+    pub(crate) counters: WorkCounters,
+    /// Primary, secondary: hits.
+    primary_hits: u64,
+    secondary_hits: u64,
+    /// Blocked shadow rays, plus glass hit by the others.
+    shadow_hits: u64,
+}
+
+impl PublishedScene {
+    /// Generates the scene and its rays.
+    ///
+    /// # Errors
+    /// [`ReproduceError`].
+    pub fn new(name: &str) -> Result<Self, ReproduceError> {
+        let scene: Scene = generate_as_printed(name)?;
+        let geometry = Geometry::<f64>::of(&scene)?;
+        let rays = {
+            // any right structure gives the same rays; a fast one is taken
+            let entry = registered("uniform-grid")?;
+            let tracer = entry.build(geometry.prims(), &entry.params([("density", "8")])?)?;
+            generate_rays(&scene, &geometry, tracer.as_ref(), &RaySettings::published())
+        };
+        Ok(Self { name: name.to_owned(), geometry, rays })
+    }
+
+    /// AllRays: primary, shadow and secondary, untraced ones (total reflection) included.
+    pub(crate) fn all_rays(&self) -> u64 {
+        self.rays.total() as u64 + self.rays.total_internal_reflections
+    }
+
+    /// Counts what `tracer` does for all rays.
+    pub(crate) fn count(&self, tracer: &dyn Tracer<f64>) -> Work {
+        let mut counters = WorkCounters::default();
+        let mut hits_of = |kinds: &[RayKind]| {
+            let mut found = 0;
+            for &kind in kinds {
+                let rays = self.rays.rays(kind);
+                let mut hits = vec![Hit::NONE; rays.len()];
+                counters += tracer.count_closest_hits(rays, &mut hits);
+                found += hits.iter().filter(|h| h.is_hit()).count() as u64;
+            }
+            found
+        };
+        let primary_hits = hits_of(&[RayKind::Primary]);
+        let secondary_hits = hits_of(&[RayKind::Reflected, RayKind::Refracted]);
+        let rays = self.rays.rays(RayKind::Shadow);
+        let mut answers = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
+        counters += tracer.count_occlusions(rays, ShadowRule::Historical, &mut answers);
+        let shadow_hits =
+            answers.iter().map(|a| if a.blocked { 1 } else { u64::from(a.glass) }).sum();
+        Work { shape: tracer.shape(), counters, primary_hits, secondary_hits, shadow_hits }
+    }
+
+    /// The figures that no structure changes.
+    fn invariants(&self, work: &Work) -> Vec<(&'static str, f64)> {
+        let of = |kind| self.rays.rays(kind).len() as u64;
+        let secondary =
+            of(RayKind::Reflected) + of(RayKind::Refracted) + self.rays.total_internal_reflections;
+        let required = work.primary_hits + work.secondary_hits + work.shadow_hits;
+        [
+            ("PrimaryRay", of(RayKind::Primary)),
+            ("UsedIntPrimRay", work.primary_hits),
+            ("ShadowRay", of(RayKind::Shadow)),
+            ("UsedIntShadRay", work.shadow_hits),
+            ("SecondaryRay", secondary),
+            ("UsedIntSecRay", work.secondary_hits),
+            ("AllRays", self.all_rays()),
+            ("IntersRequired", required),
+        ]
+        .map(|(name, value)| (name, value as f64))
+        .to_vec()
+    }
+}
+
+pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, ReproduceError> {
+    find(name).ok_or(ReproduceError::Missing(name))
+}
+
+/// Reproduces the figures of one scene for the structures asked for, in the paper's order.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn reproduce_scene(
+    scene: &str,
+    structures: &[&str],
+    figures: &[Figure],
+) -> Result<Vec<Row>, ReproduceError> {
+    let published = PublishedScene::new(scene)?;
+    let mut rows = Vec::new();
+    let settings = table(figures, "uniform", scene);
+    let mut invariants = None;
+    for (params, counters) in &settings {
+        let work = uniform::count(&published, counters.get("resolution").copied())?;
+        invariants.get_or_insert_with(|| published.invariants(&work));
+        if structures.contains(&"uniform") {
+            rows.extend(compare(
+                "uniform",
+                params,
+                scene,
+                counters,
+                &uniform::counters(&published, &work),
+            ));
+        }
+    }
+    if structures.contains(&"invariants") {
+        for (params, counters) in table(figures, "invariants", scene) {
+            let ours = invariants.clone().unwrap_or_default();
+            let all = compare("invariants", params, scene, &counters, &ours);
+            rows.splice(0..0, all);
+        }
+    }
+    Ok(rows)
+}
+
+fn compare(
+    structure: &str,
+    params: &str,
+    scene: &str,
+    published: &std::collections::BTreeMap<&str, &str>,
+    ours: &[(&'static str, f64)],
+) -> Vec<Row> {
+    ours.iter()
+        .filter_map(|&(counter, ours)| {
+            let text = published.get(counter)?;
+            let value: f64 = text.parse().unwrap_or(f64::NAN);
+            Some(Row {
+                scene: scene.to_owned(),
+                structure: structure.to_owned(),
+                params: params.to_owned(),
+                counter: counter.to_owned(),
+                published: (*text).to_owned(),
+                ours,
+                ratio: if value == 0.0 && ours == 0.0 { 1.0 } else { ours / value },
+                verdict: judge(structure, params, scene, counter, text, ours),
+            })
+        })
+        .collect()
+}
