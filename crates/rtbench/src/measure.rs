@@ -116,20 +116,16 @@ pub fn measure<S: Buildable>(
     let order = round_order(plan.seed, &scope.stage.scene.name, round, rows.len());
     for i in order {
         let row = rows[i];
-        let cheap = checked[row].as_ref().is_some_and(|c| c.full_pass_s <= scope.render_cap());
+        let cheap = checked[row].as_ref().is_some_and(|c| {
+            let seconds = c.full_pass_s / plan.threads as f64;
+            seconds <= plan.limits.render_pass
+        });
         if cheap && !plan.rows[row].is_sampled() {
             timed[row].render_s = render_once(scope, &plan.rows[row]);
         }
         scope.progress.step(scope.clock.now());
     }
     timed
-}
-
-impl<S: Buildable> Scope<'_, '_, S> {
-    /// Seconds of a pass above which the whole image is not rendered.
-    fn render_cap(&self) -> f64 {
-        self.plan.limits.timed_pass * self.plan.threads as f64
-    }
 }
 
 /// Every how many-th ray each row is timed on; none for rows that are not timed. No row is timed

@@ -97,6 +97,8 @@ pub struct Limits {
     pub sampled_pass: f64,
     /// Seconds of a timed pass of any other; slower ones are timed on a sample of the rays.
     pub timed_pass: f64,
+    /// Seconds of a pass below which the whole image is rendered too.
+    pub render_pass: f64,
     /// Seconds (of one thread) of checking a row; slower ones are checked on a sample.
     pub checked_pass: f64,
     /// Rays of a kind that the oracle answers, at most.
@@ -111,7 +113,8 @@ impl Limits {
         if quick {
             Self {
                 sampled_pass: 0.01,
-                timed_pass: 0.1,
+                timed_pass: 0.05,
+                render_pass: 0.05,
                 checked_pass: 1.0,
                 oracle_rays: 128,
                 oracle_tests: 50_000_000,
@@ -119,7 +122,8 @@ impl Limits {
         } else {
             Self {
                 sampled_pass: 0.05,
-                timed_pass: 1.0,
+                timed_pass: 0.2,
+                render_pass: 0.4,
                 checked_pass: 8.0,
                 oracle_rays: 512,
                 oracle_tests: 400_000_000,
@@ -203,9 +207,9 @@ impl<'r> Plan<'r> {
 }
 
 /// Width and height of the image of a full run.
-const DEFAULT_SIZE: u32 = 256;
+const DEFAULT_SIZE: u32 = 128;
 /// Width and height of the image of a quick run.
-const QUICK_SIZE: u32 = 96;
+const QUICK_SIZE: u32 = 64;
 
 /// Index of the row that ratios are taken to; a row that was asked for and is not there yet is
 /// added.

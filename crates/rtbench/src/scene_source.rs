@@ -8,7 +8,7 @@ use scene_loading::procedural::SPD;
 pub use crate::stub::{LoadError, LoadedScene, SceneCatalogue, SceneRef};
 
 /// A scene that is known but not loaded.
-pub trait KnownScene: Debug {
+pub trait KnownScene: Debug + Send + Sync {
     /// Name in tables.
     fn name(&self) -> &str;
 

@@ -28,8 +28,8 @@ pub fn mebibytes(bytes: u64) -> String {
 
 /// A ratio with its interval; `=` where the interval holds 1: no difference was measured.
 pub fn ratio(estimate: &Estimate) -> String {
-    let mark = if estimate.holds(1.0) { " =" } else { "" };
-    format!("{:.3} [{:.3}, {:.3}]{mark}", estimate.median, estimate.low, estimate.high)
+    let mark = if estimate.holds(1.0) { " =" } else { "  " };
+    format!("{:.2} [{:.2}, {:.2}]{mark}", estimate.median, estimate.low, estimate.high)
 }
 
 /// Voxels an axis.
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn ratios_say_when_there_is_no_difference() {
         let e = Estimate { median: 1.02, low: 0.98, high: 1.05 };
-        assert_eq!(ratio(&e), "1.020 [0.980, 1.050] =");
-        assert_eq!(ratio(&Estimate { low: 1.01, ..e }), "1.020 [1.010, 1.050]");
+        assert_eq!(ratio(&e), "1.02 [0.98, 1.05] =");
+        assert_eq!(ratio(&Estimate { low: 1.01, ..e }), "1.02 [1.01, 1.05]  ");
     }
 }

@@ -60,6 +60,7 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
         }
     }
     header.push("verdict");
+    let all_rays = scene.rays.values().sum();
     let mut previous = "";
     let rows = scene.rows.iter().map(|row| {
         let name = if indent { indented(row, previous) } else { row.label() };
@@ -72,7 +73,7 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
                 cells.push(rate.map_or(dash(), |r| numbers::short(r).into()));
             }
         }
-        cells.push(verdict_cell(row));
+        cells.push(verdict_cell(row, all_rays));
         cells
     });
     let mut rows: Vec<Vec<Cell>> = rows.collect();
@@ -81,7 +82,7 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
     Table { title: scene_title(scene), header, rows, notes: scene_notes(scene) }
 }
 
-const RATES: [&str; 4] = ["primary Mr/s", "shadow Mr/s", "second. Mr/s", "diffuse Mr/s"];
+const RATES: [&str; 4] = ["primary", "shadow", "second.", "diffuse"];
 
 /// Millions of rays a second: primary, shadow, secondary, diffuse.
 pub fn rates(row: &RowRecord) -> [Option<f64>; 4] {
@@ -141,10 +142,13 @@ fn time_cells(row: &RowRecord) -> Vec<Cell> {
     ]
 }
 
-fn verdict_cell(row: &RowRecord) -> Cell {
+/// The verdict, and how many of the rays it rests on where that is not all of them.
+fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
     let text = match row.verdict {
-        Verdict::Ok | Verdict::NotBuilt => row.verdict.name().to_owned(),
+        Verdict::NotBuilt => row.verdict.name().to_owned(),
+        Verdict::Ok if row.checked_rays < all_rays => format!("ok on {} rays", row.checked_rays),
+        Verdict::Ok => "ok".to_owned(),
         Verdict::Wrong | Verdict::WrongAsShipped => {
             format!("{}: {} of {}", row.verdict.name(), row.mismatches, row.checked_rays)
         }
@@ -234,8 +238,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     let ratios = run.summary.iter().map(|r| r.ratio.filter(|_| r.verdict == Verdict::Ok));
     mark_best(&mut rows, Some(2), ratios);
     let notes = vec![format!(
-        "Ratios: time divided by that of {} for the same rays in the same round; below 1 is \
-         faster; = where the 95% bootstrap interval holds 1. Geometric means over {} scenes.",
+        "Ratios to {}: geometric means over {} scene(s).",
         run.settings.reference,
         run.scenes.len()
     )];
@@ -258,4 +261,8 @@ pub const GLOSSARY: &[&str] = &[
      steps into empty cells (Havran and Sixta 1999).",
     "build, trace: medians over the rounds, one sample each a round; trace is the time for the \
      rays of the column beside it. image: the whole picture through the renderer, once.",
+    "ratio: trace time divided by the reference's for the same rays in the same round, with its \
+     95% bootstrap interval; below 1 is faster; = where the interval holds 1: no difference was \
+     measured. primary, shadow, second., diffuse: millions of rays a second of one kind (second.: \
+     reflected and refracted).",
 ];
