@@ -1,8 +1,13 @@
 //! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF and JSON scene files, and
 //! the Standard Procedural Databases generated in code.
 
+pub mod error;
+pub mod nff;
+mod nff_tokens;
 pub mod scene;
+pub mod source_read;
 
+pub use error::{LoadError, Place};
 pub use scene::{
     Bounds, Camera, Cone, Light, Material, Primitive, Rgb, Scene, Shape, Sphere, Warning,
 };
