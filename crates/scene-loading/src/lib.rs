@@ -4,6 +4,10 @@
 pub mod error;
 pub mod nff;
 mod nff_tokens;
+pub mod obj;
+mod obj_material;
+mod obj_polygon;
+mod obj_scan;
 pub mod scene;
 pub mod source_read;
 
