@@ -2,6 +2,9 @@
 //! the Standard Procedural Databases generated in code.
 
 pub mod error;
+pub mod gltf;
+mod gltf_buffers;
+mod gltf_nodes;
 pub mod nff;
 mod nff_tokens;
 pub mod obj;
