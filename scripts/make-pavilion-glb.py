@@ -13,6 +13,7 @@ import sys
 
 COLUMNS = 10
 RADIUS = 4.0
+EYE, AT = (7.0, 3.0, 15.0), (0.0, 3.4, 0.0)
 
 buffer = bytearray()
 views, accessors = [], []
@@ -121,13 +122,12 @@ nodes = [
     {"name": "ring", "mesh": 4, "translation": [0, 1.2, 0], "rotation": [math.sin(math.radians(20)), 0, 0, math.cos(math.radians(20))]},
     {"name": "small ring", "mesh": 4, "translation": [0, 1.2, 0], "scale": [0.85, 0.85, 0.85],
      "rotation": [0, 0, math.sin(math.radians(-25)), math.cos(math.radians(-25))]},
-    {"name": "camera", "camera": 0, "translation": [5.2, 2.4, 9.5],
-     "rotation": [0, 0, 0, 1]},
+    {"name": "camera", "camera": 0, "translation": list(EYE)},
     {"name": "sun", "translation": [9, 12, 8], "extensions": {"KHR_lights_punctual": {"light": 0}}},
     {"name": "lamp", "translation": [0, 3.2, 0], "extensions": {"KHR_lights_punctual": {"light": 1}}},
 ]
-# The camera looks from its place at the sphere: yaw about y, then pitch about x.
-dx, dy, dz = 0 - 5.2, 1.7 - 2.4, 0 - 9.5
+# The camera's rotation: yaw about y, then pitch about x.
+dx, dy, dz = (at - eye for at, eye in zip(AT, EYE))
 yaw, pitch = math.atan2(-dx, -dz), math.atan2(dy, math.hypot(dx, dz))
 sy, cy, sp, cp = math.sin(yaw / 2), math.cos(yaw / 2), math.sin(pitch / 2), math.cos(pitch / 2)
 nodes[6]["rotation"] = [cy * sp, sy * cp, -sy * sp, cy * cp]

@@ -49,8 +49,12 @@ fn parser_error(path: &Path, message: String) -> LoadError {
 }
 
 fn parse_checked(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
+    let fail = |error: ::gltf::Error| parser_error(path, error.to_string());
     let ::gltf::Gltf { document, blob } =
-        ::gltf::Gltf::from_slice(bytes).map_err(|e| parser_error(path, e.to_string()))?;
+        ::gltf::Gltf::from_slice_without_validation(bytes).map_err(fail)?;
+    let json = document.into_json();
+    check_before_validation(path, &json)?;
+    let document = ::gltf::Document::from_json(json).map_err(fail)?;
     let buffers = Buffers::load(path, &document, blob)?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let scene = scene.ok_or_else(|| LoadError::Gltf {
@@ -62,6 +66,44 @@ fn parse_checked(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
     let mut walker = Walker::new(path, &document, &buffers, Scene::new(scene_name(path)));
     walker.walk(&scene)?;
     walker.finish()
+}
+
+/// What the crate's own validation (1.4.1) panics on, or lets pass to a panic later.
+fn check_before_validation(path: &Path, json: &::gltf::json::Root) -> Result<(), LoadError> {
+    use ::gltf::json::camera::Type;
+    use ::gltf::json::validation::Checked;
+    let invalid = |object: String, found: &str, expected: &str| LoadError::Gltf {
+        place: Place::file(path),
+        object,
+        found: found.into(),
+        expected: expected.into(),
+    };
+    let accessors = json.accessors.len();
+    for (m, mesh) in json.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let accessor = primitive.attributes.values().find(|i| i.value() >= accessors);
+            if let Some(index) = accessor {
+                return Err(LoadError::IndexOutOfRange {
+                    place: Place::file(path),
+                    what: format!("mesh {m} primitive {p}: accessor"),
+                    index: index.value().to_string(),
+                    valid: format!("there are {accessors}, counted from 0"),
+                });
+            }
+        }
+    }
+    for (c, camera) in json.cameras.iter().enumerate() {
+        let described = match camera.type_ {
+            Checked::Valid(Type::Perspective) => camera.perspective.is_some(),
+            Checked::Valid(Type::Orthographic) => camera.orthographic.is_some(),
+            Checked::Invalid => true,
+        };
+        if !described {
+            let expected = "an object named as its type";
+            return Err(invalid(format!("camera {c}"), "a type without its properties", expected));
+        }
+    }
+    Ok(())
 }
 
 /// A GLB file states its length; the crate would believe it.

@@ -90,14 +90,19 @@ fn materials(
     for (i, material) in scene.materials.iter().enumerate() {
         ids.insert(material.name.clone(), i);
     }
+    let mut undefined: Vec<String> = Vec::new();
     for (line, name) in &scan.used {
         if !ids.contains_key(name) {
-            let place = Place::line(path, *line);
-            let text = format!("{place}: material `{name}` is not defined; using the default");
-            scene.warnings.push(Warning(text));
+            undefined.push(format!("`{name}` (line {line})"));
             ids.insert(name.clone(), scene.materials.len());
             scene.materials.push(Material { name: name.clone(), ..Material::default() });
         }
+    }
+    if !undefined.is_empty() {
+        let (file, count) = (path.display(), undefined.len());
+        let list = undefined.join(", ");
+        let text = format!("{file}: {count} materials are not defined and look default: {list}");
+        scene.warnings.push(Warning(text));
     }
     Ok(ids)
 }

@@ -5,7 +5,7 @@
 //! list at every `g`. The scan therefore checks each line, and edits the text in place (never
 //! changing its length) to the subset of OBJ on which tobj is exact: `v`, `vn`, `f`, `usemtl`.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::path::Path;
 
 use memchr::memchr;
@@ -55,7 +55,7 @@ struct Defined {
 pub(crate) fn scan(path: &Path, text: String) -> Result<ObjScan, LoadError> {
     let mut text = text.into_bytes();
     let mut scan = ObjScan::default();
-    let mut seen: HashMap<Vec<u8>, ()> = HashMap::new();
+    let mut seen: HashSet<Vec<u8>> = HashSet::new();
     let mut defined = Defined::default();
     let (mut start, mut line) = (0, 1);
     while start < text.len() {
@@ -97,9 +97,9 @@ pub(crate) fn scan(path: &Path, text: String) -> Result<ObjScan, LoadError> {
                     let (_, gap) = row.split_at_mut(length.min(row.len()));
                     gap.fill(b' ');
                 }
-                if !seen.contains_key(&name) {
-                    scan.used.push((line, String::from_utf8_lossy(&name).into_owned()));
-                    seen.insert(name, ());
+                let text = String::from_utf8_lossy(&name).into_owned();
+                if seen.insert(name) {
+                    scan.used.push((line, text));
                 }
             }
             b"mtllib" => {

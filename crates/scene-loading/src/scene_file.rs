@@ -139,10 +139,9 @@ impl SceneFile {
         let file: Self = from_json(path, text)?;
         check_name(path, &file.name)?;
         let place = || Place::file(path);
-        if let Some(hash) = &file.sha256 {
-            if hash.len() != 64 || !hash.bytes().all(|b| b.is_ascii_hexdigit()) {
-                return Err(LoadError::syntax(place(), hash, "sha256: 64 hexadecimal digits"));
-            }
+        let is_hash = |h: &&String| h.len() == 64 && h.bytes().all(|b| b.is_ascii_hexdigit());
+        if let Some(hash) = file.sha256.as_ref().filter(|hash| !is_hash(hash)) {
+            return Err(LoadError::syntax(place(), hash, "sha256: 64 hexadecimal digits"));
         }
         if let Some(Tessellate { resolution: 0 }) = file.tessellate {
             return Err(LoadError::syntax(place(), "0", "tessellate: a resolution of at least 1"));

@@ -272,6 +272,7 @@ fn what_makes_the_crate_panic_is_an_error() {
         ("/images", json!([{"bufferView": 99}])),
         ("/images", json!([{"bufferView": 0}])),
         ("/materials", json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 7}}}])),
+        ("/meshes/0/primitives/0/attributes/POSITION", json!(77)),
         ("/meshes/0/primitives/0/indices", json!(77)),
         ("/meshes/0/primitives/0/material", json!(3)),
         ("/meshes/0/primitives/0/mode", json!(9)),
@@ -286,7 +287,10 @@ fn what_makes_the_crate_panic_is_an_error() {
         match parse(&document) {
             // Images are never read, so their faults do not matter.
             Ok(_) => assert_eq!(pointer, "/images"),
-            Err(error) => assert!(error.to_string().contains("dir/test.glb"), "{error}"),
+            Err(error) => {
+                let text = error.to_string();
+                assert!(text.contains("dir/test.glb") && !text.contains("panic"), "{text}");
+            }
         }
     }
 }
@@ -369,5 +373,25 @@ fn garbage_is_an_error() {
         [&b""[..], b"{", b"null", b"glTF", b"{\"asset\":{\"version\":\"2.0\"}}", b"\xff\xfe"]
     {
         assert!(parse_gltf(Path::new("x.gltf"), bytes).is_err());
+    }
+}
+
+#[test]
+fn every_changed_byte_is_an_error_or_a_scene() {
+    let mut document = document();
+    document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(1);
+    document["cameras"] =
+        json!([{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]);
+    document["nodes"][0]["camera"] = json!(0);
+    let bytes = glb(&document, &buffer());
+    for at in 12..bytes.len() {
+        for value in [b'0', b'9', b'-', b'"', b'}', 0, 0xff] {
+            let mut changed = bytes.clone();
+            changed[at] = value;
+            let result = parse_gltf(Path::new("x.glb"), &changed);
+            if let Err(error) = result {
+                assert!(!error.to_string().contains("panic"), "byte {at} = {value}: {error}");
+            }
+        }
     }
 }

@@ -215,8 +215,8 @@ fn a_missing_material_file_is_a_warning_that_names_it() {
         [
             "dir/test.obj:1: material file dir/lost.mtl is missing",
             "dir/test.obj:2: mtllib `../x.mtl` leads out of the folder; not read",
-            "dir/test.obj:6: material `red` is not defined; using the default",
-            "dir/test.obj:8: material `blue` is not defined; using the default",
+            "dir/test.obj: 2 materials are not defined and look default: \
+             `red` (line 6), `blue` (line 8)",
         ]
     );
     // Each keeps its name, so that a scene file can give it a colour.
