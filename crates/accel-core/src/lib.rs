@@ -15,6 +15,7 @@ pub mod aabb;
 pub mod bounds_rule;
 pub mod cell_lists;
 pub mod counters;
+pub mod far_ray;
 pub mod params;
 pub mod primitives;
 pub mod ray;

@@ -97,6 +97,8 @@ pub struct ResolutionInput<S: Scalar> {
     pub mean_longest_side: f64,
     /// Upper limit for the product.
     pub max_cells: u64,
+    /// Smallest side of a cell, world units: below it rounding could not tell cells apart.
+    pub smallest_cell: f64,
 }
 
 /// Largest number of voxels on one axis (indices must be exact in f32).
@@ -104,6 +106,8 @@ pub const MAX_PER_AXIS: u32 = 1 << 20;
 
 /// The number of voxels on each axis: at least 1, at most [`MAX_PER_AXIS`], the product at most
 /// `max_cells` for every rule that computes them; `Err(product)` when a fixed one asks for more.
+/// No rule makes cells smaller than `smallest_cell`: a flat axis gets one cell. What a formula asks
+/// of flat scenes beyond 8 D N voxels (256 N for *average edge*) is scaled down.
 pub fn resolve<S: Scalar>(
     rule: ResolutionRule,
     input: &ResolutionInput<S>,
@@ -114,13 +118,24 @@ pub fn resolve<S: Scalar>(
     if !(longest > 0.0 && longest.is_finite()) {
         return Ok([1; 3]);
     }
+    let most = size.map(|s| {
+        let n = if input.smallest_cell > 0.0 { s / input.smallest_cell } else { f64::INFINITY };
+        n.clamp(1.0, f64::from(MAX_PER_AXIS)) as u32
+    });
+    // a flat axis gets one voxel where a formula wants a fraction of one: the others must not make
+    // up for it without end
+    let in_proportion = match rule {
+        ResolutionRule::AverageEdge => (256.0 * input.primitives as f64).max(f64::from(1 << 20)),
+        _ => 8.0 * wanted + 64.0,
+    };
+    let max_cells = input.max_cells.min(in_proportion as u64);
     let real = match rule {
         ResolutionRule::Fixed(n) => {
             let product = n.iter().map(|&n| u128::from(n)).product::<u128>();
             return if product > u128::from(input.max_cells) || n.iter().any(|&n| n > MAX_PER_AXIS) {
                 Err(product)
             } else {
-                Ok(n)
+                Ok(std::array::from_fn(|k| n[k].min(most[k])))
             };
         }
         ResolutionRule::Regular => [wanted.cbrt(); 3],
@@ -139,7 +154,7 @@ pub fn resolve<S: Scalar>(
             size.map(|s| s / side)
         }
     };
-    Ok(limited(real, input.max_cells))
+    Ok(limited(std::array::from_fn(|k| real[k].min(f64::from(most[k]))), max_cells))
 }
 
 /// The side of a cube such that `wanted` of them fill the box, when an axis thinner than a cube
@@ -188,6 +203,7 @@ mod tests {
             density,
             mean_longest_side: 0.5,
             max_cells: 1 << 26,
+            smallest_cell: 1e-12,
         }
     }
 

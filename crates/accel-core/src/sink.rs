@@ -25,16 +25,25 @@ pub trait Sink<S: Scalar> {
     fn inner_step(&mut self);
 }
 
+/// A call to the counters. The feature `delete-counter-calls` removes it from the source, so that
+/// `scripts/counter-overhead.sh` can show that disabled counters cost nothing.
+macro_rules! count {
+    ($call:expr) => {
+        #[cfg(not(feature = "delete-counter-calls"))]
+        $call;
+    };
+}
+
 macro_rules! count_steps {
     () => {
         const COUNTING: bool = C::ENABLED;
         #[inline(always)]
-        fn elementary_step(&mut self, empty: bool) {
-            self.counters.elementary_step(empty);
+        fn elementary_step(&mut self, _empty: bool) {
+            count!(self.counters.elementary_step(_empty));
         }
         #[inline(always)]
         fn inner_step(&mut self) {
-            self.counters.inner_step();
+            count!(self.counters.inner_step());
         }
     };
 }
@@ -73,7 +82,7 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> 
 
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
-        self.counters.intersection_tests(ids.len());
+        count!(self.counters.intersection_tests(ids.len()));
         for &id in ids {
             if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
                 && (t < self.best.t || id < self.best.id)
@@ -119,7 +128,7 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for AnyHit<'_, S, P, C> {
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
         for &id in ids {
-            self.counters.intersection_tests(1);
+            count!(self.counters.intersection_tests(1));
             let hit = self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max);
             if hit.is_some() && self.prims.is_opaque(id) {
                 self.blocked = true;
@@ -175,7 +184,7 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, 
             if self.glass.contains(&id) {
                 continue;
             }
-            self.counters.intersection_tests(1);
+            count!(self.counters.intersection_tests(1));
             if self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max).is_some() {
                 if self.prims.is_opaque(id) {
                     self.blocked = true;

@@ -1,11 +1,33 @@
 //! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF and JSON scene files, and
 //! the Standard Procedural Databases generated in code.
 
+pub mod error;
+pub mod fetch;
+pub mod gltf;
+mod gltf_buffers;
+mod gltf_nodes;
+pub mod info;
+pub mod nff;
+mod nff_tokens;
+pub mod obj;
 pub mod obj_export;
+mod obj_material;
+mod obj_polygon;
+mod obj_scan;
 pub mod procedural;
 pub mod scene;
+pub mod scene_file;
+pub mod scene_set;
+pub mod source;
+mod source_embedded;
+pub mod source_formats;
+pub mod source_hash;
+mod source_procedural;
+pub mod source_read;
 pub mod tessellate;
 
+pub use error::{LoadError, Place};
 pub use scene::{
     Bounds, Camera, Cone, Light, Material, Primitive, Rgb, Scene, Shape, Sphere, Warning,
 };
+pub use source::{LoadedScene, SceneCatalogue, SceneRef};

@@ -216,7 +216,7 @@ mod tests {
             }
             let mut indices = mesh.indices.iter();
             for arity in arities {
-                let outline: Vec<[f32; 3]> = indices
+                let outline: Vec<[f64; 3]> = indices
                     .by_ref()
                     .take(arity as usize)
                     .map(|&i| std::array::from_fn(|k| mesh.positions[3 * i as usize + k]))
@@ -225,10 +225,10 @@ mod tests {
                 used.push(mesh.material_id.unwrap() as u32);
             }
         }
-        let expected: Vec<Vec<[f32; 3]>> = scene
+        let expected: Vec<Vec<[f64; 3]>> = scene
             .primitives
             .iter()
-            .map(|p| scene.outline(p.shape).iter().map(|v| v.as_vec3().to_array()).collect())
+            .map(|p| scene.outline(p.shape).iter().map(|v| v.to_array()).collect())
             .collect();
         assert_eq!(outlines, expected);
         assert_eq!(used, [0, 1, 1]);

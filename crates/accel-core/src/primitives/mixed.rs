@@ -55,6 +55,7 @@ pub struct MixedSet<S: Scalar> {
     spheres: Vec<Sphere<S>>,
     cones: Vec<Cone<S>>,
     transmissive: TransmissiveSet,
+    magnitude: S,
 }
 
 /// Collects primitives in id order.
@@ -74,6 +75,7 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
                 spheres: Vec::new(),
                 cones: Vec::new(),
                 transmissive: TransmissiveSet::default(),
+                magnitude: S::ZERO,
             },
         }
     }
@@ -158,7 +160,10 @@ impl<S: Scalar> MixedSetBuilder<S> {
     }
 
     /// The finished set.
-    pub fn finish(self) -> MixedSet<S> {
+    pub fn finish(mut self) -> MixedSet<S> {
+        if !self.set.is_empty() {
+            self.set.magnitude = self.set.scene_bounds().magnitude();
+        }
         self.set
     }
 }
@@ -210,6 +215,10 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     #[inline(always)]
     fn is_opaque(&self, id: u32) -> bool {
         !self.transmissive.contains(id)
+    }
+
+    fn magnitude(&self) -> S {
+        self.magnitude
     }
 
     fn bytes(&self) -> usize {

@@ -66,6 +66,8 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
     /// False for primitives that let shadow rays pass.
     fn is_opaque(&self, id: u32) -> bool;
+    /// The largest absolute coordinate of any bounds; known without a walk over the set.
+    fn magnitude(&self) -> S;
     /// Bytes the set occupies.
     fn bytes(&self) -> usize;
 

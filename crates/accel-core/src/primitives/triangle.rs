@@ -174,6 +174,7 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
 pub struct TriangleSet<S: Scalar, T: TriangleTest<S> = Watertight> {
     triangles: Vec<[[S; 3]; 3]>,
     transmissive: TransmissiveSet,
+    magnitude: S,
     test: PhantomData<T>,
 }
 
@@ -196,7 +197,9 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
         (0..triangles.len() as u32)
             .filter(|&id| is_transmissive(id))
             .for_each(|id| transmissive.insert(id));
-        Ok(Self { triangles, transmissive, test: PhantomData })
+        let coordinates = triangles.as_flattened().as_flattened();
+        let magnitude = coordinates.iter().fold(S::ZERO, |m, x| m.greater(x.abs()));
+        Ok(Self { triangles, transmissive, magnitude, test: PhantomData })
     }
 
     /// The vertices, by id.
@@ -209,6 +212,7 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
         TriangleSet {
             triangles: self.triangles,
             transmissive: self.transmissive,
+            magnitude: self.magnitude,
             test: PhantomData,
         }
     }
@@ -244,6 +248,9 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     #[inline(always)]
     fn is_opaque(&self, id: u32) -> bool {
         !self.transmissive.contains(id)
+    }
+    fn magnitude(&self) -> S {
+        self.magnitude
     }
     fn bytes(&self) -> usize {
         std::mem::size_of_val(self.triangles.as_slice()) + self.transmissive.bytes()

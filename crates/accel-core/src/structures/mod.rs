@@ -204,7 +204,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         if prims.is_empty() {
             return Err(BuildError::NoPrimitives { structure: params.structure() });
         }
-        Ok(Box::new(Bound::new(prims, T::build(prims, params)?)))
+        Ok(Box::new(Bound::<S, P, T>::new(prims, T::build(prims, params)?)))
     }
     match prims {
         PrimsRef::Watertight(p) => over::<S, _, T>(p, params),

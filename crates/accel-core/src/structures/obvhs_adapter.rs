@@ -12,7 +12,7 @@ use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::ray::Ray as ObvhsRay;
 
 use super::BuildError;
-use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -114,8 +114,12 @@ pub(super) fn items<S: Scalar, P: PrimSet<S>>(
     let robust = is_robust(params);
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
+    let f32_padding = f64::from(f32::EPSILON) * PADDING_ULPS * boxes.scene().magnitude().to_f64();
+    let margin = S::from_f64(f32_padding);
     let single: Vec<ObvhsAabb> = (0..prims.len() as u32)
-        .map(|id| outward(&if robust { boxes.of(id) } else { prims.bounds(id) }))
+        .map(|id| prims.bounds(id))
+        .map(|tight| outward(&if robust { tight.expanded(margin) } else { tight }))
         .collect();
     if !robust || !centres_coincide(&single) {
         return Ok(Items { boxes: single, groups: Groups::Single });

@@ -183,6 +183,7 @@ fn frame_of<S: Scalar, P: PrimSet<S>>(
             _ => 0.0,
         },
         max_cells,
+        smallest_cell: boxes.smallest_cell(),
     };
     let n = resolve(rule, &input).map_err(|needed| BuildError::TooLarge {
         structure: params.structure(),

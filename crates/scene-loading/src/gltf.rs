@@ -1,0 +1,122 @@
+//! glTF 2.0: `.glb`, and `.gltf` with `.bin` files or data URIs, through the crate `gltf`.
+//!
+//! Taken: triangles (lists, strips, fans) under the transforms of their nodes, base colours, the
+//! first perspective camera, point and spot lights (`KHR_lights_punctual`). Not taken: textures,
+//! skins, morph targets, points and lines (counted in a warning), orthographic cameras and
+//! directional lights (a warning). Files that *require* another extension are refused.
+//!
+//! The crate panics on some invalid files and believes lengths that it reads. So the GLB header,
+//! URIs, buffer views and accessors are checked here before it reads through them; images are
+//! never touched; and as a last belt a panic inside the crate is caught and becomes
+//! [`LoadError::Parser`] (the panic's message still goes to stderr).
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use crate::error::{LoadError, Place};
+use crate::gltf_buffers::Buffers;
+use crate::gltf_nodes::Walker;
+use crate::scene::Scene;
+use crate::source_read::{read_file, scene_name};
+
+/// Loads a `.gltf` or `.glb` file, and the buffer files below its folder.
+///
+/// # Errors
+/// Any [`LoadError`] of reading files, and of [`parse_gltf`].
+pub fn load_gltf(path: &Path) -> Result<Scene, LoadError> {
+    parse_gltf(path, &read_file(path)?)
+}
+
+/// Parses glTF bytes, binary or JSON. `path` gives the scene its name and the folder of its
+/// buffers, and appears in errors. A scene without a camera is framed.
+///
+/// # Errors
+/// [`LoadError::GlbLength`], [`LoadError::Parser`] (malformed JSON, unsupported required
+/// extensions), [`LoadError::Gltf`], [`LoadError::PastBuffer`], [`LoadError::OutsideFolder`],
+/// [`LoadError::IndexOutOfRange`], [`LoadError::NotFinite`], [`LoadError::NodeReachedTwice`],
+/// [`LoadError::CountTooLarge`] and [`LoadError::NoPrimitives`].
+pub fn parse_gltf(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
+    check_glb_header(path, bytes)?;
+    catch_unwind(AssertUnwindSafe(|| parse_checked(path, bytes))).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
+        Err(parser_error(path, format!("panic: {text}")))
+    })
+}
+
+fn parser_error(path: &Path, message: String) -> LoadError {
+    LoadError::Parser { place: Place::file(path), parser: "gltf", message }
+}
+
+fn parse_checked(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
+    let fail = |error: ::gltf::Error| parser_error(path, error.to_string());
+    let ::gltf::Gltf { document, blob } =
+        ::gltf::Gltf::from_slice_without_validation(bytes).map_err(fail)?;
+    let json = document.into_json();
+    check_before_validation(path, &json)?;
+    let document = ::gltf::Document::from_json(json).map_err(fail)?;
+    let buffers = Buffers::load(path, &document, blob)?;
+    let scene = document.default_scene().or_else(|| document.scenes().next());
+    let scene = scene.ok_or_else(|| LoadError::Gltf {
+        place: Place::file(path),
+        object: "document".into(),
+        found: "no scene".into(),
+        expected: "at least one".into(),
+    })?;
+    let mut walker = Walker::new(path, &document, &buffers, Scene::new(scene_name(path)));
+    walker.walk(&scene)?;
+    walker.finish()
+}
+
+/// What the crate's own validation (1.4.1) panics on, or lets pass to a panic later.
+fn check_before_validation(path: &Path, json: &::gltf::json::Root) -> Result<(), LoadError> {
+    use ::gltf::json::camera::Type;
+    use ::gltf::json::validation::Checked;
+    let invalid = |object: String, found: &str, expected: &str| LoadError::Gltf {
+        place: Place::file(path),
+        object,
+        found: found.into(),
+        expected: expected.into(),
+    };
+    let accessors = json.accessors.len();
+    for (m, mesh) in json.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let accessor = primitive.attributes.values().find(|i| i.value() >= accessors);
+            if let Some(index) = accessor {
+                return Err(LoadError::IndexOutOfRange {
+                    place: Place::file(path),
+                    what: format!("mesh {m} primitive {p}: accessor"),
+                    index: index.value().to_string(),
+                    valid: format!("there are {accessors}, counted from 0"),
+                });
+            }
+        }
+    }
+    for (c, camera) in json.cameras.iter().enumerate() {
+        let described = match camera.type_ {
+            Checked::Valid(Type::Perspective) => camera.perspective.is_some(),
+            Checked::Valid(Type::Orthographic) => camera.orthographic.is_some(),
+            Checked::Invalid => true,
+        };
+        if !described {
+            let expected = "an object named as its type";
+            return Err(invalid(format!("camera {c}"), "a type without its properties", expected));
+        }
+    }
+    Ok(())
+}
+
+/// A GLB file states its length; the crate would believe it.
+fn check_glb_header(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
+    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok(()) };
+    let actual = bytes.len() as u64;
+    let Some(&[_, _, _, _, a, b, c, d]) = rest.first_chunk::<8>() else {
+        let expected = "a GLB header of 12 bytes".to_string();
+        return Err(LoadError::UnexpectedEnd { place: Place::file(path), expected });
+    };
+    let declared = u64::from(u32::from_le_bytes([a, b, c, d]));
+    if declared != actual || declared < 20 {
+        return Err(LoadError::GlbLength { place: Place::file(path), declared, actual });
+    }
+    Ok(())
+}

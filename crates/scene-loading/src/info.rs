@@ -1,0 +1,229 @@
+//! What a scene holds, and what about it may trouble a benchmark.
+
+use std::fmt;
+
+use crate::error::Place;
+use crate::nff::check_camera;
+use crate::obj_polygon::{area_vector, is_flat};
+use crate::scene::{Bounds, Scene, Shape, Warning};
+
+/// Counts and sizes of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneInfo {
+    /// All primitives.
+    pub primitives: usize,
+    /// Spheres among them.
+    pub spheres: usize,
+    /// Cones and cylinders among them.
+    pub cones: usize,
+    /// Polygons among them.
+    pub polygons: usize,
+    /// Flat triangles among them.
+    pub triangles: usize,
+    /// Triangles with normals among them.
+    pub patches: usize,
+    /// Shared vertices.
+    pub vertices: usize,
+    /// Shared normals.
+    pub normals: usize,
+    /// Materials.
+    pub materials: usize,
+    /// Lights.
+    pub lights: usize,
+    /// Bounds of all primitives, world units.
+    pub bounds: Bounds,
+    /// Bytes that the scene's arrays take in memory.
+    pub bytes: usize,
+}
+
+impl SceneInfo {
+    /// Counts what the scene holds. Primitives with invalid indices are counted but add nothing
+    /// to the bounds.
+    pub fn of(scene: &Scene) -> Self {
+        let mut info = Self {
+            primitives: scene.primitives.len(),
+            spheres: 0,
+            cones: 0,
+            polygons: 0,
+            triangles: 0,
+            patches: 0,
+            vertices: scene.vertices.len(),
+            normals: scene.normals.len(),
+            materials: scene.materials.len(),
+            lights: scene.lights.len(),
+            bounds: Bounds::EMPTY,
+            bytes: size_of_val(scene.lights.as_slice())
+                + size_of_val(scene.materials.as_slice())
+                + scene.materials.iter().map(|m| m.name.len()).sum::<usize>()
+                + size_of_val(scene.vertices.as_slice())
+                + size_of_val(scene.normals.as_slice())
+                + size_of_val(scene.spheres.as_slice())
+                + size_of_val(scene.cones.as_slice())
+                + size_of_val(scene.primitives.as_slice()),
+        };
+        for primitive in &scene.primitives {
+            match primitive.shape {
+                Shape::Sphere(_) => info.spheres += 1,
+                Shape::Cone(_) => info.cones += 1,
+                Shape::Polygon { .. } => info.polygons += 1,
+                Shape::Triangle { .. } => info.triangles += 1,
+                Shape::Patch { .. } => info.patches += 1,
+            }
+            if indices_are_valid(scene, primitive.shape) {
+                let bounds = scene.shape_bounds(primitive.shape);
+                info.bounds.include(bounds.min);
+                info.bounds.include(bounds.max);
+            }
+        }
+        info
+    }
+}
+
+impl fmt::Display for SceneInfo {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "primitives  {}", self.primitives)?;
+        for (name, count) in [
+            ("spheres", self.spheres),
+            ("cones", self.cones),
+            ("polygons", self.polygons),
+            ("triangles", self.triangles),
+            ("patches", self.patches),
+        ] {
+            if count > 0 {
+                writeln!(f, "  {name:<10}{count}")?;
+            }
+        }
+        writeln!(f, "vertices    {}", self.vertices)?;
+        writeln!(f, "normals     {}", self.normals)?;
+        writeln!(f, "materials   {}", self.materials)?;
+        writeln!(f, "lights      {}", self.lights)?;
+        if !self.bounds.is_empty() {
+            writeln!(f, "bounds      {} to {}", self.bounds.min, self.bounds.max)?;
+        }
+        write!(f, "memory      {:.1} MiB", self.bytes as f64 / (1 << 20) as f64)
+    }
+}
+
+/// Looks for what loaders let pass or generators may get wrong: invalid indices, numbers that are
+/// not finite, shapes without extent, bent polygons, a camera without a view, no lights, detail
+/// below what single precision resolves. An empty list means that nothing was found; the
+/// scene's own warnings are not repeated.
+pub fn validate(scene: &Scene) -> Vec<Warning> {
+    let mut faults = Faults::default();
+    for (id, primitive) in scene.primitives.iter().enumerate() {
+        if primitive.material as usize >= scene.materials.len() {
+            faults.add(Fault::Material, id);
+        }
+        if !indices_are_valid(scene, primitive.shape) {
+            faults.add(Fault::Index, id);
+        } else {
+            check_shape(scene, primitive.shape, id, &mut faults);
+        }
+    }
+    let mut warnings = faults.warnings(&scene.name);
+    let mut warn = |text: String| warnings.push(Warning(format!("{}: {text}", scene.name)));
+    if scene.primitives.is_empty() {
+        warn("no primitives".into());
+    }
+    if scene.lights.is_empty() {
+        warn("no lights: every surface is black".into());
+    }
+    if let Err(error) = check_camera(&scene.camera, || Place::file(scene.name.as_ref())) {
+        warnings.push(Warning(error.to_string()));
+    }
+    warnings
+}
+
+fn indices_are_valid(scene: &Scene, shape: Shape) -> bool {
+    let below = |indices: [u32; 3], length: usize| indices.iter().all(|&i| (i as usize) < length);
+    match shape {
+        Shape::Sphere(i) => (i as usize) < scene.spheres.len(),
+        Shape::Cone(i) => (i as usize) < scene.cones.len(),
+        Shape::Polygon { first, count } => {
+            count >= 3 && u64::from(first) + u64::from(count) <= scene.vertices.len() as u64
+        }
+        Shape::Triangle { v } => below(v, scene.vertices.len()),
+        Shape::Patch { v, n } => below(v, scene.vertices.len()) && below(n, scene.normals.len()),
+    }
+}
+
+/// `shape` has valid indices.
+fn check_shape(scene: &Scene, shape: Shape, id: usize, faults: &mut Faults) {
+    let bounds = scene.shape_bounds(shape);
+    if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+        faults.add(Fault::NotFinite, id);
+        return;
+    }
+    let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let extent = bounds.size().max_element();
+    if extent > 0.0 && extent < reach * f64::from(f32::EPSILON) {
+        faults.add(Fault::TooSmall, id);
+    }
+    match shape {
+        Shape::Sphere(_) | Shape::Cone(_) => {
+            if extent <= 0.0 {
+                faults.add(Fault::NoExtent, id);
+            }
+        }
+        Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
+            let outline = scene.outline(shape);
+            match area_vector(&outline) {
+                None => faults.add(Fault::NoExtent, id),
+                Some(area) if !is_flat(&outline, area) => faults.add(Fault::Bent, id),
+                Some(_) => {}
+            }
+        }
+    }
+    if let Shape::Patch { n, .. } = shape {
+        let unusable = |i: &u32| {
+            scene.normals.get(*i as usize).is_none_or(|n| !n.is_finite() || n.length() == 0.0)
+        };
+        if n.iter().any(unusable) {
+            faults.add(Fault::Normal, id);
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Fault {
+    Material,
+    Index,
+    NotFinite,
+    NoExtent,
+    Bent,
+    Normal,
+    TooSmall,
+}
+
+/// For each kind of fault: how many primitives have it, and the first.
+#[derive(Default)]
+struct Faults([(usize, usize); 7]);
+
+impl Faults {
+    fn add(&mut self, fault: Fault, id: usize) {
+        if let Some((count, first)) = self.0.get_mut(fault as usize) {
+            if *count == 0 {
+                *first = id;
+            }
+            *count += 1;
+        }
+    }
+
+    fn warnings(&self, name: &str) -> Vec<Warning> {
+        let texts = [
+            "with a material that does not exist",
+            "with vertices, normals or shapes that do not exist",
+            "with numbers that are not finite",
+            "without area or extent",
+            "that are polygons with corners off their plane",
+            "with normals of length 0",
+            "too small for single precision at their place",
+        ];
+        let found = self.0.iter().zip(texts).filter(|((count, _), _)| *count > 0);
+        found
+            .map(|((count, first), text)| {
+                Warning(format!("{name}: {count} primitives {text} (first: {first})"))
+            })
+            .collect()
+    }
+}

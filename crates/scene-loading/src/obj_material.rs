@@ -1,0 +1,116 @@
+//! Materials of OBJ files (MTL).
+//!
+//! tobj 4.0 panics on `Kd 0.5`, so each line is checked first and only lines of a form that it
+//! reads safely are passed on. How MTL maps to [`Material`]:
+//!
+//! - colour = `Kd`, diffuse share 1;
+//! - specular share = mean of `Ks`, but only for the illumination models that reflect (`illum`
+//!   3 to 9): exporters write `Ks 0.5` for every matt surface, and here a share > 0 is a mirror;
+//! - shine = `Ns`; transmittance = 1 - `d` (or `Tr`); index of refraction = `Ni` where transparent.
+//!
+//! Textures (`map_*`) are not read.
+
+use std::path::Path;
+
+use crate::error::{LoadError, Place};
+use crate::scene::Material;
+use crate::source_read::lossy_text;
+
+/// Reads MTL text.
+///
+/// # Errors
+/// [`LoadError::Syntax`] and [`LoadError::NotFinite`] with the line.
+pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Vec<Material>, LoadError> {
+    let clean = checked(path, &lossy_text(bytes))?;
+    let (materials, _) = tobj::load_mtl_buf(&mut clean.as_bytes()).map_err(|e| {
+        LoadError::Parser { place: Place::file(path), parser: "tobj", message: e.to_string() }
+    })?;
+    Ok(materials.iter().map(convert).collect())
+}
+
+/// The lines that matter, each in the one form that tobj reads.
+fn checked(path: &Path, text: &str) -> Result<String, LoadError> {
+    let mut clean = String::with_capacity(text.len());
+    let mut named = false;
+    for (i, row) in text.lines().enumerate() {
+        let place = || Place::line(path, i + 1);
+        let row = row.trim();
+        let (keyword, rest) = row.split_once(char::is_whitespace).unwrap_or((row, ""));
+        let rest = rest.trim();
+        if keyword == "newmtl" {
+            if rest.is_empty() {
+                return Err(LoadError::syntax(place(), row, "newmtl and a name"));
+            }
+            named = true;
+            clean.push_str(&format!("newmtl {rest}\n"));
+            continue;
+        }
+        let counts: &[usize] = match keyword {
+            "Kd" | "Ks" => &[1, 3],
+            "Ns" | "Ni" | "d" | "Tr" | "illum" => &[1],
+            _ => continue,
+        };
+        if !named {
+            return Err(LoadError::syntax(place(), row, "newmtl before the first property"));
+        }
+        let words: Vec<&str> =
+            rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
+        if let (Some("spectral" | "xyz" | "-halo"), _) = (words.first().copied(), ()) {
+            continue;
+        }
+        let values = words
+            .iter()
+            .map(|word| number(word, keyword, place))
+            .collect::<Result<Vec<f64>, LoadError>>()?;
+        match (keyword, values.as_slice()) {
+            // One number stands for three equal ones.
+            ("Kd" | "Ks", [v]) => clean.push_str(&format!("{keyword} {v} {v} {v}\n")),
+            ("Kd" | "Ks", [r, g, b]) => clean.push_str(&format!("{keyword} {r} {g} {b}\n")),
+            ("Tr", [v]) => clean.push_str(&format!("d {}\n", 1.0 - v)),
+            ("illum", [v]) if (0.0..=10.0).contains(v) && v.fract() == 0.0 => {
+                clean.push_str(&format!("illum {v}\n"));
+            }
+            ("illum", [_]) => {
+                return Err(LoadError::syntax(place(), row, "an illumination model, 0 to 10"));
+            }
+            (_, [v]) => clean.push_str(&format!("{keyword} {v}\n")),
+            _ => {
+                let expected = match counts {
+                    [one] => format!("{keyword} and {one} number"),
+                    _ => format!("{keyword} and 1 or 3 numbers"),
+                };
+                return Err(LoadError::syntax(place(), row, expected));
+            }
+        }
+    }
+    Ok(clean)
+}
+
+fn number(word: &str, what: &str, place: impl Fn() -> Place) -> Result<f64, LoadError> {
+    let value: f64 =
+        word.parse().map_err(|_| LoadError::syntax(place(), word, format!("a number ({what})")))?;
+    if !value.is_finite() {
+        let (what, found) = (what.to_string(), word.to_string());
+        return Err(LoadError::NotFinite { place: place(), what, found });
+    }
+    Ok(value)
+}
+
+fn convert(mtl: &tobj::Material) -> Material {
+    let default = Material::default();
+    let reflects = mtl.illumination_model.is_some_and(|model| model >= 3);
+    let specular = mtl.specular.map_or(0.0, |[r, g, b]| (r + g + b) / 3.0);
+    let transmittance = 1.0 - mtl.dissolve.unwrap_or(1.0).clamp(0.0, 1.0);
+    Material {
+        name: mtl.name.clone(),
+        color: mtl.diffuse.unwrap_or(default.color),
+        diffuse: default.diffuse,
+        specular: if reflects { specular.clamp(0.0, 1.0) } else { 0.0 },
+        shine: mtl.shininess.unwrap_or(0.0).max(0.0),
+        transmittance,
+        refraction_index: match mtl.optical_density {
+            Some(index) if transmittance > 0.0 && index > 0.0 => index,
+            _ => default.refraction_index,
+        },
+    }
+}

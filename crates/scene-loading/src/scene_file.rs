@@ -1,0 +1,242 @@
+//! JSON scene files (`scenes/*.json`): where a scene comes from, and the view, lights and
+//! materials that its source lacks.
+//!
+//! ```json
+//! {
+//!   "name": "kitchen", "title": "A kitchen", "why": "One sentence on what it tests.",
+//!   "source": {"crate": {"name": "obvhs", "version": "0.4.0", "path": "assets/kitchen.obj.zst"}},
+//!   "sha256": "b6c3...", "licence": "MIT OR Apache-2.0",
+//!   "camera": {"from": [0, 1, 2], "at": [0, 1, 0], "up": [0, 1, 0], "angle": 60},
+//!   "lights": [{"position": [0, 2, 0]}]
+//! }
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::DVec3;
+use serde::Deserialize;
+
+use crate::error::{LoadError, Place};
+use crate::fetch::PackageAsset;
+use crate::nff::check_camera;
+use crate::scene::{Camera, Light, Material, Rgb, Scene};
+
+/// A scene file. Keys that are not listed here are errors.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Name on the command line; the same as the file's stem.
+    pub name: String,
+    /// A few words for tables.
+    pub title: String,
+    /// One sentence: why the scene is worth measuring.
+    pub why: String,
+    /// Where the geometry comes from.
+    pub source: Source,
+    /// SHA-256 of the source file in hexadecimal; compared on each load.
+    pub sha256: Option<String>,
+    /// Licence of the geometry.
+    pub licence: Option<String>,
+    /// Turn spheres, cones and polygons into triangles.
+    pub tessellate: Option<Tessellate>,
+    /// Split polygons of an OBJ source into triangles.
+    #[serde(default)]
+    pub triangulate: bool,
+    /// Replaces the source's camera.
+    pub camera: Option<CameraEntry>,
+    /// Replaces the source's lights.
+    pub lights: Option<Vec<LightEntry>>,
+    /// Replaces the source's background colour.
+    pub background: Option<Rgb>,
+    /// Changes materials of the source, by their names.
+    #[serde(default)]
+    pub materials: BTreeMap<String, MaterialEntry>,
+    /// Reserved: must be empty.
+    #[serde(default)]
+    pub effects: Effects,
+}
+
+/// Where the geometry of a scene file comes from.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// A generator's specification: `balls:4`.
+    Spd(String),
+    /// A file; relative paths count from the scene file's folder.
+    File(String),
+    /// A file inside a package of the cargo registry.
+    Crate(PackageAsset),
+}
+
+/// How finely curved primitives become triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tessellate {
+    /// The tessellator's resolution, at least 1.
+    pub resolution: u32,
+}
+
+/// A camera in NFF's terms; see [`Camera`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraEntry {
+    /// Eye.
+    pub from: [f64; 3],
+    /// Point in the middle of the image.
+    pub at: [f64; 3],
+    /// Up.
+    pub up: [f64; 3],
+    /// Full field of view in degrees.
+    pub angle: f64,
+    /// Distance to the near plane; informative.
+    #[serde(default)]
+    pub hither: f64,
+    /// Width and height in pixels; 512 by 512 when absent.
+    pub resolution: Option<[u32; 2]>,
+}
+
+/// A point light.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightEntry {
+    /// Where it is.
+    pub position: [f64; 3],
+    /// Its colour; see [`Light::Point`] for its absence.
+    pub color: Option<Rgb>,
+}
+
+/// The properties of a material that a scene file changes; the others stay.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MaterialEntry {
+    /// Base colour.
+    pub color: Option<Rgb>,
+    /// Diffuse share.
+    pub diffuse: Option<f64>,
+    /// Specular share.
+    pub specular: Option<f64>,
+    /// Phong exponent.
+    pub shine: Option<f64>,
+    /// Transmitted share.
+    pub transmittance: Option<f64>,
+    /// Index of refraction.
+    pub refraction_index: Option<f64>,
+}
+
+/// Reserved for the effects of a scene; has no keys yet.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Effects {}
+
+impl SceneFile {
+    /// Parses and checks a scene file. `path` appears in errors; its stem must be the name.
+    ///
+    /// # Errors
+    /// [`LoadError::Json`] with line and column, [`LoadError::Syntax`] and
+    /// [`LoadError::OutOfRange`] for values that JSON allows and a scene does not.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, LoadError> {
+        let file: Self = from_json(path, text)?;
+        check_name(path, &file.name)?;
+        let place = || Place::file(path);
+        let is_hash = |h: &&String| h.len() == 64 && h.bytes().all(|b| b.is_ascii_hexdigit());
+        if let Some(hash) = file.sha256.as_ref().filter(|hash| !is_hash(hash)) {
+            return Err(LoadError::syntax(place(), hash, "sha256: 64 hexadecimal digits"));
+        }
+        if let Some(Tessellate { resolution: 0 }) = file.tessellate {
+            return Err(LoadError::syntax(place(), "0", "tessellate: a resolution of at least 1"));
+        }
+        if let Source::Crate(asset) = &file.source {
+            asset.check(path)?;
+            if file.sha256.is_none() {
+                let expected = "a scene from a package to state its sha256";
+                return Err(LoadError::syntax(place(), "no sha256", expected));
+            }
+        }
+        if let Some(entry) = file.camera {
+            check_camera(&entry.into(), place)?;
+        }
+        Ok(file)
+    }
+
+    /// Applies camera, lights, background and materials to the loaded source.
+    ///
+    /// # Errors
+    /// [`LoadError::Syntax`] when it changes a material that the scene does not have.
+    pub fn apply(&self, path: &Path, scene: &mut Scene) -> Result<(), LoadError> {
+        for (name, entry) in &self.materials {
+            let mut found = false;
+            for material in scene.materials.iter_mut().filter(|m| m.name == *name) {
+                entry.apply(material);
+                found = true;
+            }
+            if !found {
+                let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+                let expected = format!("the name of a material: {}", names.join(", "));
+                return Err(LoadError::syntax(Place::file(path), name, expected));
+            }
+        }
+        if let Some(camera) = self.camera {
+            scene.camera = camera.into();
+        }
+        if let Some(lights) = &self.lights {
+            let light = |l: &LightEntry| Light::Point {
+                position: DVec3::from_array(l.position),
+                color: l.color,
+            };
+            scene.lights = lights.iter().map(light).collect();
+        }
+        if let Some(background) = self.background {
+            scene.background = background;
+        }
+        scene.name.clone_from(&self.name);
+        Ok(())
+    }
+}
+
+impl From<CameraEntry> for Camera {
+    fn from(entry: CameraEntry) -> Self {
+        Self {
+            from: DVec3::from_array(entry.from),
+            at: DVec3::from_array(entry.at),
+            up: DVec3::from_array(entry.up),
+            angle: entry.angle,
+            hither: entry.hither,
+            resolution: entry.resolution.unwrap_or(Self::default().resolution),
+        }
+    }
+}
+
+impl MaterialEntry {
+    fn apply(&self, material: &mut Material) {
+        let set = |target: &mut f64, value: Option<f64>| *target = value.unwrap_or(*target);
+        material.color = self.color.unwrap_or(material.color);
+        set(&mut material.diffuse, self.diffuse);
+        set(&mut material.specular, self.specular);
+        set(&mut material.shine, self.shine);
+        set(&mut material.transmittance, self.transmittance);
+        set(&mut material.refraction_index, self.refraction_index);
+    }
+}
+
+/// Parses JSON; errors carry file, line and column.
+pub(crate) fn from_json<T: serde::de::DeserializeOwned>(
+    path: &Path,
+    text: &str,
+) -> Result<T, LoadError> {
+    serde_json::from_str(text).map_err(|error| {
+        let message = error.to_string();
+        // The position is in our own fields already.
+        let message = message.split(" at line ").next().unwrap_or_default().to_string();
+        LoadError::Json { place: Place::line(path, error.line()), column: error.column(), message }
+    })
+}
+
+/// The name inside a scene or set file must be the one it is found by.
+pub(crate) fn check_name(path: &Path, name: &str) -> Result<(), LoadError> {
+    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    if stem == name {
+        return Ok(());
+    }
+    Err(LoadError::syntax(Place::file(path), name, format!("the name `{stem}`, as the file has")))
+}

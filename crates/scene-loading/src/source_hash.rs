@@ -1,0 +1,128 @@
+//! Hashes of files and of scenes.
+
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+
+use crate::scene::{Camera, Light, Scene, Shape};
+
+/// SHA-256 of bytes, in hexadecimal.
+pub fn sha256_of_bytes(bytes: &[u8]) -> String {
+    hex(Sha256::digest(bytes).as_slice())
+}
+
+/// SHA-256 of what a scene looks like: camera, background, lights, materials, geometry and the
+/// order of the primitives. Names and warnings do not count. Numbers enter as the little-endian
+/// bits of their `f64`, each list after its length, so the hash is the same on every machine.
+pub fn sha256_of_scene(scene: &Scene) -> String {
+    let mut hash = Canonical(Sha256::new());
+    hash.0.update(b"rtbench scene 1\n");
+    let Camera { from, at, up, angle, hither, resolution } = scene.camera;
+    hash.vectors(&[from, at, up]);
+    hash.numbers(&[angle, hither]);
+    hash.words(&resolution);
+    hash.numbers(&scene.background);
+    hash.length(scene.lights.len());
+    for light in &scene.lights {
+        let Light::Point { position, color } = light;
+        hash.vectors(&[*position]);
+        hash.words(&[u32::from(color.is_some())]);
+        hash.numbers(&color.unwrap_or_default());
+    }
+    hash.length(scene.materials.len());
+    for m in &scene.materials {
+        hash.numbers(&m.color);
+        hash.numbers(&[m.diffuse, m.specular, m.shine, m.transmittance, m.refraction_index]);
+    }
+    for vectors in [&scene.vertices, &scene.normals] {
+        hash.length(vectors.len());
+        hash.vectors(vectors);
+    }
+    hash.length(scene.spheres.len());
+    for sphere in &scene.spheres {
+        hash.vectors(&[sphere.center]);
+        hash.numbers(&[sphere.radius]);
+    }
+    hash.length(scene.cones.len());
+    for cone in &scene.cones {
+        hash.vectors(&[cone.base, cone.apex]);
+        hash.numbers(&[cone.base_radius, cone.apex_radius]);
+    }
+    hash.length(scene.primitives.len());
+    for primitive in &scene.primitives {
+        match primitive.shape {
+            Shape::Sphere(i) => hash.words(&[1, i]),
+            Shape::Cone(i) => hash.words(&[2, i]),
+            Shape::Polygon { first, count } => hash.words(&[3, first, count]),
+            Shape::Triangle { v: [a, b, c] } => hash.words(&[4, a, b, c]),
+            Shape::Patch { v: [a, b, c], n: [d, e, f] } => hash.words(&[5, a, b, c, d, e, f]),
+        }
+        hash.words(&[primitive.material]);
+    }
+    hex(hash.0.finalize().as_slice())
+}
+
+struct Canonical(Sha256);
+
+impl Canonical {
+    fn words(&mut self, words: &[u32]) {
+        for word in words {
+            self.0.update(word.to_le_bytes());
+        }
+    }
+
+    fn length(&mut self, length: usize) {
+        self.0.update((length as u64).to_le_bytes());
+    }
+
+    fn numbers(&mut self, numbers: &[f64]) {
+        for number in numbers {
+            self.0.update(number.to_bits().to_le_bytes());
+        }
+    }
+
+    fn vectors(&mut self, vectors: &[DVec3]) {
+        for vector in vectors {
+            self.numbers(&vector.to_array());
+        }
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+
+    #[test]
+    fn known_hash_of_bytes() {
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(sha256_of_bytes(b"abc"), expected);
+    }
+
+    #[test]
+    fn the_hash_sees_what_is_visible() {
+        let mut scene = Scene::new("a");
+        scene.push_material(Material::default());
+        scene.push_sphere(0, DVec3::ZERO, 1.0);
+        let before = sha256_of_scene(&scene);
+        // Published results name this hash: it must not drift.
+        assert_eq!(before, "92a30a3d8b208b51f1720ddf2f32c5f0a27fda9c8a3edace37c8c15922143bb3");
+        scene.name = "b".into();
+        scene.materials[0].name = "red".into();
+        assert_eq!(sha256_of_scene(&scene), before);
+        for change in [
+            |s: &mut Scene| s.spheres[0].radius = 2.0,
+            |s: &mut Scene| s.camera.angle = 44.0,
+            |s: &mut Scene| s.materials[0].specular = 0.1,
+            |s: &mut Scene| s.lights.push(Light::Point { position: DVec3::X, color: None }),
+            |s: &mut Scene| s.background[1] = 0.5,
+        ] {
+            let mut other = scene.clone();
+            change(&mut other);
+            assert_ne!(sha256_of_scene(&other), before);
+        }
+    }
+}
