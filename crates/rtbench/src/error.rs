@@ -89,7 +89,9 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Plan(PlanError::Scene(e)) | Self::Load(e) => {
-                if matches!(e, LoadError::UnknownScene { .. }) { USAGE } else { FAILURE }
+                let is_usage =
+                    matches!(e, LoadError::UnknownScene { .. } | LoadError::Procedural { .. });
+                if is_usage { USAGE } else { FAILURE }
             }
             Self::Plan(_) => USAGE,
             _ => FAILURE,

@@ -28,7 +28,6 @@ pub mod scene_run;
 pub mod scene_source;
 pub mod schedule;
 pub mod statistics;
-mod stub;
 mod suggest;
 pub mod summary;
 

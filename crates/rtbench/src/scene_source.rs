@@ -3,9 +3,9 @@
 use std::fmt::Debug;
 use std::path::PathBuf;
 
-use scene_loading::procedural::SPD;
+use scene_loading::procedural::{SPD, SpecError};
 
-pub use crate::stub::{LoadError, LoadedScene, SceneCatalogue, SceneRef};
+pub use scene_loading::{LoadError, LoadedScene, SceneCatalogue, SceneRef};
 
 /// A scene that is known but not loaded.
 pub trait KnownScene: Debug + Send + Sync {
@@ -54,6 +54,7 @@ pub struct Installed;
 impl SceneSource for Installed {
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
         let scenes = SceneCatalogue::open(None)?.resolve(names)?;
+        scenes.iter().try_for_each(|scene| check_size(&scene.name))?;
         Ok(scenes.into_iter().map(|scene| Box::new(scene) as Box<dyn KnownScene>).collect())
     }
 
@@ -82,4 +83,20 @@ impl KnownScene for SceneRef {
     fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
         self.fetch()
     }
+}
+
+/// A generated scene's size is checked when it is named, not when its turn comes.
+fn check_size(spec: &str) -> Result<(), LoadError> {
+    let Some((name, size)) = spec.split_once(':') else { return Ok(()) };
+    let Some(family) = SPD.iter().find(|family| family.name == name) else { return Ok(()) };
+    if size.parse().is_ok_and(|size| (1..=family.max_size).contains(&size)) {
+        return Ok(());
+    }
+    let error = SpecError::BadSize {
+        name: family.name,
+        size: size.to_owned(),
+        max_size: family.max_size,
+        default_size: family.default_size,
+    };
+    Err(LoadError::Procedural { spec: spec.to_owned(), message: error.to_string() })
 }

@@ -23,6 +23,7 @@ fn unknown_names_are_usage_errors_that_say_what_is_valid() {
         ("run tetra:2 --rays primery", "did you mean 'primary'?"),
         ("run tetra:2 --reference obvhs", "unknown structure 'obvhs'"),
         ("run tetrra", "tetra"),
+        ("run balls:99", "sizes are whole numbers from 1 to"),
         ("run tetra:2 --rounds 0", "--rounds"),
         ("run tetra:2 --rounds 5 --time-budget 5s", "--time-budget"),
         ("run tetra:2 --time-budget soon", "500ms"),
@@ -91,7 +92,7 @@ fn lists_come_from_the_registries() {
 fn scenes_can_be_inspected_and_checked() {
     let info = run("scenes info tetra:2");
     assert_eq!(info.code, 0);
-    assert!(info.out.contains("primitives: 16"), "{}", info.out);
+    assert!(info.out.contains("primitives  16"), "{}", info.out);
     let checked = run("scenes validate tetra:2 balls:1");
     assert_eq!(checked.code, 0);
     assert!(checked.out.contains("tetra:2: ok"), "{}", checked.out);

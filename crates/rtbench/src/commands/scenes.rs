@@ -1,9 +1,11 @@
 //! `rtbench scenes`: inspect, check or fetch scenes.
 
+use scene_loading::info::SceneInfo;
+
 use crate::args::{SceneNames, ScenesAction};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
-use crate::scene_source::{KnownScene, LoadedScene};
+use crate::scene_source::{KnownScene, LoadError, LoadedScene};
 
 /// Runs and returns the exit code.
 ///
@@ -27,89 +29,72 @@ fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownS
 }
 
 fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
-    let mut code = SUCCESS;
-    for scene in named(context, names)? {
-        let name = scene.name();
-        match scene.load() {
-            Ok(loaded) => write_info(context, &loaded)?,
-            Err(error) => {
-                code = FAILURE;
-                let _ = writeln!(context.err, "error: {name}: {error}");
-            }
+    each(context, names, |context, scene| {
+        let loaded = scene.load()?;
+        let out = &mut *context.out;
+        writeln!(out, "{}", scene.name())?;
+        for line in SceneInfo::of(&loaded.scene).to_string().lines() {
+            writeln!(out, "  {line}")?;
         }
-    }
-    context.out.flush()?;
-    Ok(code)
-}
-
-fn write_info(context: &mut Context<'_>, loaded: &LoadedScene) -> Result<(), Error> {
-    use scene_loading::Shape;
-    let scene = &loaded.scene;
-    let count = |is: fn(&Shape) -> bool| scene.primitives.iter().filter(|p| is(&p.shape)).count();
-    let kinds = [
-        ("triangles", count(|s| matches!(s, Shape::Triangle { .. }))),
-        ("patches", count(|s| matches!(s, Shape::Patch { .. }))),
-        ("polygons", count(|s| matches!(s, Shape::Polygon { .. }))),
-        ("spheres", count(|s| matches!(s, Shape::Sphere(_)))),
-        ("cones", count(|s| matches!(s, Shape::Cone(_)))),
-    ];
-    let kinds: Vec<String> =
-        kinds.iter().filter(|(_, n)| *n > 0).map(|(kind, n)| format!("{n} {kind}")).collect();
-    let bounds = scene.bounds();
-    let out = &mut *context.out;
-    writeln!(out, "{}", scene.name)?;
-    writeln!(out, "  primitives: {} ({})", scene.primitives.len(), kinds.join(", "))?;
-    writeln!(out, "  bounds:     {} to {}", bounds.min, bounds.max)?;
-    writeln!(out, "  materials:  {}", scene.materials.len())?;
-    writeln!(out, "  lights:     {}", scene.lights.len())?;
-    let camera = &scene.camera;
-    writeln!(out, "  camera:     from {} at {}, {} degrees", camera.from, camera.at, camera.angle)?;
-    writeln!(out, "  source:     {}", loaded.source)?;
-    writeln!(out, "  licence:    {}", loaded.licence.as_deref().unwrap_or("unknown"))?;
-    writeln!(out, "  sha256:     {}", loaded.sha256)?;
-    for warning in &scene.warnings {
-        writeln!(out, "  warning:    {warning}")?;
-    }
-    Ok(())
+        let camera = &loaded.scene.camera;
+        let (from, at) = (camera.from, camera.at);
+        writeln!(out, "  camera      from {from} at {at}, {} degrees", camera.angle)?;
+        writeln!(out, "  source      {}", loaded.source)?;
+        writeln!(out, "  licence     {}", loaded.licence.as_deref().unwrap_or("unknown"))?;
+        writeln!(out, "  sha256      {}", loaded.sha256)?;
+        for warning in &loaded.scene.warnings {
+            writeln!(out, "  warning     {warning}")?;
+        }
+        Ok(())
+    })
 }
 
 fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
-    let mut code = SUCCESS;
-    for scene in named(context, names)? {
-        let name = scene.name();
-        let said = scene.load().map_err(Error::from).and_then(|loaded| {
-            renderer::Geometry::<f64>::of(&loaded.scene)?;
-            renderer::Geometry::<f32>::of(&loaded.scene)?;
-            Ok(loaded.scene.warnings)
-        });
-        match said {
-            Ok(warnings) if warnings.is_empty() => writeln!(context.out, "{name}: ok")?,
-            Ok(warnings) => {
-                writeln!(context.out, "{name}: ok, with {} warnings", warnings.len())?;
-                for warning in &warnings {
-                    writeln!(context.out, "  {warning}")?;
-                }
-            }
-            Err(error) => {
-                code = FAILURE;
-                writeln!(context.out, "{name}: {error}")?;
-            }
+    each(context, names, |context, scene| {
+        let LoadedScene { scene: mut loaded, .. } = scene.load()?;
+        renderer::Geometry::<f64>::of(&loaded)?;
+        renderer::Geometry::<f32>::of(&loaded)?;
+        let mut warnings = std::mem::take(&mut loaded.warnings);
+        warnings.extend(scene_loading::info::validate(&loaded));
+        match warnings.len() {
+            0 => writeln!(context.out, "{}: ok", scene.name())?,
+            n => writeln!(context.out, "{}: can be used, {n} warning(s)", scene.name())?,
         }
-    }
-    context.out.flush()?;
-    Ok(code)
+        for warning in &warnings {
+            writeln!(context.out, "  {warning}")?;
+        }
+        Ok(())
+    })
 }
 
 fn fetch(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
+    each(context, names, |context, scene| {
+        match scene.fetch()? {
+            Some(path) => writeln!(context.out, "{}: {}", scene.name(), path.display())?,
+            None => writeln!(context.out, "{}: nothing to fetch", scene.name())?,
+        }
+        Ok(())
+    })
+}
+
+/// Does the same with each scene; one that fails does not keep the others from their turn. A
+/// scene that was not named and is not on this machine is no failure.
+fn each(
+    context: &mut Context<'_>,
+    names: &SceneNames,
+    mut act: impl FnMut(&mut Context<'_>, &dyn KnownScene) -> Result<(), Error>,
+) -> Result<u8, Error> {
     let mut code = SUCCESS;
     for scene in named(context, names)? {
-        let name = scene.name();
-        match scene.fetch() {
-            Ok(Some(path)) => writeln!(context.out, "{name}: {}", path.display())?,
-            Ok(None) => writeln!(context.out, "{name}: nothing to fetch")?,
+        match act(context, &*scene) {
+            Ok(()) => {}
+            Err(error @ Error::Output(_)) => return Err(error),
+            Err(Error::Load(error @ LoadError::NotFetched { .. })) if names.names.is_empty() => {
+                context.warn(error);
+            }
             Err(error) => {
                 code = FAILURE;
-                let _ = writeln!(context.err, "error: {name}: {error}");
+                let _ = writeln!(context.err, "error: {error}");
             }
         }
     }
