@@ -1,0 +1,195 @@
+//! The command line as typed: syntax only. What it means is decided in [`crate::plan`].
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Benchmarks acceleration structures for ray tracing on standard scenes.
+#[derive(Debug, Parser)]
+#[command(name = "rtbench", version, about, propagate_version = true, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 fine, 1 failure, 2 usage, 4 wrong hits.")]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// When to use colours; NO_COLOR is respected by `auto`.
+    #[arg(long, global = true, value_enum, default_value_t = Color::Auto, value_name = "WHEN")]
+    pub color: Color,
+    /// No progress and no warnings on stderr.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say on stderr what is done.
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+}
+
+/// When to use colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On a terminal, unless NO_COLOR is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Measure structures on scenes and print the tables
+    Run(RunArgs),
+    /// List what there is
+    List(ListArgs),
+    /// Render a scene to a PNG image
+    Render(RenderArgs),
+    /// Inspect, check or fetch scenes
+    Scenes(ScenesArgs),
+}
+
+/// `rtbench run`.
+#[derive(Debug, Clone, Args)]
+pub struct RunArgs {
+    /// Scenes, scene sets or scene files [default: the set `spd`]
+    #[arg(value_name = "SCENE|SET")]
+    pub scenes: Vec<String>,
+    /// Structures, each with its settings if any: uniform-grid:resolution=woo:density=1, or `all`
+    /// [default: all structures with all their variants]
+    #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Overrides a default of a structure: uniform-grid.density=4
+    #[arg(long = "set", value_name = "STRUCTURE.PARAM=VALUE")]
+    pub overrides: Vec<String>,
+    /// Kinds of rays [default: all]
+    #[arg(long, value_name = "KIND", value_delimiter = ',')]
+    pub rays: Vec<String>,
+    /// Rounds: each visits every row once
+    #[arg(long, value_name = "N", conflicts_with = "time_budget",
+          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub rounds: Option<u32>,
+    /// Go on with rounds until this time has passed, all scenes together: 60s, 2m
+    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    pub time_budget: Option<Duration>,
+    /// Small images and few rounds: a first look
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads that build and trace
+    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Seed of schedules, samples and intervals
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The row that ratios are taken to [default: obvhs-cwbvh, or the first row]
+    #[arg(long, value_name = "STRUCTURE")]
+    pub reference: Option<String>,
+    /// Arithmetic of primitives and rays
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
+    /// Width and height of the image
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub size: Option<u32>,
+    /// Write one CSV row a scene, structure and setting
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Write the tables in Markdown
+    #[arg(long, value_name = "FILE")]
+    pub export_markdown: Option<PathBuf>,
+    /// Write everything, raw samples too, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
+    /// Write results.csv, results.md and results.json there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// Arithmetic of primitives and rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Precision {
+    /// Single.
+    F32,
+    /// Double.
+    F64,
+}
+
+/// `rtbench list`.
+#[derive(Debug, Clone, Args)]
+pub struct ListArgs {
+    /// What to list
+    #[arg(value_enum)]
+    pub what: Listed,
+    /// As text or as JSON
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+}
+
+/// What can be listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Listed {
+    /// Structures with their parameters
+    Structures,
+    /// Scenes by name
+    Scenes,
+    /// Sets of scenes
+    Sets,
+    /// Kinds of rays
+    Rays,
+}
+
+/// How to print a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For reading
+    Text,
+    /// For programs
+    Json,
+}
+
+/// `rtbench render`.
+#[derive(Debug, Clone, Args)]
+pub struct RenderArgs {
+    /// A scene's name or file
+    pub scene: String,
+    /// The PNG to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The structure to trace with [default: obvhs-cwbvh, or the first]
+    #[arg(short, long, value_name = "STRUCTURE")]
+    pub structure: Option<String>,
+    /// Width and height of the image
+    #[arg(long, value_name = "PIXELS", default_value_t = 512,
+          value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: u32,
+    /// Threads [default: all]
+    #[arg(short = 'j', long, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// `rtbench scenes`.
+#[derive(Debug, Clone, Args)]
+pub struct ScenesArgs {
+    /// What to do with them.
+    #[command(subcommand)]
+    pub action: ScenesAction,
+}
+
+/// What to do with scenes.
+#[derive(Debug, Clone, Subcommand)]
+pub enum ScenesAction {
+    /// Say what scenes consist of
+    Info(SceneNames),
+    /// Load scenes and report everything that is wrong with them
+    Validate(SceneNames),
+    /// Bring scenes that come inside packages to this machine
+    Fetch(SceneNames),
+}
+
+/// Names of scenes.
+#[derive(Debug, Clone, Args)]
+pub struct SceneNames {
+    /// Scenes, sets or files [default: all scenes]
+    #[arg(value_name = "NAME")]
+    pub names: Vec<String>,
+}

@@ -1,0 +1,217 @@
+//! Is a row right, and what does it cost? Before anything of it is timed.
+
+use accel_core::counters::WorkCounters;
+use accel_core::structures::{BuildError, Buildable};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::{Hit, Ray};
+use rayon::prelude::*;
+
+use crate::batches::{Answers, Batch, BatchSet, CHUNK, trace, trace_chunked};
+use crate::clock::Clock;
+use crate::measure::Scope;
+use crate::record::{ShapeRecord, Verdict, WorkRecord};
+use crate::reference::{oracle_rays, oracle_sample};
+use crate::rows::Row;
+
+/// Rays of a kind in the first and in the last step of a pilot.
+const PILOT_RAYS: (usize, usize) = (16, 1024);
+/// Seconds after which a pilot has seen enough of a kind.
+const PILOT_SECONDS: f64 = 0.001;
+
+/// What is known of a row before it is timed.
+#[derive(Debug)]
+pub struct Checked {
+    /// What is said of its answers.
+    pub verdict: Verdict,
+    /// What was built.
+    pub shape: ShapeRecord,
+    /// The work of the counted rays.
+    pub work: WorkRecord,
+    /// Rays compared.
+    pub checked_rays: usize,
+    /// Of those, answered wrongly.
+    pub mismatches: usize,
+    /// The first wrong answer, in words.
+    pub example: Option<String>,
+    /// Seconds that one thread needs for all rays, estimated.
+    pub full_pass_s: f64,
+}
+
+/// Builds a row, asks it all rays (or a sample where that takes too long) and compares.
+///
+/// # Errors
+/// [`BuildError`] when it refuses the scene.
+pub fn check<S: Buildable>(scope: &Scope<'_, '_, S>, row: &Row<'_>) -> Result<Checked, BuildError> {
+    let prims = scope.stage.geometry.prims();
+    let tracer = scope.pools.measured.install(|| row.entry.build(prims, &row.params))?;
+    let full_pass_s = pilot(&*tracer, scope.all, scope.clock);
+    let limits = &scope.plan.limits;
+    let cap = if row.is_sampled() { limits.sampled_pass } else { limits.checked_pass };
+    let stride = stride_for(full_pass_s, cap);
+    let thinned;
+    let set = if stride == 1 {
+        scope.all
+    } else {
+        thinned = scope.all.thinned(stride);
+        &thinned
+    };
+    let mut work = WorkCounters::default();
+    let (mut checked_rays, mut mismatches, mut example) = (0, 0, None);
+    scope.pools.helper.install(|| {
+        for batch in &set.batches {
+            let mut timed_path = Answers::new(batch.kind, batch.rays.len());
+            timed_path.clear();
+            trace_chunked(&*tracer, &batch.rays, &mut timed_path);
+            let (counted_path, counted) = count(&*tracer, batch);
+            work += counted;
+            let timed = compare(scope, set, batch, &timed_path);
+            let counted = compare(scope, set, batch, &counted_path);
+            checked_rays += timed.compared;
+            mismatches += timed.wrong.max(counted.wrong);
+            example = example.take().or(timed.example).or(counted.example);
+        }
+    });
+    let verdict = match (mismatches, row.known_defect()) {
+        (0, _) => Verdict::Ok,
+        (_, Some(_)) => Verdict::WrongAsShipped,
+        (_, None) => Verdict::Wrong,
+    };
+    Ok(Checked {
+        verdict,
+        shape: shape(&*tracer),
+        work: WorkRecord {
+            rays: set.total() as u64,
+            intersection_tests: work.intersection_tests,
+            traversal_steps: work.traversal_steps,
+            elementary_steps: work.elementary_steps,
+            empty_elementary_steps: work.empty_elementary_steps,
+        },
+        checked_rays,
+        mismatches,
+        example,
+        full_pass_s,
+    })
+}
+
+/// Every how many-th ray to take so that a pass stays within the cap; a power of two, so that
+/// rows share samples.
+pub fn stride_for(full_pass_s: f64, cap: f64) -> usize {
+    let wanted = (full_pass_s / cap).ceil();
+    if wanted > 1.0 { (wanted.min(1e9) as usize).next_power_of_two() } else { 1 }
+}
+
+/// How the answers to a batch compare.
+struct Comparison {
+    compared: usize,
+    wrong: usize,
+    example: Option<String>,
+}
+
+/// Compares the answers to a batch: with those of the reference, or with the oracle
+/// where it confirmed no reference.
+fn compare<S: Buildable>(
+    scope: &Scope<'_, '_, S>,
+    set: &BatchSet<'_, S>,
+    batch: &Batch<'_, S>,
+    answers: &Answers<S>,
+) -> Comparison {
+    if !scope.is_confirmed {
+        let (stage, plan) = (scope.stage, scope.plan);
+        let count = oracle_rays(stage.geometry.len(), set.batches.len(), &plan.limits);
+        let rays = batch.rays.len();
+        let sample = oracle_sample(plan.seed, &stage.scene.name, batch.kind, rays, count);
+        let tally = stage.oracle.check(batch.kind, &batch.rays, answers, &sample);
+        let wrong = tally.wrong.len();
+        return Comparison { compared: tally.checked, wrong, example: tally.example };
+    }
+    let example = answers.differing(&batch.expected).next().map(|first| {
+        let (kind, ray) = (batch.kind.name(), first * set.stride);
+        let (said, expected) = (answers.describe(first), batch.expected.describe(first));
+        format!("{kind} ray {ray}: {said}, expected {expected}")
+    });
+    let wrong = answers.differing(&batch.expected).count();
+    Comparison { compared: batch.rays.len(), wrong, example }
+}
+
+/// Seconds that one call a kind would take for all rays, from a few evenly spread ones.
+fn pilot<S: Buildable>(tracer: &dyn Tracer<S>, set: &BatchSet<'_, S>, clock: &dyn Clock) -> f64 {
+    let mut total = 0.0;
+    for batch in &set.batches {
+        let all = batch.rays.len();
+        let mut wanted = PILOT_RAYS.0.min(all);
+        loop {
+            let stride = (all / wanted.max(1)).max(1);
+            let rays: Vec<Ray<S>> = batch.rays.iter().copied().step_by(stride).collect();
+            let mut answers = Answers::new(batch.kind, rays.len());
+            let mut ask = || {
+                let start = clock.now();
+                trace(tracer, &rays, &mut answers);
+                clock.seconds_since(start)
+            };
+            // The first time warms up; the smaller of two more is free of most interruptions.
+            ask();
+            let seconds = ask().min(ask());
+            if seconds >= PILOT_SECONDS || wanted >= PILOT_RAYS.1.min(all) {
+                total += seconds / rays.len().max(1) as f64 * all as f64;
+                break;
+            }
+            wanted = (wanted * 4).min(all);
+        }
+    }
+    total
+}
+
+/// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
+fn count<S: Buildable>(tracer: &dyn Tracer<S>, batch: &Batch<'_, S>) -> (Answers<S>, WorkCounters) {
+    let sum = |mut a: WorkCounters, b: WorkCounters| {
+        a += b;
+        a
+    };
+    if batch.kind.is_occlusion() {
+        let none = ShadowCount { blocked: false, glass: 0 };
+        let mut answers = vec![none; batch.rays.len()];
+        let work = batch
+            .rays
+            .par_chunks(CHUNK)
+            .zip(answers.par_chunks_mut(CHUNK))
+            .map(|(rays, answers)| tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, answers))
+            .reduce(WorkCounters::default, sum);
+        (Answers::Blocked(answers.iter().map(|a| a.blocked).collect()), work)
+    } else {
+        let mut hits = vec![Hit::NONE; batch.rays.len()];
+        let work = batch
+            .rays
+            .par_chunks(CHUNK)
+            .zip(hits.par_chunks_mut(CHUNK))
+            .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
+            .reduce(WorkCounters::default, sum);
+        (Answers::Hits(hits), work)
+    }
+}
+
+fn shape<S: Buildable>(tracer: &dyn Tracer<S>) -> ShapeRecord {
+    let shape = tracer.shape();
+    ShapeRecord {
+        n_in: shape.inner_cells,
+        n_v: shape.cells,
+        n_ev: shape.empty_cells,
+        n_oiv: shape.references,
+        resolution: shape.resolution,
+        memory_bytes: shape.bytes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strides_are_powers_of_two_that_keep_the_cap() {
+        assert_eq!(stride_for(0.5, 1.0), 1);
+        assert_eq!(stride_for(1.0, 1.0), 1);
+        assert_eq!(stride_for(1.1, 1.0), 2);
+        assert_eq!(stride_for(5.0, 1.0), 8);
+        assert_eq!(stride_for(f64::NAN, 1.0), 1);
+        assert!(stride_for(1e30, 1.0).is_power_of_two());
+    }
+}

@@ -1,0 +1,107 @@
+//! `rtbench list`: what there is, made from the registries.
+
+use std::io::{self, Write};
+
+use accel_core::structures::StructureInfo;
+use renderer::RayKind;
+use serde_json::{Value, json};
+
+use crate::args::{Format, ListArgs, Listed};
+use crate::context::Context;
+use crate::error::Error;
+
+/// Lists.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
+    let value = match args.what {
+        Listed::Structures => {
+            context.registry.iter().map(|e| structure(e.info)).collect::<Vec<_>>()
+        }
+        Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
+        Listed::Sets => context
+            .scenes
+            .sets()?
+            .into_iter()
+            .map(|(name, scenes)| json!({"name": name, "scenes": scenes}))
+            .collect(),
+        Listed::Rays => RayKind::ALL
+            .iter()
+            .map(|k| {
+                let question = if k.is_occlusion() { "occlusion" } else { "closest hit" };
+                json!({"name": k.name(), "summary": k.summary(), "question": question})
+            })
+            .collect(),
+    };
+    let out = &mut *context.out;
+    match args.format {
+        Format::Json => {
+            let text = serde_json::to_string_pretty(&value)
+                .map_err(|e| Error::Format { format: "JSON", message: e.to_string() })?;
+            writeln!(out, "{text}")?;
+        }
+        Format::Text if args.what == Listed::Structures => {
+            for e in context.registry {
+                write_structure(out, e.info)?;
+            }
+        }
+        Format::Text => write_names(out, &value)?,
+    }
+    out.flush()?;
+    Ok(())
+}
+
+fn entry((name, summary): &(String, String)) -> Value {
+    json!({"name": name, "summary": summary})
+}
+
+fn structure(info: &StructureInfo) -> Value {
+    let params = info.params.iter().map(|p| {
+        json!({
+            "name": p.name,
+            "summary": p.summary,
+            "default": p.default,
+            "valid": p.kind.to_string(),
+        })
+    });
+    json!({
+        "name": info.name,
+        "summary": info.summary,
+        "paper": info.paper,
+        "deviations": info.deviations,
+        "params": params.collect::<Vec<_>>(),
+        "variants": info.variants,
+        "sampled": info.sampled,
+    })
+}
+
+fn write_structure(out: &mut dyn Write, info: &StructureInfo) -> io::Result<()> {
+    writeln!(out, "{}: {}", info.name, info.summary)?;
+    writeln!(out, "  paper:      {}", info.paper)?;
+    writeln!(out, "  deviations: {}", info.deviations)?;
+    for p in info.params {
+        writeln!(out, "  {} = {}: {}; {}", p.name, p.default, p.summary, p.kind)?;
+    }
+    for variant in info.variants.iter().filter(|v| !v.is_empty()) {
+        writeln!(out, "  variant: {variant}")?;
+    }
+    if info.sampled {
+        writeln!(out, "  timed on a sample of the rays")?;
+    }
+    writeln!(out)
+}
+
+/// A name a line, with its summary or its members.
+fn write_names(out: &mut dyn Write, items: &[Value]) -> io::Result<()> {
+    let text = |item: &Value, key: &str| item[key].as_str().unwrap_or_default().to_owned();
+    let width = items.iter().map(|i| text(i, "name").chars().count()).max().unwrap_or(0);
+    for item in items {
+        let members = item["scenes"]
+            .as_array()
+            .map(|all| all.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(", "));
+        let about = members.unwrap_or_else(|| text(item, "summary"));
+        writeln!(out, "{:<width$}  {about}", text(item, "name"))?;
+    }
+    Ok(())
+}

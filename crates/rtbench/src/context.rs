@@ -1,0 +1,100 @@
+//! What a command works with; everything of the outside world that tests replace.
+
+use std::io::{self, Write};
+
+use accel_core::structures::Entry;
+
+use crate::args::Color;
+use crate::clock::Clock;
+use crate::scene_source::SceneSource;
+
+/// The outside world as a command sees it.
+pub struct Context<'a> {
+    /// The structures there are.
+    pub registry: &'a [Entry],
+    /// The scenes there are.
+    pub scenes: &'a dyn SceneSource,
+    /// What times are read from.
+    pub clock: &'a dyn Clock,
+    /// Standard output: results and nothing else.
+    pub out: &'a mut dyn Write,
+    /// Standard error: warnings.
+    pub err: &'a mut dyn Write,
+    /// The command line, for the record.
+    pub command_line: Vec<String>,
+    /// Whether the outputs are terminals, and what the environment says of colours.
+    pub terminal: Terminal,
+    /// How much to say on standard error.
+    pub verbosity: Verbosity,
+}
+
+/// What is known of the terminal.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Terminal {
+    /// Standard output is one.
+    pub stdout: bool,
+    /// Standard error is one.
+    pub stderr: bool,
+    /// NO_COLOR is set and not empty, or TERM is `dumb`.
+    pub no_color: bool,
+}
+
+impl Terminal {
+    /// What the process finds.
+    pub fn detect() -> Self {
+        use std::io::IsTerminal;
+        let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty())
+            || std::env::var_os("TERM").is_some_and(|v| v == "dumb");
+        Self { stdout: io::stdout().is_terminal(), stderr: io::stderr().is_terminal(), no_color }
+    }
+
+    /// Whether standard output gets colours.
+    pub fn colors(self, choice: Color) -> bool {
+        match choice {
+            Color::Always => true,
+            Color::Never => false,
+            Color::Auto => self.stdout && !self.no_color,
+        }
+    }
+}
+
+/// How much to say on standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verbosity {
+    /// Errors only.
+    Quiet,
+    /// Warnings and progress.
+    Normal,
+    /// What is being done, too.
+    Verbose,
+}
+
+impl Context<'_> {
+    /// Prints a warning. A closed standard error is nobody's loss.
+    pub fn warn(&mut self, message: impl std::fmt::Display) {
+        if self.verbosity > Verbosity::Quiet {
+            let _ = writeln!(self.err, "warning: {message}");
+        }
+    }
+
+    /// Prints what is being done, when asked to.
+    pub fn say(&mut self, message: impl std::fmt::Display) {
+        if self.verbosity >= Verbosity::Verbose {
+            let _ = writeln!(self.err, "{message}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colors_follow_choice_terminal_and_environment() {
+        let tty = Terminal { stdout: true, stderr: true, no_color: false };
+        let plain = Terminal { no_color: true, ..tty };
+        assert!(tty.colors(Color::Auto) && !plain.colors(Color::Auto));
+        assert!(plain.colors(Color::Always) && !tty.colors(Color::Never));
+        assert!(!Terminal::default().colors(Color::Auto));
+    }
+}

@@ -1,0 +1,103 @@
+//! What ends a command, and with which exit code.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::scene_source::LoadError;
+use accel_core::structures::BuildError;
+
+use crate::plan::PlanError;
+use renderer::{GeometryError, ImageError};
+
+/// Fine.
+pub const SUCCESS: u8 = 0;
+/// Something failed.
+pub const FAILURE: u8 = 1;
+/// The command line makes no sense.
+pub const USAGE: u8 = 2;
+/// A structure gave wrong hits.
+pub const WRONG_HITS: u8 = 4;
+
+/// Why a command ended early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The command line names something that is not there, or that is not valid.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A scene could not be loaded.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A scene's geometry could not be made.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A structure could not be built where nothing can be done without it.
+    #[error("scene {scene}: {source}")]
+    Build {
+        /// Scene.
+        scene: String,
+        /// Why.
+        source: BuildError,
+    },
+    /// No structure could be built that gives the answers to compare with.
+    #[error("scene {scene}: no structure could be built to compare answers with: {reasons}")]
+    NoAnswers {
+        /// Scene.
+        scene: String,
+        /// What each candidate said.
+        reasons: String,
+    },
+    /// An output file cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// An image cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ImageError,
+    },
+    /// Threads could not be started.
+    #[error("cannot start {threads} threads: {source}")]
+    Threads {
+        /// How many.
+        threads: usize,
+        /// Why.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// Results could not be turned into text.
+    #[error("cannot write the results as {format}: {message}")]
+    Format {
+        /// CSV or JSON.
+        format: &'static str,
+        /// What the library said.
+        message: String,
+    },
+    /// Standard output failed; a closed pipe is not an error, see [`Error::is_closed_pipe`].
+    #[error("cannot write to standard output: {0}")]
+    Output(#[from] io::Error),
+}
+
+impl Error {
+    /// The exit code it stands for.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Plan(PlanError::Scene(e)) | Self::Load(e) => {
+                if matches!(e, LoadError::UnknownScene { .. }) { USAGE } else { FAILURE }
+            }
+            Self::Plan(_) => USAGE,
+            _ => FAILURE,
+        }
+    }
+
+    /// The reader of our output went away, as `head` does: nothing to report.
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, Self::Output(e) if e.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

@@ -1,0 +1,103 @@
+//! One row a scene, structure and setting.
+
+use csv::Writer;
+
+use crate::error::Error;
+use crate::export::{numbers, table};
+use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict};
+use crate::statistics::Estimate;
+
+/// The columns, in order.
+pub const COLUMNS: [&str; 31] = [
+    "scene",
+    "primitives",
+    "structure",
+    "settings",
+    "resolution",
+    "n_in",
+    "n_v",
+    "n_ev",
+    "n_oiv",
+    "n_it",
+    "n_ts",
+    "n_ets",
+    "n_eets",
+    "rays",
+    "memory_bytes",
+    "build_s",
+    "build_s_low",
+    "build_s_high",
+    "trace_s",
+    "trace_s_low",
+    "trace_s_high",
+    "render_s",
+    "ratio_to_reference",
+    "ratio_low",
+    "ratio_high",
+    "primary_mrays",
+    "shadow_mrays",
+    "secondary_mrays",
+    "diffuse_mrays",
+    "mismatches",
+    "verdict",
+];
+
+/// All finished scenes.
+///
+/// # Errors
+/// [`Error::Format`].
+pub fn to_string(run: &RunRecord) -> Result<String, Error> {
+    let format = |message: String| Error::Format { format: "CSV", message };
+    let mut writer = Writer::from_writer(Vec::new());
+    writer.write_record(COLUMNS).map_err(|e| format(e.to_string()))?;
+    for scene in &run.scenes {
+        for row in &scene.rows {
+            writer.write_record(fields(scene, row)).map_err(|e| format(e.to_string()))?;
+        }
+    }
+    let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
+    String::from_utf8(bytes).map_err(|e| format(e.to_string()))
+}
+
+fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
+    let mut fields = vec![
+        scene.name.clone(),
+        scene.primitives.to_string(),
+        row.structure.clone(),
+        row.settings.clone(),
+    ];
+    match &row.shape {
+        Some(shape) => {
+            fields.push(shape.resolution.map(numbers::resolution).unwrap_or_default());
+            fields.extend([shape.n_in, shape.n_v, shape.n_ev, shape.n_oiv].map(|n| n.to_string()));
+        }
+        None => fields.extend(blanks(5)),
+    }
+    match &row.work {
+        Some(work) => fields.extend(work.per_ray().map(|n| format!("{n:.6}"))),
+        None => fields.extend(blanks(4)),
+    }
+    fields.push(row.rays.to_string());
+    fields.push(row.shape.as_ref().map(|s| s.memory_bytes.to_string()).unwrap_or_default());
+    fields.extend(estimate(row.build_s));
+    fields.extend(estimate(row.trace_s));
+    fields.push(number(row.render_s));
+    fields.extend(estimate(row.ratio));
+    fields.extend(table::rates(row).map(number));
+    let judged = row.verdict != Verdict::NotBuilt;
+    fields.push(if judged { row.mismatches.to_string() } else { String::new() });
+    fields.push(row.verdict.name().to_owned());
+    fields
+}
+
+fn blanks(n: usize) -> impl Iterator<Item = String> {
+    std::iter::repeat_n(String::new(), n)
+}
+
+fn number(x: Option<f64>) -> String {
+    x.map(|x| format!("{x:.9}")).unwrap_or_default()
+}
+
+fn estimate(e: Option<Estimate>) -> [String; 3] {
+    [number(e.map(|e| e.median)), number(e.map(|e| e.low)), number(e.map(|e| e.high))]
+}

@@ -1,0 +1,82 @@
+//! Tables in Markdown.
+
+use std::fmt::Write;
+
+use crate::export::table::{self, GLOSSARY, Table};
+use crate::record::RunRecord;
+
+/// The whole run: where and how it was measured, a table a scene, the summary, the symbols.
+pub fn to_string(run: &RunRecord) -> String {
+    let mut text = String::from("# rtbench results\n\n");
+    for line in facts(run) {
+        let _ = writeln!(text, "- {line}");
+    }
+    text.push('\n');
+    for scene in &run.scenes {
+        push_table(&mut text, &table::scene_table(run, scene, false));
+    }
+    if !run.summary.is_empty() {
+        push_table(&mut text, &table::summary_table(run, false));
+    }
+    for line in GLOSSARY {
+        let _ = writeln!(text, "{line}\n");
+    }
+    text
+}
+
+fn facts(run: &RunRecord) -> Vec<String> {
+    let (machine, compiler, settings) = (&run.machine, &run.compiler, &run.settings);
+    let unknown = || "unknown".to_owned();
+    vec![
+        format!("command: `{}`", run.command_line.join(" ")),
+        format!(
+            "machine: {}, {} threads, {} MiB, {}",
+            machine.cpu.clone().unwrap_or_else(unknown),
+            machine.threads,
+            machine.memory_bytes.unwrap_or(0) >> 20,
+            machine.os
+        ),
+        format!(
+            "compiler: {}, {}, opt-level {}, features {}",
+            compiler.rustc.clone().unwrap_or_else(unknown),
+            compiler.target.clone().unwrap_or_else(unknown),
+            compiler.opt_level.clone().unwrap_or_else(unknown),
+            compiler.target_features.join(" ")
+        ),
+        format!(
+            "rtbench {} at {}",
+            run.tool.version,
+            run.tool.git_revision.clone().unwrap_or_else(unknown)
+        ),
+        format!(
+            "image {}x{}, depth {}, {}, {} thread(s), seed {}",
+            settings.resolution[0],
+            settings.resolution[1],
+            settings.max_depth,
+            settings.precision,
+            settings.threads,
+            settings.seed
+        ),
+    ]
+}
+
+fn push_table(text: &mut String, table: &Table) {
+    let _ = writeln!(text, "## {}\n", escaped(&table.title));
+    let _ = writeln!(text, "| {} |", table.header.join(" | "));
+    let rule: Vec<&str> =
+        (0..table.header.len()).map(|c| if c == 0 { "---" } else { "---:" }).collect();
+    let _ = writeln!(text, "| {} |", rule.join(" | "));
+    for row in &table.rows {
+        let cells: Vec<String> = row.iter().map(|c| escaped(&c.text)).collect();
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
+    }
+    text.push('\n');
+    for note in &table.notes {
+        let _ = writeln!(text, "{}\n", escaped(note));
+    }
+}
+
+/// Keeps text from breaking out of its cell.
+fn escaped(text: &str) -> String {
+    text.replace('\\', "\\\\").replace('|', "\\|").replace(['\n', '\r'], " ").replace('_', "\\_")
+}

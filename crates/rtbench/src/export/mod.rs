@@ -1,0 +1,9 @@
+//! Results as files and tables, one format a file.
+
+pub mod csv;
+pub mod files;
+pub mod json;
+pub mod markdown;
+mod numbers;
+mod table;
+pub mod text;

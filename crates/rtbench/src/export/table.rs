@@ -1,0 +1,268 @@
+//! The tables themselves, before any markup: text and Markdown differ only in how they draw them.
+
+use crate::export::numbers;
+use crate::record::{RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
+
+/// How a cell looks where there are colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// As text.
+    Plain,
+    /// Something is wrong.
+    Bad,
+    /// The best of its column.
+    Best,
+    /// Of little weight.
+    Dim,
+}
+
+/// Text and look.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// Text.
+    pub text: String,
+    /// Look.
+    pub style: Style,
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self { text, style: Style::Plain }
+    }
+}
+
+/// A table: the first column is text, the others are numbers.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Table {
+    /// Above it.
+    pub title: String,
+    /// Column heads.
+    pub header: Vec<&'static str>,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<Cell>>,
+    /// Below it.
+    pub notes: Vec<String>,
+}
+
+/// The block of a scene: structures down, counters and times across. Rows of a structure beyond
+/// its first are named by their settings alone when `indent` is set.
+pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table {
+    let secondary = run.settings.rays.iter().any(|k| is_secondary(k));
+    let has = |kind: &str| run.settings.rays.iter().any(|k| k == kind);
+    let mut header =
+        vec!["structure", "N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"];
+    header.extend(["MiB", "rays", "build ms", "trace ms", "image ms", "ratio [95%]"]);
+    for (name, shown) in
+        RATES.iter().zip([has("primary"), has("shadow"), secondary, has("diffuse")])
+    {
+        if shown {
+            header.push(name);
+        }
+    }
+    header.push("verdict");
+    let all_rays = scene.rays.values().sum();
+    let mut previous = "";
+    let rows = scene.rows.iter().map(|row| {
+        let name = if indent { indented(row, previous) } else { row.label() };
+        previous = &row.structure;
+        let mut cells = vec![name.into()];
+        cells.extend(shape_cells(row));
+        cells.extend(time_cells(row));
+        for (name, rate) in RATES.iter().zip(rates(row)) {
+            if header.contains(name) {
+                cells.push(rate.map_or(dash(), |r| numbers::short(r).into()));
+            }
+        }
+        cells.push(verdict_cell(row, all_rays));
+        cells
+    });
+    let mut rows: Vec<Vec<Cell>> = rows.collect();
+    let ratios = scene.rows.iter().map(|row| row.ratio.filter(|_| row.verdict == Verdict::Ok));
+    mark_best(&mut rows, header.iter().position(|h| *h == "ratio [95%]"), ratios);
+    Table { title: scene_title(scene), header, rows, notes: scene_notes(scene) }
+}
+
+const RATES: [&str; 4] = ["primary", "shadow", "second.", "diffuse"];
+
+/// Millions of rays a second: primary, shadow, secondary, diffuse.
+pub fn rates(row: &RowRecord) -> [Option<f64>; 4] {
+    let of = |kind: &str| row.mrays.get(kind).copied();
+    // Rays over seconds, from the rates of both kinds.
+    let seconds = |kind: &str| {
+        let rays = *row.rays_by_kind.get(kind)? as f64;
+        Some((rays, rays / of(kind)?))
+    };
+    let secondary = match (seconds("reflected"), seconds("refracted")) {
+        (Some((r1, s1)), Some((r2, s2))) => Some((r1 + r2) / (s1 + s2)),
+        (one, other) => one.or(other).map(|(r, s)| r / s),
+    };
+    [of("primary"), of("shadow"), secondary, of("diffuse")]
+}
+
+fn is_secondary(kind: &str) -> bool {
+    kind == "reflected" || kind == "refracted"
+}
+
+fn indented(row: &RowRecord, previous: &str) -> String {
+    if row.structure == previous && !row.settings.is_empty() {
+        format!("  {}", row.settings)
+    } else {
+        row.label()
+    }
+}
+
+fn shape_cells(row: &RowRecord) -> Vec<Cell> {
+    let Some(shape) = &row.shape else {
+        return (0..9).map(|_| dash()).collect();
+    };
+    let mut cells: Vec<Cell> = [shape.n_in, shape.n_v, shape.n_ev, shape.n_oiv]
+        .iter()
+        .map(|n| n.to_string().into())
+        .collect();
+    match &row.work {
+        Some(work) => cells.extend(work.per_ray().map(|n| format!("{n:.2}").into())),
+        None => cells.extend((0..4).map(|_| dash())),
+    }
+    cells.push(numbers::mebibytes(shape.memory_bytes).into());
+    cells
+}
+
+fn time_cells(row: &RowRecord) -> Vec<Cell> {
+    if !row.verdict.is_timed() {
+        let bad = || Cell { text: row.verdict.name().into(), style: Style::Bad };
+        return vec![dash(), bad(), bad(), bad(), bad()];
+    }
+    let ms = |s: Option<f64>| s.map_or(dash(), |s| numbers::milliseconds(s).into());
+    vec![
+        row.rays.to_string().into(),
+        ms(row.build_s.map(|e| e.median)),
+        ms(row.trace_s.map(|e| e.median)),
+        ms(row.render_s),
+        row.ratio.map_or(dash(), |e| numbers::ratio(&e).into()),
+    ]
+}
+
+/// The verdict, and how many of the rays it rests on where that is not all of them.
+fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
+    let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
+    let text = match row.verdict {
+        Verdict::NotBuilt => row.verdict.name().to_owned(),
+        Verdict::Ok if row.checked_rays < all_rays => format!("ok on {} rays", row.checked_rays),
+        Verdict::Ok => "ok".to_owned(),
+        Verdict::Wrong | Verdict::WrongAsShipped => {
+            format!("{}: {} of {}", row.verdict.name(), row.mismatches, row.checked_rays)
+        }
+    };
+    Cell { text, style }
+}
+
+fn dash() -> Cell {
+    Cell { text: "-".into(), style: Style::Dim }
+}
+
+/// Marks the smallest ratio of the column.
+fn mark_best(
+    rows: &mut [Vec<Cell>],
+    column: Option<usize>,
+    ratios: impl Iterator<Item = Option<crate::statistics::Estimate>>,
+) {
+    let best = ratios
+        .enumerate()
+        .filter_map(|(i, ratio)| Some((i, ratio?.median)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    if let (Some((row, _)), Some(column)) = (best, column)
+        && let Some(cell) = rows.get_mut(row).and_then(|r| r.get_mut(column))
+    {
+        cell.style = Style::Best;
+    }
+}
+
+fn scene_title(scene: &SceneRecord) -> String {
+    let rays: Vec<String> = scene.rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
+    format!("{}: {} primitives; rays: {}", scene.name, scene.primitives, rays.join(", "))
+}
+
+fn scene_notes(scene: &SceneRecord) -> Vec<String> {
+    let oracle = &scene.oracle;
+    let mut notes = vec![match &oracle.reference {
+        Some(reference) => format!(
+            "Answers compared with those of {reference}, ray by ray; those with f64 brute force on \
+             {} rays, {} of them borderline.",
+            oracle.checked, oracle.borderline
+        ),
+        None => "No structure's answers were confirmed by f64 brute force; all rows were compared \
+                 with brute force on a sample."
+            .into(),
+    }];
+    notes.extend(oracle.refused.iter().map(|r| format!("Refused as reference: {r}")));
+    for row in &scene.rows {
+        let label = row.label();
+        let reasons = [&row.error, &row.example, &row.known_defect];
+        match row.verdict {
+            Verdict::Ok => {}
+            Verdict::NotBuilt => {
+                notes.push(format!("{label}: {}", row.error.as_deref().unwrap_or("not built")));
+            }
+            Verdict::Wrong | Verdict::WrongAsShipped => {
+                let said: Vec<&str> = reasons.iter().filter_map(|r| r.as_deref()).collect();
+                notes.push(format!("{label}: {}", said.join("; ")));
+            }
+        }
+    }
+    notes
+}
+
+/// The summary over all scenes.
+pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
+    let header = vec!["structure", "scenes", "trace ratio [95%]", "build ratio [95%]", "verdict"];
+    let mut previous = "";
+    let mut rows = Vec::new();
+    for row in &run.summary {
+        let name = match indent && row.structure == previous && !row.settings.is_empty() {
+            true => format!("  {}", row.settings),
+            false => format!("{} {}", row.structure, row.settings).trim_end().to_owned(),
+        };
+        previous = &row.structure;
+        let mut cells: Vec<Cell> = vec![name.into(), row.scenes.to_string().into()];
+        let bad = || Cell { text: row.verdict.name().into(), style: Style::Bad };
+        for estimate in [row.ratio, row.build_ratio] {
+            cells.push(match estimate {
+                _ if row.verdict == Verdict::Wrong => bad(),
+                Some(e) => numbers::ratio(&e).into(),
+                None => dash(),
+            });
+        }
+        cells.push(summary_verdict(row));
+        rows.push(cells);
+    }
+    let ratios = run.summary.iter().map(|r| r.ratio.filter(|_| r.verdict == Verdict::Ok));
+    mark_best(&mut rows, Some(2), ratios);
+    let notes = vec![format!(
+        "Ratios to {}: geometric means over {} scene(s).",
+        run.settings.reference,
+        run.scenes.len()
+    )];
+    Table { title: "All scenes".into(), header, rows, notes }
+}
+
+fn summary_verdict(row: &SummaryRow) -> Cell {
+    let text = match row.verdict {
+        Verdict::Ok => return "ok".to_owned().into(),
+        Verdict::NotBuilt => format!("not built in {} scenes", row.not_built_scenes),
+        v => format!("{}: {} rays in {} scenes", v.name(), row.mismatches, row.wrong_scenes),
+    };
+    Cell { text, style: Style::Bad }
+}
+
+/// What the symbols mean.
+pub const GLOSSARY: &[&str] = &[
+    "N_IN hierarchical cells, N_V elementary cells, N_EV empty ones, N_OIV references in cells; \
+     per ray: N_IT intersection tests, N_TS traversal steps, N_ETS elementary steps, N_EETS \
+     steps into empty cells (Havran and Sixta 1999).",
+    "build, trace: medians over the rounds, one sample each a round; trace is the time for the \
+     rays of the column beside it. image: the whole picture through the renderer, once.",
+    "ratio: trace time divided by the reference's for the same rays in the same round, with its \
+     95% bootstrap interval; below 1 is faster; = where the interval holds 1: no difference was \
+     measured. primary, shadow, second., diffuse: millions of rays a second of one kind (second.: \
+     reflected and refracted).",
+];

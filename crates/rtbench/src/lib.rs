@@ -1,0 +1,113 @@
+//! Benchmark harness for ray-tracing acceleration structures.
+//!
+//! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
+//! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
+//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`].
+
+pub mod args;
+pub mod batches;
+pub mod check;
+pub mod clock;
+pub mod commands;
+pub mod context;
+pub mod duration;
+pub mod error;
+pub mod export;
+pub mod machine;
+pub mod measure;
+pub mod oracle;
+pub mod plan;
+pub mod pools;
+pub mod progress;
+pub mod random;
+pub mod record;
+pub mod reference;
+pub mod reproduce;
+pub mod rows;
+pub mod scene_run;
+pub mod scene_source;
+pub mod schedule;
+pub mod statistics;
+mod stub;
+mod suggest;
+pub mod summary;
+
+use std::ffi::OsString;
+use std::io;
+use std::process::ExitCode;
+
+use accel_core::structures::REGISTRY;
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+use crate::clock::SystemClock;
+use crate::context::{Context, Terminal, Verbosity};
+use crate::error::{Error, FAILURE, SUCCESS, USAGE};
+use crate::scene_source::Installed;
+
+/// The whole program on the process's own arguments, outputs and clock.
+pub fn main() -> ExitCode {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
+    let mut out = io::stdout().lock();
+    let mut err = io::stderr();
+    let mut context = Context {
+        registry: REGISTRY,
+        scenes: &Installed,
+        clock: &SystemClock::default(),
+        out: &mut out,
+        err: &mut err,
+        command_line,
+        terminal: Terminal::detect(),
+        verbosity: Verbosity::Normal,
+    };
+    ExitCode::from(run(&mut context, arguments))
+}
+
+/// The whole program on the given arguments, program name first; returns the exit code.
+pub fn run(
+    context: &mut Context<'_>,
+    arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => return usage(context, &error),
+    };
+    context.verbosity = match (cli.quiet, cli.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (_, true) => Verbosity::Verbose,
+        _ => Verbosity::Normal,
+    };
+    let ended = match &cli.command {
+        Command::Run(args) => commands::run::run(context, args, cli.color),
+        Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
+        Command::Render(args) => commands::render::run(context, args).map(|()| SUCCESS),
+        Command::Scenes(args) => commands::scenes::run(context, &args.action),
+    };
+    match ended {
+        Ok(code) => code,
+        Err(error) if error.is_closed_pipe() => SUCCESS,
+        Err(error) => {
+            let _ = writeln!(context.err, "error: {error}");
+            if error.exit_code() == USAGE {
+                let _ = writeln!(context.err, "For what there is, try 'rtbench list --help'.");
+            }
+            error.exit_code()
+        }
+    }
+}
+
+/// Help and version on standard output, usage errors on standard error.
+fn usage(context: &mut Context<'_>, error: &clap::Error) -> u8 {
+    let text = error.render();
+    let written = if error.use_stderr() {
+        write!(context.err, "{text}")
+    } else {
+        write!(context.out, "{text}").and_then(|()| context.out.flush())
+    };
+    match written.map_err(Error::from) {
+        _ if error.use_stderr() => USAGE,
+        Err(e) if !e.is_closed_pipe() => FAILURE,
+        _ => SUCCESS,
+    }
+}

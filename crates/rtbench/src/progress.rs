@@ -1,0 +1,70 @@
+//! The bar on standard error: what is being measured and how long it will take.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar with the time left, or nothing at all.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    /// Where the bar follows a time budget: that budget.
+    budget: Option<Duration>,
+}
+
+impl Progress {
+    /// A bar over `steps` steps of about equal cost, or over a time budget.
+    pub fn new(visible: bool, steps: u64, budget: Option<Duration>) -> Self {
+        let length = budget.map_or(steps, |b| b.as_millis() as u64).max(1);
+        let target =
+            if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(length), target);
+        if let Ok(style) = ProgressStyle::with_template(
+            "{bar:24} {percent:>3}%  {elapsed} gone, about {eta} left  {wide_msg}",
+        ) {
+            bar.set_style(style);
+        }
+        if visible {
+            bar.enable_steady_tick(Duration::from_millis(500));
+        }
+        Self { bar, budget }
+    }
+
+    /// Nothing.
+    pub fn hidden() -> Self {
+        Self::new(false, 1, None)
+    }
+
+    /// Says what is being done.
+    pub fn message(&self, message: impl Into<String>) {
+        if !self.bar.is_hidden() {
+            self.bar.set_message(message.into());
+        }
+    }
+
+    /// A step is done; `now` is the time since the run began.
+    pub fn step(&self, now: Duration) {
+        match self.budget {
+            Some(budget) => self.bar.set_position(now.min(budget).as_millis() as u64),
+            None => self.bar.inc(1),
+        }
+    }
+
+    /// Takes steps out that will not be made.
+    pub fn skip(&self, steps: u64) {
+        if self.budget.is_none() {
+            let length = self.bar.length().unwrap_or(1).saturating_sub(steps);
+            self.bar.set_length(length.max(1));
+        }
+    }
+
+    /// Prints without the bar in the way.
+    pub fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

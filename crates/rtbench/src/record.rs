@@ -1,0 +1,316 @@
+//! The record of a run: everything that tables, CSV and plots are made from, and what JSON holds.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::statistics::Estimate;
+
+/// Version of this schema; raised when a field changes its meaning or goes away.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// A run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// What was run.
+    pub tool: Tool,
+    /// The command line, program first.
+    pub command_line: Vec<String>,
+    /// When it began, seconds since 1970.
+    pub started_unix_s: u64,
+    /// What it ran on.
+    pub machine: Machine,
+    /// What it was compiled with.
+    pub compiler: Compiler,
+    /// What was asked for.
+    pub settings: Settings,
+    /// One for each finished scene.
+    pub scenes: Vec<SceneRecord>,
+    /// Over all finished scenes, one for each row.
+    pub summary: Vec<SummaryRow>,
+    /// Largest resident set of the process so far, bytes.
+    pub peak_rss_bytes: Option<u64>,
+}
+
+/// The program.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Tool {
+    /// `rtbench`.
+    pub name: String,
+    /// Package version.
+    pub version: String,
+    /// Commit it was built from.
+    pub git_revision: Option<String>,
+}
+
+/// The machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Model name of the first processor.
+    pub cpu: Option<String>,
+    /// Threads the process may use.
+    pub threads: usize,
+    /// Bytes of memory.
+    pub memory_bytes: Option<u64>,
+    /// Operating system.
+    pub os: String,
+}
+
+/// The compiler.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Compiler {
+    /// `rustc -V`.
+    pub rustc: Option<String>,
+    /// Target triple.
+    pub target: Option<String>,
+    /// Target features.
+    pub target_features: Vec<String>,
+    /// Cargo profile.
+    pub profile: Option<String>,
+    /// Optimisation level.
+    pub opt_level: Option<String>,
+}
+
+/// Settings of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Seed of schedules, samples, directions and intervals.
+    pub seed: u64,
+    /// Threads that built and traced.
+    pub threads: usize,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// Pixels of the image.
+    pub resolution: [u32; 2],
+    /// Longest chain of closest-hit rays.
+    pub max_depth: u32,
+    /// Kinds of rays.
+    pub rays: Vec<String>,
+    /// The row that ratios are taken to.
+    pub reference: String,
+    /// Run with `--quick`.
+    pub quick: bool,
+}
+
+/// A scene's results.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneRecord {
+    /// Name.
+    pub name: String,
+    /// Hash of the source.
+    pub sha256: String,
+    /// Where it comes from.
+    pub source: String,
+    /// Under which licence, where known.
+    pub licence: Option<String>,
+    /// Number of primitives.
+    pub primitives: u64,
+    /// Bytes of the primitives, without structures.
+    pub geometry_bytes: u64,
+    /// What the loader noticed.
+    pub warnings: Vec<String>,
+    /// Rays of each kind.
+    pub rays: BTreeMap<String, u64>,
+    /// How answers were judged.
+    pub oracle: OracleRecord,
+    /// One for each structure and setting.
+    pub rows: Vec<RowRecord>,
+    /// Largest resident set while the scene was measured, bytes.
+    pub peak_rss_bytes: Option<u64>,
+}
+
+/// How the answers of a scene were judged.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct OracleRecord {
+    /// The row whose answers all others are compared with; none when the oracle confirmed none.
+    pub reference: Option<String>,
+    /// Structures that the oracle refused as reference, with an example each.
+    pub refused: Vec<String>,
+    /// Rays of the reference that were compared with f64 brute force.
+    pub checked: u64,
+    /// Of those, borderline rays: rounding alone decides their answer (see `oracle.rs`).
+    pub borderline: u64,
+    /// The same for each kind of ray: checked, borderline.
+    pub by_kind: BTreeMap<String, [u64; 2]>,
+}
+
+/// What is said of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Verdict {
+    /// Every answer agrees.
+    #[serde(rename = "ok")]
+    Ok,
+    /// Some answer is wrong: its times are not shown.
+    #[serde(rename = "wrong")]
+    Wrong,
+    /// Some answer is wrong, by a defect that the setting keeps on purpose.
+    #[serde(rename = "wrong (as shipped)")]
+    WrongAsShipped,
+    /// It refused to be built over this scene.
+    #[serde(rename = "not built")]
+    NotBuilt,
+}
+
+impl Verdict {
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Wrong => "wrong",
+            Self::WrongAsShipped => "wrong (as shipped)",
+            Self::NotBuilt => "not built",
+        }
+    }
+
+    /// True when its times may be shown.
+    pub fn is_timed(self) -> bool {
+        matches!(self, Self::Ok | Self::WrongAsShipped)
+    }
+}
+
+/// What was built, in the symbols of Havran and Sixta (1999).
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ShapeRecord {
+    /// N_IN: hierarchical cells.
+    pub n_in: u64,
+    /// N_V: elementary cells.
+    pub n_v: u64,
+    /// N_EV: empty elementary cells.
+    pub n_ev: u64,
+    /// N_OIV: references in elementary cells.
+    pub n_oiv: u64,
+    /// Voxels an axis.
+    pub resolution: Option<[u32; 3]>,
+    /// Bytes of the structure.
+    pub memory_bytes: u64,
+}
+
+/// Work of all counted rays together.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct WorkRecord {
+    /// Rays counted over.
+    pub rays: u64,
+    /// N_IT: intersection tests.
+    pub intersection_tests: u64,
+    /// N_TS: traversal steps.
+    pub traversal_steps: u64,
+    /// N_ETS: elementary steps.
+    pub elementary_steps: u64,
+    /// N_EETS: empty elementary steps.
+    pub empty_elementary_steps: u64,
+}
+
+impl WorkRecord {
+    /// N_IT, N_TS, N_ETS, N_EETS per ray.
+    pub fn per_ray(&self) -> [f64; 4] {
+        let rays = self.rays.max(1) as f64;
+        [
+            self.intersection_tests,
+            self.traversal_steps,
+            self.elementary_steps,
+            self.empty_elementary_steps,
+        ]
+        .map(|n| n as f64 / rays)
+    }
+}
+
+/// One visit of a row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Round, from 0.
+    pub round: u32,
+    /// Position within the round, from 0.
+    pub position: u32,
+    /// Seconds of the build.
+    pub build_s: f64,
+    /// Seconds of each kind of ray.
+    pub trace_s: BTreeMap<String, f64>,
+    /// Seconds that the reference row took for the same rays in the same round.
+    pub reference_trace_s: Option<f64>,
+}
+
+impl Sample {
+    /// Seconds of all kinds.
+    pub fn total_trace_s(&self) -> f64 {
+        self.trace_s.values().sum()
+    }
+}
+
+/// A structure with settings on a scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RowRecord {
+    /// Structure.
+    pub structure: String,
+    /// What differs from its defaults.
+    pub settings: String,
+    /// The row that ratios are taken to.
+    pub is_reference: bool,
+    /// What is said of it.
+    pub verdict: Verdict,
+    /// The defect it keeps on purpose.
+    pub known_defect: Option<String>,
+    /// Why it was not built.
+    pub error: Option<String>,
+    /// What was built.
+    pub shape: Option<ShapeRecord>,
+    /// Work of the counting pass.
+    pub work: Option<WorkRecord>,
+    /// Rays whose answers were compared.
+    pub checked_rays: u64,
+    /// Of those, rays answered wrongly.
+    pub mismatches: u64,
+    /// The first wrong answer, in words.
+    pub example: Option<String>,
+    /// Every how many-th ray of the scene was timed.
+    pub stride: u64,
+    /// Rays timed in a round.
+    pub rays: u64,
+    /// The same by kind.
+    pub rays_by_kind: BTreeMap<String, u64>,
+    /// Build time, seconds.
+    pub build_s: Option<Estimate>,
+    /// Trace time of all kinds, seconds.
+    pub trace_s: Option<Estimate>,
+    /// Millions of rays a second by kind, from the median time.
+    pub mrays: BTreeMap<String, f64>,
+    /// Trace time divided by the reference's in the same round, on the same rays.
+    pub ratio: Option<Estimate>,
+    /// Build time divided by the reference's in the same round.
+    pub build_ratio: Option<Estimate>,
+    /// The whole image through the renderer, seconds.
+    pub render_s: Option<f64>,
+    /// Every visit.
+    pub samples: Vec<Sample>,
+}
+
+impl RowRecord {
+    /// Structure and settings.
+    pub fn label(&self) -> String {
+        format!("{} {}", self.structure, self.settings).trim_end().to_owned()
+    }
+}
+
+/// A row over all finished scenes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SummaryRow {
+    /// Structure.
+    pub structure: String,
+    /// What differs from its defaults.
+    pub settings: String,
+    /// Scenes that it has a ratio in.
+    pub scenes: u64,
+    /// Scenes where it gave wrong answers.
+    pub wrong_scenes: u64,
+    /// Scenes where it was not built.
+    pub not_built_scenes: u64,
+    /// Wrong answers in all scenes.
+    pub mismatches: u64,
+    /// Geometric mean over those scenes of the trace ratio.
+    pub ratio: Option<Estimate>,
+    /// Geometric mean over those scenes of the build ratio.
+    pub build_ratio: Option<Estimate>,
+    /// What is said of it: the worst of its scenes.
+    pub verdict: Verdict,
+}

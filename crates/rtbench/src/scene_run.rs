@@ -1,0 +1,204 @@
+//! One scene from loading to its record.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use accel_core::structures::{BuildError, Buildable};
+use renderer::Geometry;
+
+use crate::batches::BatchSet;
+use crate::check::{Checked, check};
+use crate::clock::Clock;
+use crate::error::Error;
+use crate::machine;
+use crate::measure::{Scope, Timed, measure};
+use crate::oracle::Oracle;
+use crate::plan::Plan;
+use crate::pools::Pools;
+use crate::progress::Progress;
+use crate::record::{RowRecord, Sample, SceneRecord, Verdict};
+use crate::reference::{Reference, Stage};
+use crate::rows::Row;
+use crate::scene_source::LoadedScene;
+use crate::statistics::{estimate, median};
+
+/// What a scene is measured with.
+pub struct Equipment<'a> {
+    /// Threads.
+    pub pools: &'a Pools,
+    /// Time.
+    pub clock: &'a dyn Clock,
+    /// The bar.
+    pub progress: &'a Progress,
+}
+
+/// Measures all rows of the plan on a scene, in the precision `S`. With a time budget, rounds go
+/// on until `deadline`.
+///
+/// # Errors
+/// [`Error`] when the scene has no usable geometry or no structure can be built over it.
+pub fn run_scene<S: Buildable>(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    equipment: &Equipment<'_>,
+    deadline: Option<Duration>,
+) -> Result<SceneRecord, Error> {
+    machine::reset_peak_rss();
+    let (progress, scene) = (equipment.progress, &loaded.scene);
+    progress.message(format!("{}: rays and oracle", scene.name));
+    let exact = Geometry::<f64>::of(scene)?;
+    let geometry = Geometry::<S>::of(scene)?;
+    let oracle =
+        Oracle::new(&exact).map_err(|source| Error::Build { scene: scene.name.clone(), source })?;
+    let stage = Stage { scene, geometry: &geometry, oracle: &oracle };
+    let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
+    let all = BatchSet::new(&rays, answers);
+    let scope = Scope {
+        plan,
+        stage: &stage,
+        all: &all,
+        is_confirmed: judged.reference.is_some(),
+        pools: equipment.pools,
+        clock: equipment.clock,
+        progress,
+    };
+    let mut checked: Vec<Result<Checked, BuildError>> = Vec::with_capacity(plan.rows.len());
+    for row in &plan.rows {
+        progress.message(format!("{}: checking {}", scene.name, row.label()));
+        checked.push(check(&scope, row));
+        progress.step(equipment.clock.now());
+    }
+    let (checked, errors): (Vec<_>, Vec<_>) = checked
+        .into_iter()
+        .map(|c| match c {
+            Ok(checked) => (Some(checked), None),
+            Err(error) => (None, Some(error.to_string())),
+        })
+        .unzip();
+    progress.message(format!("{}: timing", scene.name));
+    let timed = measure(&scope, &checked, deadline);
+    let mut rows: Vec<RowRecord> = plan
+        .rows
+        .iter()
+        .zip(checked)
+        .zip(errors)
+        .zip(timed)
+        .map(|(((row, checked), error), timed)| RowParts { row, checked, error, timed })
+        .map(|parts| parts.record(&all, plan.seed))
+        .collect();
+    if let Some(baseline) = rows.get_mut(plan.baseline) {
+        baseline.is_reference = true;
+    }
+    compare_with_baseline(&mut rows, plan);
+    Ok(SceneRecord {
+        name: scene.name.clone(),
+        sha256: loaded.sha256.clone(),
+        source: loaded.source.clone(),
+        licence: loaded.licence.clone(),
+        primitives: geometry.len() as u64,
+        geometry_bytes: geometry.bytes() as u64,
+        warnings: scene.warnings.iter().map(ToString::to_string).collect(),
+        rays: by_kind(&all),
+        oracle: judged,
+        rows,
+        peak_rss_bytes: machine::peak_rss(),
+    })
+}
+
+fn by_kind<S: Buildable>(set: &BatchSet<'_, S>) -> BTreeMap<String, u64> {
+    set.batches.iter().map(|b| (b.kind.name().to_owned(), b.rays.len() as u64)).collect()
+}
+
+/// What there is to record of a row.
+struct RowParts<'a, 'r> {
+    row: &'a Row<'r>,
+    checked: Option<Checked>,
+    error: Option<String>,
+    timed: Timed,
+}
+
+impl RowParts<'_, '_> {
+    fn record<S: Buildable>(self, all: &BatchSet<'_, S>, seed: u64) -> RowRecord {
+        let Self { row, checked, error, timed } = self;
+        let mut verdict = checked.as_ref().map_or(Verdict::NotBuilt, |c| c.verdict);
+        // Answers are compared in every round again: a structure may be wrong only sometimes.
+        let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
+        mismatches = mismatches.max(timed.mismatches as u64);
+        if verdict == Verdict::Ok && mismatches > 0 {
+            verdict = Verdict::Wrong;
+        }
+        let samples = if verdict.is_timed() { timed.samples } else { Vec::new() };
+        let stride = timed.stride.max(1);
+        let rays_by_kind: BTreeMap<String, u64> = if samples.is_empty() {
+            BTreeMap::new()
+        } else {
+            by_kind(all).into_iter().map(|(k, n)| (k, n.div_ceil(stride as u64))).collect()
+        };
+        let of = |f: fn(&Sample) -> f64| {
+            let values: Vec<f64> = samples.iter().map(f).collect();
+            estimate(&values, seed)
+        };
+        let rate = |(kind, rays): (&String, &u64)| {
+            let seconds: Vec<f64> =
+                samples.iter().filter_map(|s| s.trace_s.get(kind).copied()).collect();
+            let seconds = median(&seconds).filter(|s| *s > 0.0)?;
+            Some((kind.clone(), *rays as f64 / seconds / 1e6))
+        };
+        RowRecord {
+            structure: row.structure().into(),
+            settings: row.settings(),
+            is_reference: false,
+            verdict,
+            known_defect: row.known_defect().map(Into::into),
+            error,
+            shape: checked.as_ref().map(|c| c.shape.clone()),
+            work: checked.as_ref().map(|c| c.work.clone()),
+            checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
+            mismatches,
+            example: checked.and_then(|c| c.example),
+            stride: stride as u64,
+            rays: rays_by_kind.values().sum(),
+            build_s: of(|s| s.build_s),
+            trace_s: of(Sample::total_trace_s),
+            mrays: rays_by_kind.iter().filter_map(rate).collect(),
+            rays_by_kind,
+            ratio: None,
+            build_ratio: None,
+            render_s: timed.render_s.filter(|_| verdict.is_timed()),
+            samples,
+        }
+    }
+}
+
+/// Ratios to the baseline, round by round; none where the baseline was not timed.
+fn compare_with_baseline(rows: &mut [RowRecord], plan: &Plan<'_>) {
+    let is_timed = rows.get(plan.baseline).is_some_and(|b| b.verdict.is_timed());
+    let baseline: Vec<(u32, f64)> = match rows.get(plan.baseline) {
+        Some(row) if is_timed => row.samples.iter().map(|s| (s.round, s.build_s)).collect(),
+        _ => Vec::new(),
+    };
+    for row in rows {
+        if !is_timed {
+            for sample in &mut row.samples {
+                sample.reference_trace_s = None;
+            }
+        }
+        row.ratio = estimate(&trace_ratios(row), plan.seed);
+        row.build_ratio = estimate(&build_ratios(row, &baseline), plan.seed);
+    }
+}
+
+/// Trace time over the reference's, round by round.
+pub fn trace_ratios(row: &RowRecord) -> Vec<f64> {
+    let ratio = |s: &Sample| Some(s.total_trace_s() / s.reference_trace_s.filter(|r| *r > 0.0)?);
+    row.samples.iter().filter_map(ratio).collect()
+}
+
+/// Build time over that of the baseline's round.
+pub fn build_ratios(row: &RowRecord, baseline: &[(u32, f64)]) -> Vec<f64> {
+    let ratio = |s: &Sample| {
+        let (_, seconds) = baseline.iter().find(|(round, _)| *round == s.round)?;
+        (*seconds > 0.0).then(|| s.build_s / seconds)
+    };
+    row.samples.iter().filter_map(ratio).collect()
+}

@@ -1,0 +1,85 @@
+//! Where scenes come from: the catalogue of `scene-loading`, or a test's own.
+
+use std::fmt::Debug;
+use std::path::PathBuf;
+
+use scene_loading::procedural::SPD;
+
+pub use crate::stub::{LoadError, LoadedScene, SceneCatalogue, SceneRef};
+
+/// A scene that is known but not loaded.
+pub trait KnownScene: Debug + Send + Sync {
+    /// Name in tables.
+    fn name(&self) -> &str;
+
+    /// Loads or generates it.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    fn load(&self) -> Result<LoadedScene, LoadError>;
+
+    /// Brings what it needs to this machine; the path, or none when it needs nothing.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    fn fetch(&self) -> Result<Option<PathBuf>, LoadError>;
+}
+
+/// Scenes by name.
+pub trait SceneSource {
+    /// The scenes that names, names of sets and paths stand for, each once.
+    ///
+    /// # Errors
+    /// [`LoadError::UnknownScene`] listing what is valid.
+    fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError>;
+
+    /// Every scene that has a name: name and title.
+    ///
+    /// # Errors
+    /// [`LoadError`] when the catalogue is damaged.
+    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError>;
+
+    /// Every set: name and scenes.
+    ///
+    /// # Errors
+    /// [`LoadError`] when the catalogue is damaged.
+    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError>;
+}
+
+/// The catalogue that the program carries, with `./scenes` where there is one. Read when asked
+/// for, so that a damaged file there is no obstacle to commands that need no scenes.
+#[derive(Debug, Clone, Copy)]
+pub struct Installed;
+
+impl SceneSource for Installed {
+    fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
+        let scenes = SceneCatalogue::open(None)?.resolve(names)?;
+        Ok(scenes.into_iter().map(|scene| Box::new(scene) as Box<dyn KnownScene>).collect())
+    }
+
+    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
+        let catalogue = SceneCatalogue::open(None)?;
+        let generated = SPD.iter().map(|s| (s.name.to_owned(), s.summary.to_owned()));
+        let described = catalogue.scenes().map(|s| (s.name.clone(), s.title.clone()));
+        Ok(generated.chain(described).collect())
+    }
+
+    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
+        let catalogue = SceneCatalogue::open(None)?;
+        Ok(catalogue.sets().map(|s| (s.name.clone(), s.scenes.clone())).collect())
+    }
+}
+
+impl KnownScene for SceneRef {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn load(&self) -> Result<LoadedScene, LoadError> {
+        self.load()
+    }
+
+    fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
+        self.fetch()
+    }
+}

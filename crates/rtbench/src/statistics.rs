@@ -1,0 +1,147 @@
+//! Medians, bootstrap intervals, geometric means.
+
+use serde::{Deserialize, Serialize};
+
+use crate::random::Random;
+
+/// Resamples of a bootstrap.
+const RESAMPLES: usize = 2000;
+/// Share of the resamples outside the interval, on each side: 95% lie within.
+const TAIL: f64 = 0.025;
+
+/// A median with its 95% bootstrap percentile interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Median of the samples.
+    pub median: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+impl Estimate {
+    /// True when the interval holds `value`: the samples do not tell the quantity from it.
+    pub fn holds(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+}
+
+/// The middle sample, or the mean of the two in the middle.
+pub fn median(samples: &[f64]) -> Option<f64> {
+    let mut sorted = samples.to_vec();
+    median_of(&mut sorted)
+}
+
+fn median_of(samples: &mut [f64]) -> Option<f64> {
+    samples.sort_by(f64::total_cmp);
+    let n = samples.len();
+    match n {
+        0 => None,
+        _ if n % 2 == 1 => Some(samples[n / 2]),
+        _ => Some((samples[n / 2 - 1] + samples[n / 2]) / 2.0),
+    }
+}
+
+/// Median and interval of one quantity; none without samples.
+pub fn estimate(samples: &[f64], seed: u64) -> Option<Estimate> {
+    geometric_mean_of_medians(&[samples], seed)
+}
+
+/// The geometric mean over groups (scenes) of each group's median, with an interval from
+/// resampling within the groups. None when a group is empty or holds what has no logarithm.
+///
+/// Of a single group it is the median itself, of any sign.
+pub fn geometric_mean_of_medians(groups: &[&[f64]], seed: u64) -> Option<Estimate> {
+    let of = |medians: &[f64]| match medians {
+        [one] => Some(*one),
+        _ => geometric_mean(medians),
+    };
+    let medians = groups.iter().map(|g| median(g)).collect::<Option<Vec<_>>>()?;
+    let middle = of(&medians)?;
+    let mut random = Random::new(seed, "bootstrap");
+    let mut resampled = Vec::with_capacity(RESAMPLES);
+    let mut buffer = Vec::new();
+    for _ in 0..RESAMPLES {
+        let medians = groups.iter().map(|group| {
+            buffer.clear();
+            buffer.extend(group.iter().map(|_| group[random.below(group.len())]));
+            median_of(&mut buffer)
+        });
+        resampled.push(of(&medians.collect::<Option<Vec<_>>>()?)?);
+    }
+    resampled.sort_by(f64::total_cmp);
+    let last = (RESAMPLES - 1) as f64;
+    let low = resampled[(TAIL * last).floor() as usize];
+    let high = resampled[((1.0 - TAIL) * last).ceil() as usize];
+    Some(Estimate { median: middle, low, high })
+}
+
+/// The geometric mean; none of no values or of values that are not positive.
+pub fn geometric_mean(values: &[f64]) -> Option<f64> {
+    if values.is_empty() || values.iter().any(|&v| v.is_nan() || v <= 0.0) {
+        return None;
+    }
+    Some((values.iter().map(|v| v.ln()).sum::<f64>() / values.len() as f64).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[3.0]), Some(3.0));
+        assert_eq!(median(&[9.0, 1.0, 5.0]), Some(5.0));
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.5));
+    }
+
+    #[test]
+    fn geometric_means() {
+        assert_eq!(geometric_mean(&[]), None);
+        assert_eq!(geometric_mean(&[1.0, 0.0]), None);
+        assert_eq!(geometric_mean(&[1.0, f64::NAN]), None);
+        assert!((geometric_mean(&[1.0, 4.0, 16.0]).unwrap() - 4.0).abs() < 1e-12);
+        assert!((geometric_mean(&[0.5, 2.0]).unwrap() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn equal_samples_have_an_interval_of_no_width() {
+        let e = estimate(&[2.0; 5], 1).unwrap();
+        assert_eq!(e, Estimate { median: 2.0, low: 2.0, high: 2.0 });
+        assert!(e.holds(2.0) && !e.holds(2.1));
+        assert_eq!(estimate(&[], 1), None);
+        assert_eq!(geometric_mean_of_medians(&[&[1.0], &[]], 1), None);
+    }
+
+    #[test]
+    fn the_bootstrap_interval_of_three_samples_is_known() {
+        // The median of 3 draws from {1, 2, 3} is 1 with probability 7/27, 3 likewise: both are
+        // more than 2.5%, so the interval must reach from the smallest to the largest.
+        let e = estimate(&[1.0, 2.0, 3.0], 1).unwrap();
+        assert_eq!(e, Estimate { median: 2.0, low: 1.0, high: 3.0 });
+    }
+
+    #[test]
+    fn the_bootstrap_interval_of_many_samples_is_known() {
+        // 0, 1, ..., 100: the median's standard error is about 101 * 0.5 / sqrt(101) = 5.02, so
+        // the 95% interval is near 50 +- 9.85.
+        let samples: Vec<f64> = (0..=100).map(f64::from).collect();
+        let e = estimate(&samples, 42).unwrap();
+        assert_eq!(e.median, 50.0);
+        assert!((38.0..=43.0).contains(&e.low) && (57.0..=62.0).contains(&e.high), "{e:?}");
+    }
+
+    #[test]
+    fn the_interval_is_seeded() {
+        let samples: Vec<f64> = (0..40).map(|i| f64::from(i * i % 37)).collect();
+        assert_eq!(estimate(&samples, 5), estimate(&samples, 5));
+    }
+
+    #[test]
+    fn groups_are_joined_by_the_geometric_mean() {
+        let e = geometric_mean_of_medians(&[&[1.0, 1.0], &[4.0, 4.0]], 1).unwrap();
+        assert!((e.median - 2.0).abs() < 1e-12 && (e.low - 2.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,60 @@
+//! All scenes together: geometric means of ratios.
+
+use crate::record::{RowRecord, SceneRecord, SummaryRow, Verdict};
+use crate::scene_run::{build_ratios, trace_ratios};
+use crate::statistics::geometric_mean_of_medians;
+
+/// One row for each row of the scenes, in their order.
+pub fn summarize(scenes: &[SceneRecord], seed: u64) -> Vec<SummaryRow> {
+    let Some(first) = scenes.first() else {
+        return Vec::new();
+    };
+    first.rows.iter().map(|row| summarize_row(row, scenes, seed)).collect()
+}
+
+fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryRow {
+    let same = |r: &&RowRecord| r.structure == row.structure && r.settings == row.settings;
+    let mut ratios = Vec::new();
+    let mut builds = Vec::new();
+    let mut verdicts = Vec::new();
+    let mut mismatches = 0;
+    for scene in scenes {
+        let Some(own) = scene.rows.iter().find(same) else { continue };
+        verdicts.push(own.verdict);
+        mismatches += own.mismatches;
+        let baseline: Vec<(u32, f64)> = scene
+            .rows
+            .iter()
+            .filter(|r| r.is_reference)
+            .flat_map(|r| r.samples.iter().map(|s| (s.round, s.build_s)))
+            .collect();
+        let trace = trace_ratios(own);
+        if !trace.is_empty() {
+            builds.push(build_ratios(own, &baseline));
+            ratios.push(trace);
+        }
+    }
+    let mean = |groups: &[Vec<f64>]| {
+        let groups: Vec<&[f64]> = groups.iter().map(Vec::as_slice).collect();
+        if groups.is_empty() { None } else { geometric_mean_of_medians(&groups, seed) }
+    };
+    let count = |v: Verdict| verdicts.iter().filter(|x| **x == v).count() as u64;
+    let (wrong, shipped) = (count(Verdict::Wrong), count(Verdict::WrongAsShipped));
+    let not_built = count(Verdict::NotBuilt);
+    SummaryRow {
+        structure: row.structure.clone(),
+        settings: row.settings.clone(),
+        scenes: ratios.len() as u64,
+        wrong_scenes: wrong + shipped,
+        not_built_scenes: not_built,
+        mismatches,
+        ratio: mean(&ratios),
+        build_ratio: mean(&builds),
+        verdict: match () {
+            () if wrong > 0 => Verdict::Wrong,
+            () if not_built > 0 => Verdict::NotBuilt,
+            () if shipped > 0 => Verdict::WrongAsShipped,
+            () => Verdict::Ok,
+        },
+    }
+}

@@ -1,0 +1,229 @@
+//! Exports: complete, readable again, and the same for the same seed.
+
+mod common;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use common::{Folder, PLANTED, row, run_stepping, run_with};
+use rtbench::clock::SystemClock;
+use rtbench::record::SCHEMA_VERSION;
+use rtbench::scene_source::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};
+
+const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
+    n_ts,n_ets,n_eets,rays,memory_bytes,build_s,build_s_low,build_s_high,trace_s,trace_s_low,\
+    trace_s_high,render_s,ratio_to_reference,ratio_low,ratio_high,primary_mrays,shadow_mrays,\
+    secondary_mrays,diffuse_mrays,mismatches,verdict";
+
+#[test]
+fn the_csv_has_exactly_these_columns_and_a_row_for_each_scene_structure_and_setting() {
+    let folder = Folder::new();
+    let ended = run_stepping(&format!(
+        "run tetra:2 balls:1 --size 24 -s uniform-grid,uniform-grid:density=1,obvhs-cwbvh -o {}",
+        folder.path()
+    ));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let text = folder.text("results.csv");
+    assert_eq!(text.lines().next(), Some(HEADER));
+    let rows = folder.csv();
+    assert_eq!(rows.len(), 6);
+    assert!(rows.iter().all(|r| r["verdict"] == "ok" && r["mismatches"] == "0"));
+    let grid = &rows[1];
+    assert_eq!(
+        (grid["structure"].as_str(), grid["settings"].as_str()),
+        ("uniform-grid", "density=1")
+    );
+    assert_eq!(grid["resolution"].split('x').count(), 3);
+    for number in ["n_v", "n_it", "n_ts", "rays", "memory_bytes", "build_s", "trace_s"] {
+        assert!(grid[number].parse::<f64>().is_ok_and(|x| x > 0.0), "{number}: {}", grid[number]);
+    }
+    let cwbvh = &rows[2];
+    assert_eq!(cwbvh["ratio_to_reference"].parse::<f64>(), Ok(1.0));
+    assert!(folder.text("results.md").contains("| uniform-grid density=1 |"));
+}
+
+#[test]
+fn json_holds_the_environment_and_every_sample() {
+    let folder = Folder::new();
+    let ended = run_stepping(&format!(
+        "run tetra:2 --size 24 --rounds 6 -s uniform-grid,obvhs-cwbvh --rays primary,shadow -o {}",
+        folder.path()
+    ));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let record = folder.record();
+    assert_eq!(record.schema_version, SCHEMA_VERSION);
+    assert!(record.compiler.rustc.is_some() && record.compiler.target.is_some());
+    assert!(record.machine.threads > 0 && !record.machine.os.is_empty());
+    assert_eq!(record.settings.rays, ["primary", "shadow"]);
+    assert_eq!(record.settings.reference, "obvhs-cwbvh");
+    let scene = &record.scenes[0];
+    assert_eq!((scene.name.as_str(), scene.primitives), ("tetra:2", 16));
+    assert_eq!(scene.rays["primary"], 24 * 24);
+    for row in &scene.rows {
+        let rounds: Vec<u32> = row.samples.iter().map(|s| s.round).collect();
+        assert_eq!(rounds, [0, 1, 2, 3, 4, 5]);
+        for sample in &row.samples {
+            let kinds: Vec<&str> = sample.trace_s.keys().map(String::as_str).collect();
+            assert_eq!(kinds, ["primary", "shadow"]);
+            assert!(sample.reference_trace_s.is_some());
+        }
+    }
+}
+
+#[test]
+fn times_are_what_the_clock_says() {
+    let folder = Folder::new();
+    let arguments = "run tetra:2 --size 24 -s uniform-grid,obvhs-cwbvh --rays primary,shadow";
+    run_stepping(&format!("{arguments} -o {}", folder.path()));
+    let record = folder.record();
+    let grid = row(&record, "uniform-grid");
+    // One step of a millisecond for the build and for each of two kinds of rays.
+    let near = |x: f64, y: f64| (x - y).abs() < 1e-12;
+    assert!(grid.build_s.is_some_and(|e| near(e.median, 1e-3) && near(e.high, 1e-3)));
+    assert!(grid.trace_s.is_some_and(|e| near(e.median, 2e-3) && near(e.low, 2e-3)));
+    assert!(grid.ratio.is_some_and(|e| near(e.median, 1.0)));
+    assert!(grid.render_s.is_some_and(|s| near(s, 1e-3)));
+    assert!(near(grid.mrays["primary"], 24.0 * 24.0 / 1e-3 / 1e6));
+}
+
+#[test]
+fn a_seed_fixes_schedule_and_work() {
+    let positions = |seed: u64| {
+        let folder = Folder::new();
+        let arguments = format!("run tetra:2 --size 16 --seed {seed} -s all,brute-force -o");
+        let ended = run_stepping(&format!("{arguments} {}", folder.path()));
+        assert_eq!(ended.code, 4, "the planted structure is wrong: {}", ended.err);
+        let rows = folder.record().scenes.remove(0).rows;
+        rows.into_iter()
+            .map(|r| (r.work, r.samples.iter().map(|s| s.position).collect::<Vec<_>>()))
+            .collect::<Vec<_>>()
+    };
+    let first = positions(7);
+    assert_eq!(first, positions(7));
+    assert_ne!(first, positions(8));
+}
+
+#[test]
+fn a_time_budget_buys_rounds() {
+    let folder = Folder::new();
+    let arguments = "run tetra:2 --size 16 -s obvhs-cwbvh --rays primary --time-budget 1s";
+    let ended = run_stepping(&format!("{arguments} -o {}", folder.path()));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let rounds = row(&folder.record(), "obvhs-cwbvh").samples.len();
+    assert!((50..1000).contains(&rounds), "{rounds}");
+    let ended =
+        run_stepping(&format!("{arguments} --quick -o {}", folder.path()).replace("1s", "1ms"));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert_eq!(row(&folder.record(), "obvhs-cwbvh").samples.len(), 3, "the least there is");
+}
+
+#[test]
+fn slow_rows_are_compared_on_the_same_rays() {
+    let folder = Folder::new();
+    let arguments = "run tetra:4 --size 48 -s brute-force,obvhs-cwbvh --rounds 2 -j 2";
+    let clock = SystemClock::default();
+    let ended = run_with(PLANTED, &Installed, &clock, &format!("{arguments} -o {}", folder.path()));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let record = folder.record();
+    let (brute, fast) = (row(&record, "brute-force"), row(&record, "obvhs-cwbvh"));
+    assert!(brute.rays <= fast.rays && brute.stride >= 1);
+    assert!(brute.ratio.is_some_and(|e| e.median > 1.0));
+    assert!(brute.samples.iter().all(|s| s.reference_trace_s.is_some()));
+}
+
+#[test]
+fn an_unnamed_reference_is_added_when_asked_for() {
+    let folder = Folder::new();
+    let arguments =
+        "run tetra:2 --size 16 --rounds 1 -s uniform-grid --reference obvhs-bvh2:preset=fast";
+    let ended = run_stepping(&format!("{arguments} -o {}", folder.path()));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let record = folder.record();
+    assert!(row(&record, "obvhs-bvh2 preset=fast").is_reference);
+    assert_eq!(record.settings.reference, "obvhs-bvh2 preset=fast");
+    assert_eq!(record.scenes[0].rows.len(), 2);
+}
+
+/// Two scenes; when the second is loaded, the first must be in the files already.
+#[derive(Debug, Clone)]
+struct Watching {
+    name: &'static str,
+    csv: PathBuf,
+    seen: Arc<std::sync::Mutex<Vec<usize>>>,
+}
+
+impl KnownScene for Watching {
+    fn name(&self) -> &str {
+        self.name
+    }
+    fn load(&self) -> Result<LoadedScene, LoadError> {
+        let lines = std::fs::read_to_string(&self.csv).map_or(0, |text| text.lines().count());
+        self.seen.lock().unwrap().push(lines);
+        Installed.resolve(&[self.name.to_owned()])?.remove(0).load()
+    }
+    fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
+        Ok(None)
+    }
+}
+
+impl SceneSource for Watching {
+    fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
+        let of = |name| Box::new(Self { name, ..self.clone() }) as Box<dyn KnownScene>;
+        Ok(names.iter().flat_map(|_| ["tetra:1", "tetra:2"]).map(of).collect())
+    }
+    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
+        Ok(Vec::new())
+    }
+    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
+        Ok(Vec::new())
+    }
+}
+
+#[test]
+fn finished_scenes_are_written_before_the_next_begins() {
+    let folder = Folder::new();
+    let csv = PathBuf::from(folder.path()).join("results.csv");
+    let scenes = Watching { name: "", csv, seen: Arc::default() };
+    let arguments = format!("run both --quick -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
+    let ended = run_with(PLANTED, &scenes, &SystemClock::default(), &arguments);
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert_eq!(*scenes.seen.lock().unwrap(), [1, 3], "the header, then the first scene's rows");
+    assert_eq!(folder.csv().len(), 4);
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().flatten().collect();
+    assert_eq!(left.len(), 3, "no temporary files: {left:?}");
+}
+
+#[test]
+fn a_scene_that_fails_costs_its_own_rows_only() {
+    #[derive(Debug)]
+    struct Failing;
+    impl KnownScene for Failing {
+        fn name(&self) -> &str {
+            "failing"
+        }
+        fn load(&self) -> Result<LoadedScene, LoadError> {
+            Installed.resolve(&["no-such-scene".to_owned()])?.remove(0).load()
+        }
+        fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
+            Ok(None)
+        }
+    }
+    struct Both;
+    impl SceneSource for Both {
+        fn resolve(&self, _: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
+            let mut scenes = Installed.resolve(&["tetra:1".to_owned()])?;
+            scenes.insert(0, Box::new(Failing));
+            Ok(scenes)
+        }
+        fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
+            Ok(Vec::new())
+        }
+        fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
+            Ok(Vec::new())
+        }
+    }
+    let clock = SystemClock::default();
+    let ended = run_with(PLANTED, &Both, &clock, "run both --quick -s obvhs-cwbvh");
+    assert_eq!(ended.code, 1);
+    assert!(ended.err.contains("error: ") && ended.out.contains("tetra:1: 4 primitives"));
+}
