@@ -46,6 +46,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Inspect, check or fetch scenes
     Scenes(ScenesArgs),
+    /// Put published figures beside ours
+    Reproduce(ReproduceArgs),
 }
 
 /// `rtbench run`.
@@ -192,4 +194,32 @@ pub struct SceneNames {
     /// Scenes, sets or files [default: all scenes]
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
+}
+
+/// `rtbench reproduce`.
+#[derive(Debug, Clone, Args)]
+pub struct ReproduceArgs {
+    /// The publication
+    #[arg(value_enum)]
+    pub publication: Publication,
+    /// Scenes [default: all that the publication has]
+    #[arg(long, value_name = "SCENE", value_delimiter = ',')]
+    pub scenes: Vec<String>,
+    /// Structures as the publication names them, `invariants` among them [default: all]
+    #[arg(long, value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Write one CSV row a figure
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Exit with 1 when a figure differs and nobody knows why
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// What can be reproduced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Publication {
+    /// Havran and Sixta, Comparison of Hierarchical Grids, 1999
+    #[value(name = "havran1999")]
+    Havran1999,
 }

@@ -7,6 +7,7 @@ use crate::scene_source::LoadError;
 use accel_core::structures::BuildError;
 
 use crate::plan::PlanError;
+use crate::reproduce::ReproduceError;
 use renderer::{GeometryError, ImageError};
 
 /// Fine.
@@ -79,6 +80,9 @@ pub enum Error {
         /// What the library said.
         message: String,
     },
+    /// Published figures could not be reproduced.
+    #[error(transparent)]
+    Reproduce(#[from] ReproduceError),
     /// Standard output failed; a closed pipe is not an error, see [`Error::is_closed_pipe`].
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
@@ -94,6 +98,9 @@ impl Error {
                 if is_usage { USAGE } else { FAILURE }
             }
             Self::Plan(_) => USAGE,
+            Self::Reproduce(
+                ReproduceError::UnknownScene(_) | ReproduceError::UnknownStructure(_),
+            ) => USAGE,
             _ => FAILURE,
         }
     }

@@ -82,6 +82,7 @@ pub fn run(
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args).map(|()| SUCCESS),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
+        Command::Reproduce(args) => commands::reproduce::run(context, args),
     };
     match ended {
         Ok(code) => code,

@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use ::gltf::accessor::{DataType, Dimensions, Item, Iter};
-use ::gltf::buffer::{Data, Source, View};
+use ::gltf::buffer::{Source, View};
 use ::gltf::{Accessor, Document};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 
 use crate::error::{LoadError, Place};
 use crate::source_read::{MAX_BYTES, confined, read_file};
@@ -47,10 +49,16 @@ impl<'a> Buffers<'a> {
 
     fn read_uri(&self, object: &str, uri: &str) -> Result<Vec<u8>, LoadError> {
         if uri.starts_with("data:") {
-            let data = Data::from_source(Source::Uri(uri), None);
-            return data.map(|data| data.0).map_err(|error| {
-                self.invalid(object, &format!("a data URI with {error}"), "base64 data")
-            });
+            let encoded = uri.split_once(";base64,").map(|(_, data)| data);
+            let decoded = encoded.map(|data| STANDARD.decode(data));
+            return match decoded {
+                Some(Ok(bytes)) => Ok(bytes),
+                Some(Err(error)) => {
+                    let found = format!("a data URI with {error}");
+                    Err(self.invalid(object, &found, "base64 data"))
+                }
+                None => Err(self.invalid(object, "a data URI of another kind", "base64 data")),
+            };
         }
         let outside = || LoadError::OutsideFolder {
             place: Place::file(self.path),

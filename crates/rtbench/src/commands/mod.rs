@@ -2,5 +2,6 @@
 
 pub mod list;
 pub mod render;
+pub mod reproduce;
 pub mod run;
 pub mod scenes;

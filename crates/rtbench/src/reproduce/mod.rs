@@ -80,7 +80,6 @@ pub const STRUCTURES: [&str; 2] = ["invariants", "uniform"];
 
 /// A scene in the published setting: its rays, made once.
 pub struct PublishedScene {
-    pub(crate) name: String,
     pub(crate) geometry: Geometry<f64>,
     pub(crate) rays: RayBatches<f64>,
 }
@@ -110,7 +109,7 @@ impl PublishedScene {
             let tracer = entry.build(geometry.prims(), &entry.params([("density", "8")])?)?;
             generate_rays(&scene, &geometry, tracer.as_ref(), &RaySettings::published())
         };
-        Ok(Self { name: name.to_owned(), geometry, rays })
+        Ok(Self { geometry, rays })
     }
 
     /// AllRays: primary, shadow and secondary, untraced ones (total reflection) included.
