@@ -16,7 +16,7 @@ use crate::rows::Row;
 /// Rays of a kind in the first and in the last step of a pilot.
 const PILOT_RAYS: (usize, usize) = (16, 1024);
 /// Seconds after which a pilot has seen enough of a kind.
-const PILOT_SECONDS: f64 = 0.001;
+const PILOT_SECONDS: f64 = 0.000_3;
 
 /// What is known of a row before it is timed.
 #[derive(Debug)]

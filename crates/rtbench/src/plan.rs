@@ -113,9 +113,9 @@ impl Limits {
         if quick {
             Self {
                 sampled_pass: 0.01,
-                timed_pass: 0.05,
-                render_pass: 0.05,
-                checked_pass: 1.0,
+                timed_pass: 0.04,
+                render_pass: 0.04,
+                checked_pass: 0.5,
                 oracle_rays: 128,
                 oracle_tests: 50_000_000,
             }
