@@ -82,6 +82,7 @@ pub const STRUCTURES: [&str; 2] = ["invariants", "uniform"];
 pub struct PublishedScene {
     pub(crate) geometry: Geometry<f64>,
     pub(crate) rays: RayBatches<f64>,
+    lights: usize,
 }
 
 /// What a structure did for all rays of a scene.
@@ -109,7 +110,7 @@ impl PublishedScene {
             let tracer = entry.build(geometry.prims(), &entry.params([("density", "8")])?)?;
             generate_rays(&scene, &geometry, tracer.as_ref(), &RaySettings::published())
         };
-        Ok(Self { geometry, rays })
+        Ok(Self { geometry, rays, lights: scene.lights.len() })
     }
 
     /// AllRays: primary, shadow and secondary, untraced ones (total reflection) included.
@@ -155,6 +156,8 @@ impl PublishedScene {
             ("UsedIntSecRay", work.secondary_hits),
             ("AllRays", self.all_rays()),
             ("IntersRequired", required),
+            ("total_primitives", self.geometry.len() as u64),
+            ("lights", self.lights as u64),
         ]
         .map(|(name, value)| (name, value as f64))
         .to_vec()
