@@ -7,8 +7,9 @@
 //! * finds the primitive of the answer as near as its own, within those ulps (two surfaces in
 //!   one place).
 //!
-//! Otherwise the id must be the same and t must lie between the smallest and the largest t of
-//! the moved rays, give or take the ulps. Borderline rays are counted, never dropped silently.
+//! Otherwise the id must be the same, and t no farther from the oracle's than a few times what
+//! moving the ray changes it by: at grazing angles and on slivers the rounding of a primitive test
+//! counts for more than that of the ray. Borderline rays are counted, never dropped silently.
 
 use accel_core::primitives::PrimSet;
 use accel_core::structures::{BuildError, Buildable, PrimsRef, find};
@@ -22,6 +23,9 @@ use crate::batches::Answers;
 
 /// How far rays are moved, and how much more t may be off, in ulps of the tested precision.
 const ULPS: f64 = 8.0;
+
+/// How much more than the moved rays the rounding of a primitive test may change t.
+const TEST_ROUNDING: f64 = 8.0;
 
 /// How the answers to a sample of rays compare with the oracle's.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -128,9 +132,8 @@ impl<'a> Oracle<'a> {
             }
         }
         if hit.id == truth.id {
-            let low = moved.iter().fold(truth.t, |low, m| low.min(m.t));
-            let high = moved.iter().fold(truth.t, |high, m| high.max(m.t));
-            if low - slack <= t && t <= high + slack {
+            let farthest = moved.iter().fold(slack, |far, m| far.max((m.t - truth.t).abs()));
+            if (t - truth.t).abs() <= TEST_ROUNDING * farthest {
                 return Opinion::Right;
             }
         }
