@@ -114,11 +114,13 @@ impl<S: Scalar> GridFrame<S> {
         let mut at = [0; 3];
         for k in 0..3 {
             at[k] = self.clamped((p[k] - self.lo[k]) * self.inv_cell[k], k);
-            if d[k] == S::ZERO {
+            let inv = S::ONE / d[k];
+            // 0, and what is too small to invert: 0 * infinity would end the walk early
+            if !inv.is_finite() {
                 continue;
             }
             let up = d[k] > S::ZERO;
-            walk.inv_d[k] = S::ONE / d[k];
+            walk.inv_d[k] = inv;
             walk.from_origin[k] = self.lo[k] - o[k];
             walk.plane[k] = S::from_i32(at[k] + i32::from(up));
             walk.plane_step[k] = if up { S::ONE } else { -S::ONE };
