@@ -4,9 +4,11 @@
 //! the settings parser and the test matrix are all made from the registry.
 
 pub mod brute_force;
+pub mod kd_tree;
 mod obvhs_adapter;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
+pub mod octree;
 pub mod uniform_grid;
 
 use crate::params::{ParamError, ParamSpec, Params};
@@ -22,6 +24,8 @@ pub static REGISTRY: &[Entry] = &[
     entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    entry!(octree::Octree, octree::INFO),
+    entry!(kd_tree::KdTree, kd_tree::INFO),
 ];
 
 /// An acceleration structure over primitive ids.

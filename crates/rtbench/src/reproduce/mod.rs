@@ -4,6 +4,7 @@
 //! the counters mean was found by experiment; `results/published/README.md` has the rules.
 //! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
 
+mod octrees;
 pub mod published;
 mod uniform;
 pub mod verdict;
@@ -76,7 +77,15 @@ pub enum ReproduceError {
 }
 
 /// What can be reproduced so far.
-pub const STRUCTURES: [&str; 2] = ["invariants", "uniform"];
+pub const STRUCTURES: [&str; 7] = [
+    "invariants",
+    "uniform",
+    octrees::COLUMNS[0],
+    octrees::COLUMNS[1],
+    octrees::COLUMNS[2],
+    octrees::COLUMNS[3],
+    octrees::COLUMNS[4],
+];
 
 /// A scene in the published setting: its rays, made once.
 pub struct PublishedScene {
@@ -90,10 +99,10 @@ pub(crate) struct Work {
     pub(crate) shape: Shape,
     pub(crate) counters: WorkCounters,
     /// Primary, secondary: hits.
-    primary_hits: u64,
-    secondary_hits: u64,
+    pub(crate) primary_hits: u64,
+    pub(crate) secondary_hits: u64,
     /// Blocked shadow rays, plus glass hit by the others.
-    shadow_hits: u64,
+    pub(crate) shadow_hits: u64,
 }
 
 impl PublishedScene {
@@ -190,6 +199,13 @@ pub fn reproduce_scene(
                 counters,
                 &uniform::counters(&published, &work),
             ));
+        }
+    }
+    for column in octrees::COLUMNS.into_iter().filter(|c| structures.contains(c)) {
+        for (params, counters) in &table(figures, column, scene) {
+            let work = octrees::count(&published, column, params)?;
+            let ours = octrees::counters(&published, &work);
+            rows.extend(compare(column, params, scene, counters, &ours));
         }
     }
     if structures.contains(&"invariants") {
