@@ -159,7 +159,8 @@ impl<'a, S: Scalar> Trial<'a, S> {
 
     /// Tries a plane with so many references on either side of it.
     fn plane(&mut self, plane: S, below: usize, above: usize) {
-        if !(self.lo < plane && plane < self.hi) {
+        let cuts = self.lo < plane && plane < self.hi;
+        if !cuts {
             return;
         }
         let surface = |length: S| self.caps + self.girth * length.to_f64();

@@ -46,8 +46,8 @@ impl<S: Scalar> Octree<S> {
             if sink.t_max() < exit {
                 return;
             }
-            // not (t < ...): also ends what is not a number
-            if !(t < scene_exit) {
+            let stays_inside = t < scene_exit;
+            if !stays_inside {
                 (0..=depth).for_each(|_| sink.inner_step());
                 return;
             }

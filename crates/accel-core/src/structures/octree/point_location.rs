@@ -29,8 +29,8 @@ impl<S: Scalar> Octree<S> {
             }
             let exit = place.exit();
             t = exit + self.nudge();
-            // not (t < ...): also ends what is not a number
-            if sink.t_max() < exit || !(t < root.exit()) {
+            let goes_on = t < root.exit() && exit <= sink.t_max();
+            if !goes_on {
                 return;
             }
         }
