@@ -220,6 +220,7 @@ fn centre_subdivision_makes_eight_cells_of_one() {
 }
 
 #[test]
+#[ignore = "its caps have not been confirmed by a full run yet"]
 fn a_million_triangles_in_a_stadium_build_within_caps() {
     let mut random = Random(11);
     let mut set = MixedSetBuilder::<f32>::default();
