@@ -19,6 +19,12 @@ pub trait Sink<S: Scalar> {
     fn t_max(&self) -> S;
     /// Tests the candidates; `Break` ends the query.
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()>;
+    /// [`Sink::test`] for a query that treats hits up to the cell's exit differently from farther
+    /// ones; `t_exit` is the parameter at which the ray leaves the cell of these candidates.
+    #[inline(always)]
+    fn test_in_cell(&mut self, ids: &[u32], _t_exit: S) -> ControlFlow<()> {
+        self.test(ids)
+    }
     /// Reports a step into a cell or leaf.
     fn elementary_step(&mut self, empty: bool);
     /// Reports a step within a hierarchy.
@@ -182,6 +188,56 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, 
                     return ControlFlow::Break(());
                 }
                 self.glass.push(id);
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The shadow ray of Havran and Sixta's (1999) recursive grid: every primitive stops it, glass
+/// too. A hit within the current cell ends the query at once; a farther one is kept, and ends the
+/// walk when its cell is reached. Only used for counting.
+pub struct HistoricalCellShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+    prims: &'a P,
+    ray: &'a Ray<S>,
+    setup: P::RaySetup,
+    best: Hit<S>,
+    counters: C,
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalCellShadow<'a, S, P, C> {
+    /// Starts a query.
+    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        let best = Hit { t: ray.t_max, id: MISS };
+        Self { prims, ray, setup: prims.setup(ray), best, counters: C::default() }
+    }
+
+    /// What stopped the ray, and what it took.
+    pub fn finish(self) -> (Hit<S>, C) {
+        (self.best, self.counters)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalCellShadow<'_, S, P, C> {
+    count_steps!();
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.best.t
+    }
+
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        self.test_in_cell(ids, S::INFINITY)
+    }
+
+    fn test_in_cell(&mut self, ids: &[u32], t_exit: S) -> ControlFlow<()> {
+        for &id in ids {
+            self.counters.intersection_tests(1);
+            if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t) {
+                self.best = Hit { t, id };
+                if t <= t_exit {
+                    return ControlFlow::Break(());
+                }
             }
         }
         ControlFlow::Continue(())

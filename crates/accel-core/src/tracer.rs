@@ -4,7 +4,7 @@ use crate::counters::{NoCounters, WorkCounters};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, Ray};
 use crate::scalar::Scalar;
-use crate::sink::{AnyHit, ClosestHit, HistoricalShadow};
+use crate::sink::{AnyHit, ClosestHit, HistoricalCellShadow, HistoricalShadow};
 use crate::structures::{Shape, Structure};
 
 /// What a shadow ray of the counting pass does; the historical rule is explained in
@@ -15,6 +15,9 @@ pub enum ShadowRule {
     OpaqueBlocks,
     /// As Havran and Sixta counted: glass that was hit is remembered and not tested again.
     Historical,
+    /// As Havran and Sixta counted in the recursive grid: whatever is hit stops the ray, at once
+    /// if the hit lies in the current cell.
+    HistoricalInCell,
 }
 
 /// Answers of one historical shadow ray.
@@ -122,6 +125,14 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>> Tracer<S> for Bound<'_, P, T> {
                     self.structure.walk(ray, &mut sink);
                     let (blocked, glass, counters) = sink.finish();
                     *answer = ShadowCount { blocked, glass: glass as u32 };
+                    total += counters;
+                }
+                ShadowRule::HistoricalInCell => {
+                    let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                    self.structure.walk(ray, &mut sink);
+                    let (hit, counters) = sink.finish();
+                    let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
+                    *answer = ShadowCount { blocked: hit.is_hit() && !glass, glass: glass.into() };
                     total += counters;
                 }
             }

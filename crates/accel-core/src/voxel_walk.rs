@@ -7,7 +7,7 @@
 
 use crate::aabb::Aabb;
 use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
+use crate::scalar::{Scalar, Vec3, Vector};
 
 /// Where the cells of a regular grid are.
 #[derive(Debug, Clone, Copy)]
@@ -86,6 +86,17 @@ impl<S: Scalar> GridFrame<S> {
         (c[2] as usize * self.n[1] as usize + c[1] as usize) * self.n[0] as usize + c[0] as usize
     }
 
+    /// The box of the cell with that index.
+    pub fn cell_bounds(&self, index: usize) -> Aabb<S> {
+        let [nx, ny, _] = self.n.map(|n| n as usize);
+        let at = [index % nx, index / nx % ny, index / (nx * ny)];
+        let plane = |k: usize, i: usize| self.lo[k] + S::from_i32(i as i32) * self.cell[k];
+        Aabb {
+            min: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k]))),
+            max: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k] + 1))),
+        }
+    }
+
     /// Starts a walk, or `None` when the ray misses the box within its interval.
     #[inline(always)]
     pub fn walk(&self, ray: &Ray<S>) -> Option<VoxelWalk<S>> {
@@ -96,9 +107,16 @@ impl<S: Scalar> GridFrame<S> {
     #[inline(always)]
     pub fn walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<VoxelWalk<S>> {
         let (t_in, _) = self.bounds.clip(ray.origin, ray.direction, t_start, ray.t_max)?;
+        Some(self.walk_at(ray, inverse_direction(ray), t_in))
+    }
+
+    /// Starts a walk in the cell that holds, or is nearest to, the point of the ray at `t`,
+    /// whether or not the ray meets the box there. `inverse` is [`inverse_direction`] of the ray.
+    #[inline(always)]
+    pub fn walk_at(&self, ray: &Ray<S>, inverse: [S; 3], t: S) -> VoxelWalk<S> {
         let o = ray.origin.to_array();
         let d = ray.direction.to_array();
-        let p = ray.at(t_in).to_array();
+        let p = ray.at(t).to_array();
         let stride = [1, self.n[0] as isize, self.n[0] as isize * self.n[1] as isize];
         let mut walk = VoxelWalk {
             t_next: [S::INFINITY; 3],
@@ -106,7 +124,7 @@ impl<S: Scalar> GridFrame<S> {
             plane_step: [S::ZERO; 3],
             cell: self.cell,
             from_origin: [S::ZERO; 3],
-            inv_d: [S::INFINITY; 3],
+            inv_d: inverse,
             remaining: [0; 3],
             stride: [0; 3],
             offset: 0,
@@ -118,7 +136,6 @@ impl<S: Scalar> GridFrame<S> {
                 continue;
             }
             let up = d[k] > S::ZERO;
-            walk.inv_d[k] = S::ONE / d[k];
             walk.from_origin[k] = self.lo[k] - o[k];
             walk.plane[k] = S::from_i32(at[k] + i32::from(up));
             walk.plane_step[k] = if up { S::ONE } else { -S::ONE };
@@ -127,8 +144,14 @@ impl<S: Scalar> GridFrame<S> {
             walk.t_next[k] = walk.plane_parameter(k);
         }
         walk.offset = self.index(at) as isize;
-        Some(walk)
+        walk
     }
+}
+
+/// 1 / direction; infinity on the axes that the ray is perpendicular to.
+#[inline(always)]
+pub fn inverse_direction<S: Scalar>(ray: &Ray<S>) -> [S; 3] {
+    ray.direction.to_array().map(|d| if d == S::ZERO { S::INFINITY } else { S::ONE / d })
 }
 
 /// A ray on its way through a grid.

@@ -7,6 +7,7 @@ pub mod brute_force;
 mod obvhs_adapter;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
+pub mod recursive_grid;
 pub mod uniform_grid;
 
 use crate::params::{ParamError, ParamSpec, Params};
@@ -20,6 +21,7 @@ use crate::tracer::{Bound, Tracer};
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    entry!(recursive_grid::RecursiveGrid, recursive_grid::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];
@@ -56,6 +58,9 @@ pub struct Shape {
     pub resolution: Option<[u32; 3]>,
     /// Bytes of the structure itself, without the primitives.
     pub bytes: u64,
+    /// Structures that build on demand: cells no ray has asked to divide yet. They count as
+    /// elementary cells until then.
+    pub pending_cells: Option<u64>,
 }
 
 /// Why a structure could not be built.

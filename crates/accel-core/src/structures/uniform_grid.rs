@@ -162,6 +162,7 @@ impl<S: Scalar> Structure<S> for UniformGrid<S> {
             references: self.lists.references() as u64,
             resolution: Some(self.frame.resolution()),
             bytes: self.lists.bytes() as u64,
+            ..Shape::default()
         }
     }
 }
