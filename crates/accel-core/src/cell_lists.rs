@@ -40,27 +40,30 @@ impl CellLists {
         max_references: u64,
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
-        Self::fill(cells, 0..primitives as u32, order, max_references, placement)
+        Self::fill(cells, 0..primitives as u32, order, (max_references, u64::MAX), placement)
     }
 
     /// Builds the lists of `cells` cells for these primitives, each list in the order of `ids`.
     ///
     /// # Errors
-    /// As [`CellLists::build`].
+    /// As [`CellLists::build`], but counting ends where the limit is passed.
     pub fn build_of(
         cells: usize,
         ids: &[u32],
         max_references: u64,
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
-        Self::fill(cells, ids.iter().copied(), ListOrder::File, max_references, placement)
+        let limits = (max_references, max_references);
+        Self::fill(cells, ids.iter().copied(), ListOrder::File, limits, placement)
     }
 
+    /// More than `max_references` are refused; counting ends once there are more than
+    /// `stop_counting`.
     fn fill(
         cells: usize,
         primitives: impl DoubleEndedIterator<Item = u32> + Clone,
         order: ListOrder,
-        max_references: u64,
+        (max_references, stop_counting): (u64, u64),
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
         let mut starts = vec![0u32; cells + 1];
@@ -70,6 +73,9 @@ impl CellLists {
                 starts[cell] = starts[cell].wrapping_add(1);
                 total += 1;
             });
+            if total > stop_counting {
+                break;
+            }
         }
         if total > max_references.min(u64::from(u32::MAX)) {
             return Err(TooManyReferences(total));

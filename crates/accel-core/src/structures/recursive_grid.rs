@@ -4,9 +4,9 @@
 //! 1989.
 //!
 //! Deviations: a grid's lists stand in one array, boxes are padded by a few ulps, and plane
-//! parameters are recomputed from the true ray on every level. A voxel stays undivided if its
-//! grid would multiply its references too much (copies of one primitive would otherwise be
-//! divided for ever). `build=lazy` makes deep grids when a ray first enters their voxel, from any
+//! parameters are recomputed from the true ray on every level. A voxel stays undivided, and the
+//! outermost grid is made coarser, where a grid would multiply references too much (copies of one
+//! primitive would otherwise be divided for ever). `build=lazy` makes deep grids when a ray first enters their voxel, from any
 //! thread; where the paper has no limits, ours leave such a voxel undivided once they are reached.
 //! `boxes=historical` is Havran and Sixta's (1999) grid as their counters show it: boxes enlarged
 //! by 0.01 on insertion, and a grid's first voxel that of the point 0.01 beyond its entry.

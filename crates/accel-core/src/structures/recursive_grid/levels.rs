@@ -6,7 +6,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::aabb::Aabb;
 use crate::cell_lists::{CellLists, Placement};
-use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::voxel_walk::GridFrame;
 
@@ -19,6 +19,9 @@ pub(super) const MAX_PRIMITIVES: u64 = CHILD as u64;
 /// Voxels narrower than this many ulps of the scene's largest coordinate are not made: their
 /// planes could not be told apart.
 const NARROWEST_VOXEL_ULPS: f64 = 64.0;
+
+/// The factor by which an outermost grid that would not pay is made coarser.
+const ROOT_COARSENING: f64 = 8.0;
 
 /// A grid, and the grids in its voxels.
 pub(super) struct Grid<S: Scalar> {
@@ -115,7 +118,7 @@ impl<S: Scalar> Child<S> {
 pub(super) enum LevelRule {
     /// Cubes, D a reference, flat voxels included.
     Density,
-    /// s_i (D n / V)^(1/3).
+    /// s_i (D n / V)^(1/3), rounded as in 1999.
     Heterogeneous,
     /// n^(1/3) on every axis, rounded up.
     CubeRoot,
@@ -219,31 +222,44 @@ impl<S: Scalar> Division<S> {
         S::EPSILON * scene.magnitude() * S::from_f64(NARROWEST_VOXEL_ULPS)
     }
 
-    /// The outermost grid.
+    /// The outermost grid; coarser than asked for where that would multiply references too much.
     pub(super) fn root(&self, ids: &[u32], bounds: Aabb<S>) -> Result<Grid<S>, OverLimit> {
-        match self.grid(ids, bounds, 1)? {
-            Some(root) => Ok(root),
-            // never: the growth of the root is not limited
-            None => Err(self.references.exceeded_by(0)),
+        let mut density = self.densities[0];
+        loop {
+            if let Some(root) = self.grid_of_density(ids, bounds, 1, density)? {
+                return Ok(root);
+            }
+            // ends: a grid of one voxel does not multiply anything
+            density /= ROOT_COARSENING;
         }
     }
 
     /// The grid of `bounds` over these primitives, with the grids below it that are not left for
-    /// later. `None` for a grid that would not pay; the root is always made.
+    /// later. `None` for a grid that would not pay.
     pub(super) fn grid(
         &self,
         ids: &[u32],
         bounds: Aabb<S>,
         depth: u32,
     ) -> Result<Option<Grid<S>>, OverLimit> {
-        let n = self.resolution(ids.len(), bounds, depth);
+        self.grid_of_density(ids, bounds, depth, self.densities[1])
+    }
+
+    fn grid_of_density(
+        &self,
+        ids: &[u32],
+        bounds: Aabb<S>,
+        depth: u32,
+        density: f64,
+    ) -> Result<Option<Grid<S>>, OverLimit> {
+        let n = self.resolution(ids.len(), bounds, density);
         if depth > 1 && n == [1; 3] {
             return Ok(None);
         }
         let frame = GridFrame::new(bounds, n);
         let cells = frame.cells() as u64;
         self.cells.take(cells)?;
-        let allowed = if depth > 1 { self.max_growth * ids.len() as f64 } else { f64::INFINITY };
+        let allowed = self.max_growth * ids.len() as f64;
         let left = self.references.left();
         let placement = BoxPlacement { frame, division: self };
         let lists =
@@ -297,23 +313,24 @@ impl<S: Scalar> Division<S> {
     }
 
     /// Voxels an axis for `n` references in `bounds`.
-    fn resolution(&self, n: usize, bounds: Aabb<S>, depth: u32) -> [u32; 3] {
-        let density = self.densities[usize::from(depth > 1)];
-        let max_cells = self.cells.left().max(1);
-        let rule = match self.rule {
-            LevelRule::Density => ResolutionRule::Density,
-            LevelRule::Heterogeneous => ResolutionRule::Heterogeneous,
-            LevelRule::CubeRoot => ResolutionRule::Regular,
-        };
-        let input =
-            ResolutionInput { bounds, primitives: n, density, mean_longest_side: 0.0, max_cells };
-        let mut voxels = match self.rule {
-            LevelRule::CubeRoot => [((n as f64 * density).cbrt() - 1e-6).ceil().max(1.0) as u32; 3],
-            LevelRule::Heterogeneous => experiment(&input),
-            // computed rules never exceed max_cells
-            _ => resolve(rule, &input).unwrap_or([1; 3]),
-        };
+    fn resolution(&self, n: usize, bounds: Aabb<S>, density: f64) -> [u32; 3] {
         let size = bounds.size().to_array();
+        let wanted = n as f64 * density;
+        let mut voxels = match self.rule {
+            LevelRule::CubeRoot => [(wanted.cbrt() - 1e-6).ceil().max(1.0) as u32; 3],
+            LevelRule::Heterogeneous => heterogeneous(size.map(|s| s.to_f64()), wanted),
+            LevelRule::Density => {
+                let input = ResolutionInput {
+                    bounds,
+                    primitives: n,
+                    density,
+                    mean_longest_side: 0.0,
+                    max_cells: self.cells.left().max(1),
+                };
+                // never refused: a computed rule keeps within max_cells
+                resolve(ResolutionRule::Density, &input).unwrap_or([1; 3])
+            }
+        };
         for k in 0..3 {
             let most = (size[k].to_f64() / self.narrowest.to_f64()).clamp(1.0, f64::from(u32::MAX));
             voxels[k] = voxels[k].min(most as u32);
@@ -322,23 +339,30 @@ impl<S: Scalar> Division<S> {
     }
 }
 
-fn experiment<S: Scalar>(i: &ResolutionInput<S>) -> [u32; 3] {
-    let size = i.bounds.size().to_array().map(|s| s.to_f64());
-    let v: f64 = size.iter().product();
-    let f = (i.density * i.primitives as f64 / v).cbrt();
-    static MODE: std::sync::LazyLock<u32> =
-        std::sync::LazyLock::new(|| std::env::var("MODE").unwrap_or_default().parse().unwrap_or(0));
-    size.map(|s| {
-        let x = s * f;
-        let n = match *MODE {
-            0 => x.floor(),
-            1 => x.round(),
-            2 => x.ceil(),
-            3 => x.floor() + 1.0,
-            4 => (x + 1e-6).floor(),
-            5 => (x - 1e-6).ceil(),
-            _ => x,
-        };
-        n.max(1.0) as u32
-    })
+/// s_i (n / V)^(1/3), axis by axis as Havran and Sixta's (1999) figures show it: every axis is
+/// rounded, and the axes after it share the voxels that this leaves. The last one gets n / (n_x
+/// n_y); halves are rounded up.
+fn heterogeneous(size: [f64; 3], wanted: f64) -> [u32; 3] {
+    let [x, y, z] = size;
+    // in this order, a NaN (of an axis without length) becomes 1
+    let whole = |n: f64| n.round().max(1.0).min(f64::from(MAX_PER_AXIS));
+    let nx = whole(x * (wanted / (x * y * z)).cbrt());
+    let ny = whole(y * (wanted / nx / (y * z)).sqrt());
+    let nz = whole(wanted / nx / ny);
+    [nx, ny, nz].map(|n| n as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heterogeneous_rounds_axis_by_axis() {
+        assert_eq!(heterogeneous([1.0; 3], 8281.0), [20, 20, 21]);
+        // a half is rounded up
+        assert_eq!(heterogeneous([1.0; 3], 10.0), [2, 2, 3]);
+        // a thin axis has one voxel, and the last axis makes up for it
+        assert_eq!(heterogeneous([1.0, 1e-3, 1.0], 100.0), [46, 1, 2]);
+        assert_eq!(heterogeneous([1.0, 0.0, 0.0], 100.0), [MAX_PER_AXIS, 1, 1]);
+    }
 }

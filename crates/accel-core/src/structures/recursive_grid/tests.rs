@@ -137,8 +137,8 @@ fn same_answers_as_brute_force_in_mixed_scenes() {
 fn same_answers_in_flat_scenes_and_on_ties() {
     // a chequered floor on a lattice: edges shared, every ray in the plane of many cells
     let mut triangles = Vec::new();
-    for (x, z) in (0..40u8).flat_map(|x| (0..40u8).map(move |z| (x, z))) {
-        let at = |dx: u8, dz: u8| [f32::from(x + dx) / 64.0, 0.0, f32::from(z + dz) / 64.0];
+    for (x, z) in (0..24u8).flat_map(|x| (0..24u8).map(move |z| (x, z))) {
+        let at = |dx: u8, dz: u8| [f32::from(x + dx) / 32.0, 0.0, f32::from(z + dz) / 32.0];
         triangles.push([at(0, 0), at(1, 0), at(0, 1)]);
         triangles.push([at(1, 1), at(0, 1), at(1, 0)]);
         // a copy: the lowest id must win
@@ -146,8 +146,8 @@ fn same_answers_in_flat_scenes_and_on_ties() {
     }
     let set = TriangleSet::<f32, Watertight>::new(triangles, |_| false).unwrap();
     let mut down = Vec::new();
-    for (x, z) in (0..160u8).flat_map(|x| (0..80u8).map(move |z| (x, z))) {
-        let origin = dvec3(f64::from(x) / 256.0, 1.0, f64::from(z) / 128.0);
+    for (x, z) in (0..100u8).flat_map(|x| (0..50u8).map(move |z| (x, z))) {
+        let origin = dvec3(f64::from(x) / 128.0, 1.0, f64::from(z) / 64.0);
         let direction = dvec3(0.0, -1.0, if x % 3 == 0 { 0.25 } else { -0.0 });
         down.push(Ray::new(origin.as_vec3(), direction.as_vec3()));
     }
@@ -239,7 +239,7 @@ fn lazy_builds_what_rays_ask_for_and_counts_the_same() {
     assert!(after.inner_cells > 1 && after.inner_cells < eager.shape().inner_cells);
     // rays along all axes through every corner of the crowd build nearly all of it
     let mut random = Random(23);
-    for _ in 0..400 {
+    for _ in 0..40 {
         let rays: Vec<_> = (0..100)
             .map(|i| {
                 let mut origin = random.point() * if i % 2 == 0 { 1.2 } else { 0.1 } - 0.05;
@@ -250,7 +250,8 @@ fn lazy_builds_what_rays_ask_for_and_counts_the_same() {
         lazy.count_closest_hits(&rays, &mut vec![Hit::NONE; rays.len()]);
     }
     assert!(lazy.shape().cells <= eager.shape().cells);
-    assert!(lazy.shape().pending_cells < before.pending_cells);
+    assert!(lazy.shape().inner_cells > after.inner_cells);
+    assert!(lazy.shape().inner_cells <= eager.shape().inner_cells);
 }
 
 #[test]
