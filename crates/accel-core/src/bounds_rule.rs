@@ -67,6 +67,11 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
         self.scene
     }
 
+    /// By how much [`BoundsRule::Padded`] grows every box; 0 for the other rule.
+    pub fn padding(&self) -> S {
+        self.padding
+    }
+
     /// The box of primitive `id`.
     #[inline(always)]
     pub fn of(&self, id: u32) -> Aabb<S> {

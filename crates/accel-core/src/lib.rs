@@ -14,6 +14,7 @@
 pub mod aabb;
 pub mod bounds_rule;
 pub mod cell_lists;
+pub mod clustering;
 pub mod counters;
 pub mod params;
 pub mod primitives;

@@ -7,7 +7,7 @@
 
 use crate::aabb::Aabb;
 use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
+use crate::scalar::{Scalar, Vec3, Vector};
 
 /// Where the cells of a regular grid are.
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +78,15 @@ impl<S: Scalar> GridFrame<S> {
     #[inline(always)]
     fn clamped(&self, x: S, axis: usize) -> i32 {
         x.to_i32().clamp(0, self.n[axis] - 1)
+    }
+
+    /// The box of the cell with an index.
+    pub fn cell_box(&self, index: usize) -> Aabb<S> {
+        let (nx, ny) = (self.n[0] as usize, self.n[1] as usize);
+        let c = [index % nx, index / nx % ny, index / nx / ny];
+        let plane = |k: usize, c: usize| self.lo[k] + S::from_i32(c as i32) * self.cell[k];
+        let corner = |d: usize| Vec3::<S>::from_array([0, 1, 2].map(|k| plane(k, c[k] + d)));
+        Aabb { min: corner(0), max: corner(1) }
     }
 
     /// Index of a cell, x fastest.

@@ -3,7 +3,11 @@
 //! A structure holds ids and knows nothing of primitives but their bounds. Help, `rtbench list`,
 //! the settings parser and the test matrix are all made from the registry.
 
+pub mod adaptive_grid;
 pub mod brute_force;
+mod cluster_bvh;
+pub mod hug;
+mod nested_grids;
 mod obvhs_adapter;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
@@ -20,6 +24,8 @@ use crate::tracer::{Bound, Tracer};
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
+    entry!(hug::Hug, hug::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];

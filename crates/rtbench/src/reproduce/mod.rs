@@ -4,6 +4,8 @@
 //! the counters mean was found by experiment; `results/published/README.md` has the rules.
 //! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
 
+mod adaptive;
+mod hug;
 pub mod published;
 mod uniform;
 pub mod verdict;
@@ -55,6 +57,9 @@ pub enum ReproduceError {
     /// No such structure among those reproduced.
     #[error("no published figures for structure '{0}'; there are {valid}", valid = STRUCTURES.join(", "))]
     UnknownStructure(String),
+    /// A published setting that has no counterpart here.
+    #[error("no counterpart for the published setting '{0}'")]
+    UnknownSetting(String),
     /// An embedded file of figures is damaged.
     #[error("results/published: {0}")]
     Figures(#[from] csv::Error),
@@ -76,7 +81,7 @@ pub enum ReproduceError {
 }
 
 /// What can be reproduced so far.
-pub const STRUCTURES: [&str; 2] = ["invariants", "uniform"];
+pub const STRUCTURES: [&str; 5] = ["invariants", "uniform", "hug", "adaptive", "adaptive-orphan"];
 
 /// A scene in the published setting: its rays, made once.
 pub struct PublishedScene {
@@ -190,6 +195,21 @@ pub fn reproduce_scene(
                 counters,
                 &uniform::counters(&published, &work),
             ));
+        }
+    }
+    if structures.contains(&"hug") {
+        for (params, counters) in table(figures, "hug", scene) {
+            let ours = uniform::counters(&published, &hug::count(&published, params)?);
+            rows.extend(compare("hug", params, scene, &counters, &ours));
+        }
+    }
+    for structure in ["adaptive", "adaptive-orphan"] {
+        if structures.contains(&structure) {
+            for (params, counters) in table(figures, structure, scene) {
+                let counted = adaptive::count(&published, params)?;
+                let ours = adaptive::counters(&published, &counted);
+                rows.extend(compare(structure, params, scene, &counters, &ours));
+            }
         }
     }
     if structures.contains(&"invariants") {
