@@ -64,7 +64,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "split",
             summary: "a voxel with this many primitives is divided again",
-            default: "8",
+            default: "4",
             kind: ParamKind::Integer { min: 2, max: 1 << 32 },
         },
         ParamSpec {

@@ -79,7 +79,7 @@ impl<S: Scalar> ClusterBvh<S> {
         self.nodes.iter().filter(|n| matches!(n.content, Content::Inner(_))).count() as u64
     }
 
-    /// Boxes tested at most: those of all nodes.
+    /// Bytes occupied.
     pub(super) fn bytes(&self) -> u64 {
         size_of_val(self.nodes.as_slice()) as u64
     }

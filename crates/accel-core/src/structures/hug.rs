@@ -38,7 +38,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "size-classes",
             summary: "classes of equal width in log(size), HNG",
-            default: "4",
+            default: "3",
             kind: ParamKind::Integer { min: 1, max: 16 },
         },
         ParamSpec {
@@ -78,7 +78,7 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
         },
     ],
-    variants: &["", "size-classes=2", "size-classes=3"],
+    variants: &["", "size-classes=2", "size-classes=4"],
     known_defect: no_defect,
     sampled: false,
 };
@@ -321,7 +321,7 @@ pub(super) fn historical_frame<S: Scalar>(
     let size = bounds.size().to_array().map(S::to_f64);
     let scale = (n as f64 / size.iter().product::<f64>()).cbrt();
     let most = f64::from(MAX_PER_AXIS);
-    let cells = size.map(|s| (s * scale + rounding).clamp(1.0, most) as u32);
+    let cells = size.map(|s| (s * scale + rounding).clamp(1.0, most) as u32).map(|n| n.max(1));
     let product: u64 = cells.iter().map(|&n| u64::from(n)).product();
     if product > max_cells {
         return Err(Excess::Cells(product));

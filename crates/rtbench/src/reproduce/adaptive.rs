@@ -19,8 +19,8 @@ pub(super) struct Counted {
     box_tests: u64,
 }
 
-/// Builds the adaptive grid with the published setting, like `f=1.5 m=0.1 o=-`, and counts.
-pub(super) fn count(scene: &PublishedScene, params: &str) -> Result<Counted, ReproduceError> {
+/// The settings of `adaptive-grid` for a published one like `f=1.5 m=0.1 o=-`.
+fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
     let mut settings =
         vec![("boxes", "historical"), ("split", "2"), ("levels", "1"), ("exact-clusters", "16384")];
     for part in params.split_whitespace() {
@@ -32,7 +32,13 @@ pub(super) fn count(scene: &PublishedScene, params: &str) -> Result<Counted, Rep
             _ => return Err(ReproduceError::UnknownSetting(params.to_owned())),
         }
     }
-    let params = registered("adaptive-grid")?.params(settings)?;
+    Ok(settings)
+}
+
+/// Builds the adaptive grid with the published setting and counts.
+pub(super) fn count(scene: &PublishedScene, params: &str) -> Result<Counted, ReproduceError> {
+    let params = settings(params)?;
+    let params = registered("adaptive-grid")?.params(params)?;
     match scene.geometry.prims() {
         PrimsRef::Mixed(prims) => count_over(scene, prims, &params),
         // scenes of 1999 are of mixed primitives
@@ -72,4 +78,37 @@ pub(super) fn counters(scene: &PublishedScene, counted: &Counted) -> Vec<(&'stat
         ("N_BIT", counted.box_tests as f64 / scene.all_rays() as f64),
     ]);
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::published::{figures, table};
+    use super::*;
+    use renderer::Geometry;
+    use scene_loading::procedural::generate_as_printed;
+
+    #[test]
+    fn four_scenes_have_about_the_published_cells() {
+        let figures = figures().unwrap();
+        for (name, tolerance) in [("balls", 0.12), ("tree", 0.12), ("mount", 0.25), ("tetra", 0.25)]
+        {
+            let geometry = Geometry::<f64>::of(&generate_as_printed(name).unwrap()).unwrap();
+            let published = table(&figures, "adaptive", name);
+            let (params, counters) = published.iter().find(|p| p.0 == "f=1.5 m=0.5 o=-").unwrap();
+            let entry = registered("adaptive-grid").unwrap();
+            let params = entry.params(settings(params).unwrap()).unwrap();
+            let shape = entry.build(geometry.prims(), &params).unwrap().shape();
+            for (counter, ours) in [
+                ("N_IN", shape.inner_cells),
+                ("N_V", shape.cells),
+                ("N_EV", shape.empty_cells),
+                ("N_OIV", shape.references),
+            ] {
+                let value: f64 = counters[counter].parse().unwrap();
+                let ratio = ours as f64 / value;
+                assert!((ratio - 1.0).abs() <= tolerance, "{name} {counter}: {ratio}");
+            }
+        }
+        assert!(settings("f=1.5 o=?").is_err());
+    }
 }
