@@ -42,10 +42,7 @@ struct Cluster {
 
 impl Cluster {
     fn joined(&self, other: &Self) -> f64 {
-        let mut s = [0.0; 3];
-        for k in 0..3 {
-            s[k] = self.hi[k].max(other.hi[k]) - self.lo[k].min(other.lo[k]);
-        }
+        let s = [0, 1, 2].map(|k| self.hi[k].max(other.hi[k]) - self.lo[k].min(other.lo[k]));
         s[0] * s[1] + s[1] * s[2] + s[2] * s[0]
     }
 }

@@ -11,13 +11,13 @@
 //! where most primitives would be in most cells anyway; with `orphan-grid=on` orphans share a
 //! grid, else each is a leaf of the hierarchy. `boxes=historical` is Havran and Sixta's (1999) as
 //! far as their counters tell: one level of sub-voxel grids, each over the whole boxes of its
-//! primitives, resolutions rounded as [`HISTORICAL_ROUNDING`] says, and an axis thinner than 0.01
+//! primitives, resolutions rounded as `HISTORICAL_ROUNDING` says, and an axis thinner than 0.01
 //! becomes 0.01.
 
 use std::collections::VecDeque;
 
 use super::cluster_bvh::{ClusterBvh, Item};
-use super::hug::{boxes_of, historical_frame, too_large, useful_frame};
+use super::hug::{Boxes, boxes_of, historical_frame, too_large, useful_frame};
 use super::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::aabb::Aabb;
@@ -139,7 +139,7 @@ struct Maker<'a, S: Scalar> {
 impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let historical = params.text("boxes") == "historical";
-        let (boxes, scene, padding) = boxes_of(prims, historical)
+        let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
             .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
         let rule = MergeRule {
             ratio: params.real("f"),

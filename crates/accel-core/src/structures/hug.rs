@@ -115,7 +115,7 @@ struct Plan<S: Scalar> {
 impl<S: Scalar> Structure<S> for Hug<S> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let historical = params.text("boxes") == "historical";
-        let (boxes, scene, padding) = boxes_of(prims, historical)
+        let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
             .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
         let (plans, owners) = plan(&boxes, scene, padding, historical, params);
         let grids = fill(&boxes, &plans, &owners, historical, padding, params)
@@ -161,20 +161,30 @@ pub(super) fn too_large(params: &Params, excess: Excess) -> BuildError {
     }
 }
 
-/// Boxes of all primitives, of the scene, and by how much the boxes of grids grow. `Err(id)` names
-/// a primitive that is too far away for the scalar.
+/// What a build looks at.
+pub(super) struct Boxes<S: Scalar> {
+    /// Of every primitive.
+    pub of: Vec<Aabb<S>>,
+    /// Of the scene.
+    pub scene: Aabb<S>,
+    /// By how much the boxes of grids grow.
+    pub padding: S,
+}
+
+/// All boxes. `Err(id)` names a primitive that is too far away for the scalar.
 pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     historical: bool,
-) -> Result<(Vec<Aabb<S>>, Aabb<S>, S), u32> {
+) -> Result<Boxes<S>, u32> {
     let padded = BoundsOf::new(prims, BoundsRule::Padded)?;
     let ids = 0..prims.len() as u32;
     if !historical {
-        return Ok((ids.map(|id| padded.of(id)).collect(), padded.scene(), padded.padding()));
+        let of = ids.map(|id| padded.of(id)).collect();
+        return Ok(Boxes { of, scene: padded.scene(), padding: padded.padding() });
     }
-    let boxes: Vec<_> = ids.map(|id| at_least(prims.bounds(id))).collect();
-    let scene = boxes.iter().fold(Aabb::empty(), |all, b| all.union(*b));
-    Ok((boxes, scene, S::ZERO))
+    let of: Vec<_> = ids.map(|id| at_least(prims.bounds(id))).collect();
+    let scene = of.iter().fold(Aabb::empty(), |all, b| all.union(*b));
+    Ok(Boxes { of, scene, padding: S::ZERO })
 }
 
 /// The box with no side below the historical thickness.
