@@ -14,7 +14,9 @@
 pub mod aabb;
 pub mod bounds_rule;
 pub mod cell_lists;
+pub mod cell_walk;
 pub mod counters;
+pub mod driving_axis_walk;
 pub mod params;
 pub mod primitives;
 pub mod ray;

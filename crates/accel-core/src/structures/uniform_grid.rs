@@ -13,6 +13,7 @@ use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_lists::{CellLists, ListOrder, Placement};
+use crate::cell_walk::{CellPosition, CellWalk};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
