@@ -3,10 +3,15 @@
 //! A structure holds ids and knows nothing of primitives but their bounds. Help, `rtbench list`,
 //! the settings parser and the test matrix are all made from the registry.
 
+pub mod bricked_grid;
 pub mod brute_force;
+pub mod hashed_grid;
 mod obvhs_adapter;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
+pub mod regular_grid;
+#[cfg(test)]
+pub(crate) mod test_scenes;
 pub mod uniform_grid;
 
 use crate::params::{ParamError, ParamSpec, Params};
@@ -20,6 +25,8 @@ use crate::tracer::{Bound, Tracer};
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
+    entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];
