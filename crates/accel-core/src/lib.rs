@@ -17,6 +17,7 @@ pub mod cell_lists;
 pub mod cell_walk;
 pub mod counters;
 pub mod driving_axis_walk;
+pub mod mailbox;
 pub mod params;
 pub mod primitives;
 pub mod ray;

@@ -6,6 +6,7 @@
 use std::ops::ControlFlow;
 
 use crate::counters::Counters;
+use crate::mailbox::{Mailbox, NoMailbox};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, MISS, Ray};
 use crate::scalar::Scalar;
@@ -40,7 +41,8 @@ macro_rules! count_steps {
 }
 
 /// The closest hit in `[t_min, t_max]`; of equal hits the lowest id wins.
-pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
+    mailbox: M,
     prims: &'a P,
     ray: &'a Ray<S>,
     setup: P::RaySetup,
@@ -52,8 +54,16 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
     /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        Self::with_mailbox(prims, ray, NoMailbox)
+    }
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P, C, M> {
+    /// Starts a query with an empty mailbox.
+    #[inline(always)]
+    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
         let best = Hit { t: ray.t_max, id: MISS };
-        Self { prims, ray, setup: prims.setup(ray), best, counters: C::default() }
+        Self { mailbox, prims, ray, setup: prims.setup(ray), best, counters: C::default() }
     }
 
     /// The answer and what it took.
@@ -63,7 +73,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
     }
 }
 
-impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> {
+impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'_, S, P, C, M> {
     count_steps!();
 
     #[inline(always)]
@@ -73,8 +83,17 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> 
 
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
-        self.counters.intersection_tests(ids.len());
+        if !M::ENABLED {
+            self.counters.intersection_tests(ids.len());
+        }
         for &id in ids {
+            if M::ENABLED {
+                if !self.mailbox.is_new(id) {
+                    self.counters.test_saved();
+                    continue;
+                }
+                self.counters.intersection_tests(1);
+            }
             if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
                 && (t < self.best.t || id < self.best.id)
             {
@@ -86,7 +105,8 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> 
 }
 
 /// Is the ray blocked by an opaque primitive? Transmissive ones let it pass.
-pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
+    mailbox: M,
     prims: &'a P,
     ray: &'a Ray<S>,
     setup: P::RaySetup,
@@ -98,7 +118,16 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
     /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self { prims, ray, setup: prims.setup(ray), blocked: false, counters: C::default() }
+        Self::with_mailbox(prims, ray, NoMailbox)
+    }
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, M> {
+    /// Starts a query with an empty mailbox.
+    #[inline(always)]
+    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
+        let (setup, counters) = (prims.setup(ray), C::default());
+        Self { mailbox, prims, ray, setup, blocked: false, counters }
     }
 
     /// The answer and what it took.
@@ -108,7 +137,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
     }
 }
 
-impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for AnyHit<'_, S, P, C> {
+impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S, P, C, M> {
     count_steps!();
 
     #[inline(always)]
@@ -119,6 +148,10 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for AnyHit<'_, S, P, C> {
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
         for &id in ids {
+            if M::ENABLED && !self.mailbox.is_new(id) {
+                self.counters.test_saved();
+                continue;
+            }
             self.counters.intersection_tests(1);
             let hit = self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max);
             if hit.is_some() && self.prims.is_opaque(id) {

@@ -14,6 +14,7 @@ use super::regular_grid::{CellStorage, Contents, RegularGrid, specs};
 use super::{StructureInfo, no_defect};
 use crate::cell_lists::{ListOrder, TooManyReferences};
 use crate::cell_walk::{CellPosition, Traversal};
+use crate::mailbox;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::scalar::Scalar;
@@ -48,6 +49,8 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Real { min: 0.05, max: 1.0 },
         },
         Traversal::PARAM,
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
     ],
     variants: &["", "density=20", "load-factor=0.9", "traversal=driving-axis"],
     known_defect: no_defect,

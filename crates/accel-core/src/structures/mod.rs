@@ -14,6 +14,7 @@ pub mod regular_grid;
 pub(crate) mod test_scenes;
 pub mod uniform_grid;
 
+use crate::mailbox::Setting;
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::{MixedSet, MoellerTrumbore, PrimSet, TriangleSet, Watertight};
 use crate::ray::Ray;
@@ -33,6 +34,10 @@ pub static REGISTRY: &[Entry] = &[
 
 /// An acceleration structure over primitive ids.
 pub trait Structure<S: Scalar>: Sized + Send + Sync {
+    /// Whether a walk may push an id more than once. Without duplicates a mailbox is of no use,
+    /// and none is compiled.
+    const DUPLICATES: bool = true;
+
     /// Builds the structure over all primitives of the set.
     ///
     /// # Errors
@@ -211,7 +216,8 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         if prims.is_empty() {
             return Err(BuildError::NoPrimitives { structure: params.structure() });
         }
-        Ok(Box::new(Bound::new(prims, T::build(prims, params)?)))
+        let mailbox = Setting::of(params, prims.len(), prims.bytes());
+        Ok(Box::new(Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox)))
     }
     match prims {
         PrimsRef::Watertight(p) => over::<S, _, T>(p, params),

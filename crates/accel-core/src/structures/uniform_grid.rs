@@ -13,6 +13,7 @@ use super::regular_grid::{CellStorage, Contents, RegularGrid, specs};
 use super::{StructureInfo, no_defect};
 use crate::cell_lists::{CellLists, TooManyReferences};
 use crate::cell_walk::{CellPosition, Traversal};
+use crate::mailbox;
 use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::scalar::Scalar;
@@ -31,6 +32,8 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
         Traversal::PARAM,
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
     ],
     variants: &[
         "",
@@ -40,6 +43,9 @@ pub static INFO: StructureInfo = StructureInfo {
         "resolution=regular density=1",
         "resolution=average-edge",
         "traversal=driving-axis",
+        "mailbox=primitive",
+        "mailbox=array",
+        "mailbox=hash",
     ],
     known_defect: no_defect,
     sampled: false,
