@@ -87,7 +87,7 @@ fn thickened<S: Scalar>(tight: Aabb<S>) -> Aabb<S> {
     let (mut lo, mut hi) = (tight.min.to_array(), tight.max.to_array());
     for k in 0..3 {
         if hi[k] - lo[k] < thin {
-            hi[k] = hi[k] + thin;
+            hi[k] += thin;
             lo[k] = lo[k] - thin;
         }
     }

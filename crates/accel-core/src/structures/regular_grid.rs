@@ -11,7 +11,7 @@ use crate::cell_walk::{CellPosition, CellWalk, Traversal};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
-use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::resolution::{ResolutionInput, divided_bounds, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;
 use crate::voxel_walk::GridFrame;
@@ -265,10 +265,7 @@ fn frame_of<S: Scalar, P: PrimSet<S>>(
         bounds: boxes.scene(),
         primitives: prims.len(),
         density: params.real("density"),
-        mean_longest_side: match rule {
-            ResolutionRule::AverageEdge => mean_longest_side(prims),
-            _ => 0.0,
-        },
+        mean_longest_side: if rule.reads_sides() { mean_longest_side(prims) } else { 0.0 },
         max_cells,
     };
     let n = resolve(rule, &input).map_err(|needed| BuildError::TooLarge {
@@ -277,7 +274,7 @@ fn frame_of<S: Scalar, P: PrimSet<S>>(
         needed,
         limit: u128::from(max_cells),
     })?;
-    Ok(GridFrame::new(boxes.scene(), n))
+    Ok(GridFrame::new(divided_bounds(rule, boxes.scene(), n), n))
 }
 
 fn mean_longest_side<S: Scalar, P: PrimSet<S>>(prims: &P) -> f64 {

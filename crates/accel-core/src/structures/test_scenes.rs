@@ -174,6 +174,8 @@ fn grids_agree_with_brute_force() {
             "traversal=driving-axis",
             "density=20 traversal=driving-axis order=reverse",
             "resolution=16x8x8",
+            "resolution=cubic",
+            "resolution=auto",
         ];
         agrees_with_brute_force::<f32>(name, &settings);
         agrees_with_brute_force::<f64>(name, &settings);

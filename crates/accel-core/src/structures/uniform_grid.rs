@@ -42,6 +42,8 @@ pub static INFO: StructureInfo = StructureInfo {
         "resolution=heterogeneous density=20",
         "resolution=regular density=1",
         "resolution=average-edge",
+        "resolution=cubic",
+        "resolution=auto",
         "traversal=driving-axis",
         "mailbox=primitive",
         "mailbox=array",
@@ -56,6 +58,14 @@ pub type UniformGrid<S> = RegularGrid<S, DenseCells>;
 
 /// One list for every cell, in one array.
 pub struct DenseCells(CellLists);
+
+impl DenseCells {
+    /// The ids of the cell with that index.
+    #[inline(always)]
+    pub fn at(&self, index: usize) -> &[u32] {
+        self.0.list(index)
+    }
+}
 
 impl CellStorage for DenseCells {
     fn build<S: Scalar, P: PrimSet<S>>(
