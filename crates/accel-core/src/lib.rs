@@ -16,6 +16,7 @@ pub mod bounds_rule;
 pub mod cell_lists;
 pub mod cell_walk;
 pub mod counters;
+pub mod distance_field;
 pub mod driving_axis_walk;
 pub mod mailbox;
 pub mod params;

@@ -185,6 +185,35 @@ impl<S: Scalar> VoxelWalk<S> {
         (self.plane[k] * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
     }
 
+    /// Parameter of the plane that comes `planes` after the next one on axis `k`.
+    #[inline(always)]
+    pub fn plane_ahead(&self, k: usize, planes: i32) -> S {
+        if self.step[k] == 0 {
+            return S::INFINITY;
+        }
+        let plane = self.plane[k] + self.plane_step[k] * S::from_i32(planes);
+        (plane * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
+    }
+
+    /// Moves so many cells forward on each axis at once; false when that would leave the grid.
+    /// Axes without direction do not move.
+    #[inline(always)]
+    pub fn jump(&mut self, cells: [i32; 3]) -> bool {
+        for (k, n) in cells.into_iter().enumerate() {
+            if n <= 0 || self.step[k] == 0 {
+                continue;
+            }
+            if n > self.remaining[k] {
+                return false;
+            }
+            self.remaining[k] -= n;
+            self.offset += self.stride[k] * n as isize;
+            self.plane[k] += self.plane_step[k] * S::from_i32(n);
+            self.t_next[k] = self.plane_parameter(k);
+        }
+        true
+    }
+
     /// The axis whose plane is met first; of equal ones the lowest.
     #[inline(always)]
     fn axis(&self) -> usize {

@@ -9,6 +9,7 @@ pub mod hashed_grid;
 mod obvhs_adapter;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
+pub mod proximity_clouds;
 pub mod regular_grid;
 #[cfg(test)]
 pub(crate) mod test_scenes;
@@ -28,6 +29,7 @@ pub static REGISTRY: &[Entry] = &[
     entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
     entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
     entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
+    entry!(proximity_clouds::ProximityClouds, proximity_clouds::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];
