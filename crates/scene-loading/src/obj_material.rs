@@ -13,6 +13,7 @@
 use std::path::Path;
 
 use crate::error::{LoadError, Place};
+use crate::obj_scan::number;
 use crate::scene::Material;
 use crate::source_read::lossy_text;
 
@@ -84,16 +85,6 @@ fn checked(path: &Path, text: &str) -> Result<String, LoadError> {
         }
     }
     Ok(clean)
-}
-
-fn number(word: &str, what: &str, place: impl Fn() -> Place) -> Result<f64, LoadError> {
-    let value: f64 =
-        word.parse().map_err(|_| LoadError::syntax(place(), word, format!("a number ({what})")))?;
-    if !value.is_finite() {
-        let (what, found) = (what.to_string(), word.to_string());
-        return Err(LoadError::NotFinite { place: place(), what, found });
-    }
-    Ok(value)
 }
 
 fn convert(mtl: &tobj::Material) -> Material {

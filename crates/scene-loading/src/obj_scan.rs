@@ -194,7 +194,8 @@ fn words(row: &[u8]) -> impl Iterator<Item = (&str, usize)> {
     })
 }
 
-fn number(word: &str, what: &str, place: impl Fn() -> Place) -> Result<f64, LoadError> {
+/// A finite number, or an error that names what it should be and where.
+pub(crate) fn number(word: &str, what: &str, place: impl Fn() -> Place) -> Result<f64, LoadError> {
     let value: f64 =
         word.parse().map_err(|_| LoadError::syntax(place(), word, format!("a number ({what})")))?;
     if !value.is_finite() {
