@@ -80,6 +80,11 @@ impl CellLists {
         }
     }
 
+    /// Starts (one more than cells) and ids, for a storage of another layout.
+    pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
+        (self.starts, self.ids)
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> usize {
         self.starts.len().saturating_sub(1)

@@ -7,6 +7,8 @@
 //! | N_ETS | elementary steps: cells (or leaves) that hold primitives directly |
 //! | N_EETS | elementary steps into empty cells |
 //!
+//! Beside them stands how many tests a mailbox saved.
+//!
 //! Counting is a type parameter. The timed pass runs with [`NoCounters`], whose methods are empty
 //! and whose size is zero.
 
@@ -17,6 +19,9 @@ pub trait Counters: Default + Copy + Send {
     /// `n` intersection tests.
     #[inline(always)]
     fn intersection_tests(&mut self, _n: usize) {}
+    /// A test that a mailbox spared.
+    #[inline(always)]
+    fn test_saved(&mut self) {}
     /// A step into a cell or leaf that may hold primitives.
     #[inline(always)]
     fn elementary_step(&mut self, _empty: bool) {}
@@ -44,6 +49,8 @@ pub struct WorkCounters {
     pub elementary_steps: u64,
     /// N_EETS: elementary steps into empty cells.
     pub empty_elementary_steps: u64,
+    /// Tests that a mailbox spared.
+    pub tests_saved: u64,
 }
 
 impl Counters for WorkCounters {
@@ -52,6 +59,10 @@ impl Counters for WorkCounters {
     #[inline(always)]
     fn intersection_tests(&mut self, n: usize) {
         self.intersection_tests += n as u64;
+    }
+    #[inline(always)]
+    fn test_saved(&mut self) {
+        self.tests_saved += 1;
     }
     #[inline(always)]
     fn elementary_step(&mut self, empty: bool) {
@@ -71,5 +82,6 @@ impl std::ops::AddAssign for WorkCounters {
         self.traversal_steps += other.traversal_steps;
         self.elementary_steps += other.elementary_steps;
         self.empty_elementary_steps += other.empty_elementary_steps;
+        self.tests_saved += other.tests_saved;
     }
 }

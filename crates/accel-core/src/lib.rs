@@ -14,8 +14,12 @@
 pub mod aabb;
 pub mod bounds_rule;
 pub mod cell_lists;
+pub mod cell_walk;
 pub mod counters;
+pub mod distance_field;
+pub mod driving_axis_walk;
 pub mod far_ray;
+pub mod mailbox;
 pub mod params;
 pub mod primitives;
 pub mod ray;

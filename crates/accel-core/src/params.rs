@@ -142,6 +142,11 @@ impl Params {
         })
     }
 
+    /// A value as text, or `None` when the structure did not declare `name`.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.values.get(name).map(String::as_str)
+    }
+
     /// A real number. Panics as [`Params::text`], or when declared as another kind.
     pub fn real(&self, name: &str) -> f64 {
         self.parsed(name)

@@ -1,14 +1,18 @@
 //! A built structure as an object: one dynamic call for a batch of rays, everything inside static.
+//!
+//! What is timed is compiled for each kind of primitive and query; what counts walks with one
+//! [`ErasedSink`].
 
-use crate::counters::{Counters, NoCounters, WorkCounters};
+use crate::counters::{NoCounters, WorkCounters};
 use crate::far_ray::{self, Place};
+use crate::mailbox::{AnyMailbox, MailboxSource, NoMailbox, Setting};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, Ray};
 use crate::scalar::Scalar;
-use crate::sink::{AnyHit, ClosestHit, HistoricalShadow};
+use crate::sink::{AnyHit, ClosestHit, ErasedSink, HistoricalCellShadow, HistoricalShadow, Sink};
 use crate::structures::{Shape, Structure};
 
-/// What a shadow ray of the counting pass does; the historical rule is explained in
+/// What a shadow ray of the counting pass does; the historical rules are explained in
 /// `results/published/README.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShadowRule {
@@ -16,6 +20,9 @@ pub enum ShadowRule {
     OpaqueBlocks,
     /// As Havran and Sixta counted: glass that was hit is remembered and not tested again.
     Historical,
+    /// As Havran and Sixta counted in the recursive grid: whatever is hit stops the ray, at once
+    /// if the hit lies in the current cell.
+    HistoricalInCell,
 }
 
 /// Answers of one historical shadow ray.
@@ -52,77 +59,164 @@ pub trait Tracer<S: Scalar>: Send + Sync {
 pub struct Bound<'a, S, P, T> {
     prims: &'a P,
     structure: T,
+    mailbox: Setting,
     reach: S,
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
     /// Joins a structure with the primitives it was built over.
     pub fn new(prims: &'a P, structure: T) -> Self {
-        Self { prims, structure, reach: far_ray::reach(prims.magnitude()) }
+        let reach = far_ray::reach(prims.magnitude());
+        Self { prims, structure, mailbox: Setting::None, reach }
     }
 
+    /// The same with a mailbox.
+    pub fn with_mailbox(self, mailbox: Setting) -> Self {
+        Self { mailbox, ..self }
+    }
+
+    /// True when rays are timed without a mailbox.
+    fn has_no_mailbox(&self) -> bool {
+        !T::DUPLICATES || matches!(self.mailbox, Setting::None)
+    }
+
+    /// Calls `query` with the ray, brought near, and by how much its parameters became smaller.
     #[inline(always)]
-    fn closest<C: Counters>(&self, ray: &Ray<S>) -> (Hit<S>, C) {
-        let mut sink = ClosestHit::<S, P, C>::new(self.prims, ray);
-        self.structure.walk(ray, &mut sink);
-        sink.finish()
+    fn near<R>(&self, ray: &Ray<S>, nowhere: R, query: impl FnOnce(&Ray<S>, S) -> R) -> R {
+        let moved;
+        let (near, by) = match far_ray::place(ray, self.reach) {
+            Place::Near => (ray, S::ZERO),
+            Place::Moved(near, by) => {
+                moved = near;
+                (&moved, by)
+            }
+            Place::Nowhere => return nowhere,
+        };
+        query(near, by)
     }
 
+    /// Closest hits with one kind of mailbox; `one` asks for one of them.
     #[inline(always)]
-    fn any<C: Counters>(&self, ray: &Ray<S>) -> (bool, C) {
-        let mut sink = AnyHit::<S, P, C>::new(self.prims, ray);
-        self.structure.walk(ray, &mut sink);
-        sink.finish()
-    }
-
-    fn historical(&self, ray: &Ray<S>) -> (ShadowCount, WorkCounters) {
-        let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
-        self.structure.walk(ray, &mut sink);
-        let (blocked, glass, counters) = sink.finish();
-        (ShadowCount { blocked, glass: glass as u32 }, counters)
-    }
-
-    #[inline(always)]
-    fn closest_hits_with<C: Counters>(
+    fn closest<B: MailboxSource>(
         &self,
         rays: &[Ray<S>],
         hits: &mut [Hit<S>],
-        mut add: impl FnMut(C),
+        mut mailboxes: B,
+        mut one: impl for<'r> FnMut(&'r Ray<S>, B::Mailbox<'_>) -> Hit<S>,
     ) {
         for (ray, hit) in rays.iter().zip(hits) {
-            let (found, counters) = match far_ray::place(ray, self.reach) {
-                Place::Near => self.closest::<C>(ray),
-                Place::Moved(near, by) => {
-                    let (found, counters) = self.closest::<C>(&near);
-                    (Hit { t: found.t + by, ..found }, counters)
-                }
-                Place::Nowhere => (Hit::NONE, C::default()),
-            };
-            *hit = if found.is_hit() { found } else { Hit { t: ray.t_max, ..Hit::NONE } };
-            add(counters);
+            let miss = Hit { t: ray.t_max, ..Hit::NONE };
+            *hit = self.near(ray, miss, |near, by| {
+                let found = one(near, mailboxes.next_ray());
+                if found.is_hit() { Hit { t: found.t + by, ..found } } else { miss }
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn timed_closest<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
+        self.closest::<B>(rays, hits, mailboxes, |ray, mailbox| {
+            let mut sink =
+                ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
+            self.structure.walk(ray, &mut sink);
+            sink.finish().0
+        });
+    }
+
+    fn count_closest<B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+        mailboxes: B,
+    ) -> WorkCounters {
+        let mut total = WorkCounters::default();
+        self.closest::<B>(rays, hits, mailboxes, |ray, mailbox| {
+            let mut sink =
+                ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox);
+            counted_walk(&self.structure, ray, &mut sink);
+            let (hit, counters) = sink.finish();
+            total += counters;
+            hit
+        });
+        total
+    }
+
+    #[inline(always)]
+    fn timed_occlusions<B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        blocked: &mut [bool],
+        mut mailboxes: B,
+    ) {
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = self.near(ray, false, |ray, _| {
+                let mailbox = mailboxes.next_ray();
+                let mut sink =
+                    AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
+                self.structure.walk(ray, &mut sink);
+                sink.finish().0
+            });
+        }
+    }
+
+    /// One shadow ray of the counting pass; the historical ones have no mailbox.
+    fn count_shadow(
+        &self,
+        ray: &Ray<S>,
+        rule: ShadowRule,
+        mailbox: &mut AnyMailbox,
+    ) -> (ShadowCount, WorkCounters) {
+        match rule {
+            ShadowRule::OpaqueBlocks => {
+                let mut sink = AnyHit::<S, P, WorkCounters, _>::with_mailbox(
+                    self.prims,
+                    ray,
+                    mailbox.next_ray(),
+                );
+                counted_walk(&self.structure, ray, &mut sink);
+                let (blocked, counters) = sink.finish();
+                (ShadowCount { blocked, glass: 0 }, counters)
+            }
+            ShadowRule::Historical => {
+                let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                counted_walk(&self.structure, ray, &mut sink);
+                let (blocked, glass, counters) = sink.finish();
+                (ShadowCount { blocked, glass: glass as u32 }, counters)
+            }
+            ShadowRule::HistoricalInCell => {
+                let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                counted_walk(&self.structure, ray, &mut sink);
+                let (hit, counters) = sink.finish();
+                let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
+                let blocked = hit.is_hit() && !glass;
+                (ShadowCount { blocked, glass: glass.into() }, counters)
+            }
         }
     }
 }
 
+/// The walk that counts: compiled once a structure.
+fn counted_walk<S: Scalar, T: Structure<S>>(structure: &T, ray: &Ray<S>, sink: &mut impl Sink<S>) {
+    structure.walk(ray, &mut ErasedSink::new(sink));
+}
+
 impl<S: Scalar, P: PrimSet<S>, T: Structure<S>> Tracer<S> for Bound<'_, S, P, T> {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        self.closest_hits_with::<NoCounters>(rays, hits, |_| {});
+        if self.has_no_mailbox() {
+            return self.timed_closest(rays, hits, NoMailbox);
+        }
+        self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = match far_ray::place(ray, self.reach) {
-                Place::Near => self.any::<NoCounters>(ray).0,
-                Place::Moved(near, _) => self.any::<NoCounters>(&near).0,
-                Place::Nowhere => false,
-            };
+        if self.has_no_mailbox() {
+            return self.timed_occlusions(rays, blocked, NoMailbox);
         }
+        self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        let mut total = WorkCounters::default();
-        self.closest_hits_with::<WorkCounters>(rays, hits, |c| total += c);
-        total
+        self.mailbox.with(|mailbox| self.count_closest(rays, hits, mailbox))
     }
 
     fn count_occlusions(
@@ -132,26 +226,108 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>> Tracer<S> for Bound<'_, S, P, T>
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
         let mut total = WorkCounters::default();
-        let one = |ray: &Ray<S>| match rule {
-            ShadowRule::OpaqueBlocks => {
-                let (blocked, counters) = self.any::<WorkCounters>(ray);
-                (ShadowCount { blocked, glass: 0 }, counters)
+        self.mailbox.with(|mut mailbox| {
+            for (ray, answer) in rays.iter().zip(answers) {
+                let counters;
+                (*answer, counters) = self.near(ray, Default::default(), |near, _| {
+                    self.count_shadow(near, rule, &mut mailbox)
+                });
+                total += counters;
             }
-            ShadowRule::Historical => self.historical(ray),
-        };
-        for (ray, answer) in rays.iter().zip(answers) {
-            let counters;
-            (*answer, counters) = match far_ray::place(ray, self.reach) {
-                Place::Near => one(ray),
-                Place::Moved(near, _) => one(&near),
-                Place::Nowhere => Default::default(),
-            };
-            total += counters;
-        }
+        });
         total
     }
 
     fn shape(&self) -> Shape {
-        self.structure.shape()
+        let shape = self.structure.shape();
+        Shape { bytes: shape.bytes + self.mailbox.bytes(), ..shape }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mailbox::{Slots, Stamps};
+    use crate::params::Params;
+    use crate::structures::test_scenes::{built, hard_scenes, mixed_scene, rays, work};
+    use crate::structures::uniform_grid::{INFO, UniformGrid};
+    use crate::structures::{find, uniform_grid};
+
+    #[test]
+    fn ray_numbers_may_wrap() {
+        // HARD_CASES Gr8: 8-bit numbers, more than 1,000 rays, down to one slot
+        let set = mixed_scene::<f64>(200, 21, [1.0; 3]);
+        let rays = rays(&set, 1500, 22);
+        let params = Params::new("uniform-grid", INFO.params, [("density", "8")]).unwrap();
+        let grid = UniformGrid::build(&set, &params).unwrap();
+        let bound = Bound::new(&set, grid);
+        let mut expected = vec![Hit::NONE; rays.len()];
+        bound.closest_hits(&rays, &mut expected);
+        let mut saved = Vec::new();
+        let mut check =
+            |name: &str, mailbox: &mut dyn FnMut(&mut [Hit<f64>], &mut WorkCounters)| {
+                let (mut hits, mut total) = (vec![Hit::NONE; rays.len()], WorkCounters::default());
+                mailbox(&mut hits, &mut total);
+                assert_eq!(hits, expected, "{name}");
+                saved.push(total.tests_saved);
+            };
+        let mut stamps = Stamps::<u8>::dense(200);
+        check("dense", &mut |h, c| *c = bound.count_closest(&rays, h, &mut stamps));
+        let mut stamps = Stamps::<u8>::in_records(200, 40);
+        check("records", &mut |h, c| *c = bound.count_closest(&rays, h, &mut stamps));
+        let mut stamps = Stamps::<u32>::dense(200);
+        check("u32", &mut |h, c| *c = bound.count_closest(&rays, h, &mut stamps));
+        let mut slots = Slots::<u8>::new(1 << 12);
+        check("many slots", &mut |h, c| *c = bound.count_closest(&rays, h, &mut slots));
+        let mut slots = Slots::<u8>::new(1);
+        check("one slot", &mut |h, c| *c = bound.count_closest(&rays, h, &mut slots));
+        assert!(saved[0] > 0 && saved[..4].iter().all(|&s| s == saved[0]), "{saved:?}");
+        assert!(saved[4] < saved[0], "{saved:?}");
+    }
+
+    #[test]
+    fn mailboxes_change_no_answer_and_account_for_every_test() {
+        let entry = find(uniform_grid::INFO.name).unwrap();
+        for (scene, set) in hard_scenes::<f32>() {
+            let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 23);
+            let (hits, blocked, closest, _) = work(built(entry, &set, "density=8").as_ref(), &rays);
+            assert_eq!(closest.tests_saved, 0);
+            for mailbox in ["primitive", "array", "hash", "hash mailbox-slots=1"] {
+                let settings = format!("density=8 mailbox={mailbox}");
+                let got = work(built(entry, &set, &settings).as_ref(), &rays);
+                assert!(got.0 == hits && got.1 == blocked, "{settings} {scene}");
+                let tests = got.2.intersection_tests + got.2.tests_saved;
+                assert_eq!(tests, closest.intersection_tests, "{settings} {scene}");
+                assert_eq!(got.2.traversal_steps, closest.traversal_steps);
+                if scene == "cube" && !mailbox.contains('=') {
+                    assert!(got.2.tests_saved > 0, "{settings}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn threads_share_a_mailbox_without_harm() {
+        let set = mixed_scene::<f32>(200, 24, [1.0; 3]);
+        let rays = rays(&set, 600, 25);
+        let entry = find(uniform_grid::INFO.name).unwrap();
+        let mut expected = vec![Hit::NONE; rays.len()];
+        built(entry, &set, "density=8").closest_hits(&rays, &mut expected);
+        for mailbox in ["primitive", "array", "hash"] {
+            let tracer = built(entry, &set, &format!("density=8 mailbox={mailbox}"));
+            std::thread::scope(|scope| {
+                for _ in 0..4 {
+                    scope.spawn(|| {
+                        for part in [7, 100, 600] {
+                            for (r, e) in rays.chunks(part).zip(expected.chunks(part)) {
+                                let mut hits = vec![Hit::NONE; r.len()];
+                                tracer.closest_hits(r, &mut hits);
+                                assert_eq!(hits, e, "{mailbox}");
+                            }
+                        }
+                    });
+                }
+            });
+        }
     }
 }

@@ -6,6 +6,8 @@
 //! does not grow with the number of steps.
 
 use crate::aabb::Aabb;
+use crate::cell_walk::{CellPosition, CellWalk, GridCell};
+use crate::driving_axis_walk::DrivingAxisWalk;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vector};
 
@@ -86,6 +88,16 @@ impl<S: Scalar> GridFrame<S> {
         (c[2] as usize * self.n[1] as usize + c[1] as usize) * self.n[0] as usize + c[0] as usize
     }
 
+    /// A cell of this grid, for questions that no ray asks.
+    pub fn cell(&self, coords: [i32; 3]) -> GridCell {
+        GridCell { index: self.index(coords), coords }
+    }
+
+    /// Lengths of a cell's sides.
+    pub fn cell_size(&self) -> [S; 3] {
+        self.cell
+    }
+
     /// Starts a walk, or `None` when the ray misses the box within its interval.
     #[inline(always)]
     pub fn walk(&self, ray: &Ray<S>) -> Option<VoxelWalk<S>> {
@@ -108,19 +120,25 @@ impl<S: Scalar> GridFrame<S> {
             from_origin: [S::ZERO; 3],
             inv_d: [S::INFINITY; 3],
             remaining: [0; 3],
+            last: [0; 3],
+            step: [0; 3],
             stride: [0; 3],
             offset: 0,
         };
         let mut at = [0; 3];
         for k in 0..3 {
             at[k] = self.clamped((p[k] - self.lo[k]) * self.inv_cell[k], k);
-            let inv = S::ONE / d[k];
-            // 0, and what is too small to invert: 0 * infinity would end the walk early
-            if !inv.is_finite() {
+            let inv_d = S::ONE / d[k];
+            // a component of 0, or so small that it never leads to another cell (0 * infinity
+            // below would be NaN)
+            if !inv_d.is_finite() {
+                walk.last[k] = at[k];
                 continue;
             }
             let up = d[k] > S::ZERO;
-            walk.inv_d[k] = inv;
+            walk.inv_d[k] = inv_d;
+            walk.step[k] = if up { 1 } else { -1 };
+            walk.last[k] = if up { self.n[k] - 1 } else { 0 };
             walk.from_origin[k] = self.lo[k] - o[k];
             walk.plane[k] = S::from_i32(at[k] + i32::from(up));
             walk.plane_step[k] = if up { S::ONE } else { -S::ONE };
@@ -131,24 +149,34 @@ impl<S: Scalar> GridFrame<S> {
         walk.offset = self.index(at) as isize;
         Some(walk)
     }
+
+    /// [`GridFrame::walk_from`] along the driving axis.
+    #[inline(always)]
+    pub fn driving_walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<DrivingAxisWalk<S>> {
+        self.walk_from(ray, t_start).map(DrivingAxisWalk::new)
+    }
 }
 
 /// A ray on its way through a grid.
 #[derive(Debug, Clone, Copy)]
 pub struct VoxelWalk<S: Scalar> {
     /// Parameter at which the next plane of each axis is met.
-    t_next: [S; 3],
+    pub(crate) t_next: [S; 3],
     /// Index of that plane.
-    plane: [S; 3],
-    plane_step: [S; 3],
-    cell: [S; 3],
+    pub(crate) plane: [S; 3],
+    pub(crate) plane_step: [S; 3],
+    pub(crate) cell: [S; 3],
     /// Lower corner of the grid minus the ray's origin.
-    from_origin: [S; 3],
-    inv_d: [S; 3],
+    pub(crate) from_origin: [S; 3],
+    pub(crate) inv_d: [S; 3],
     /// Cells left in the direction of each axis.
-    remaining: [i32; 3],
-    stride: [isize; 3],
-    offset: isize,
+    pub(crate) remaining: [i32; 3],
+    /// The outermost cell in the direction of each axis; the current one where it has none.
+    pub(crate) last: [i32; 3],
+    /// 1, -1, or 0 on an axis without direction.
+    pub(crate) step: [i32; 3],
+    pub(crate) stride: [isize; 3],
+    pub(crate) offset: isize,
 }
 
 impl<S: Scalar> VoxelWalk<S> {
@@ -157,10 +185,33 @@ impl<S: Scalar> VoxelWalk<S> {
         (self.plane[k] * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
     }
 
-    /// Index of the current cell, x fastest.
+    /// Parameter of the plane that comes `planes` after the next one on axis `k`.
     #[inline(always)]
-    pub fn index(&self) -> usize {
-        self.offset as usize
+    pub fn plane_ahead(&self, k: usize, planes: i32) -> S {
+        if self.step[k] == 0 {
+            return S::INFINITY;
+        }
+        let plane = self.plane[k] + self.plane_step[k] * S::from_i32(planes);
+        (plane * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
+    }
+
+    /// Moves so many cells forward on each axis at once; false when that would leave the grid.
+    /// Axes without direction do not move.
+    #[inline(always)]
+    pub fn jump(&mut self, cells: [i32; 3]) -> bool {
+        for (k, n) in cells.into_iter().enumerate() {
+            if n <= 0 || self.step[k] == 0 {
+                continue;
+            }
+            if n > self.remaining[k] {
+                return false;
+            }
+            self.remaining[k] -= n;
+            self.offset += self.stride[k] * n as isize;
+            self.plane[k] += self.plane_step[k] * S::from_i32(n);
+            self.t_next[k] = self.plane_parameter(k);
+        }
+        true
     }
 
     /// The axis whose plane is met first; of equal ones the lowest.
@@ -170,16 +221,28 @@ impl<S: Scalar> VoxelWalk<S> {
         let (k, t) = if y < x { (1, y) } else { (0, x) };
         if z < t { 2 } else { k }
     }
+}
 
-    /// Parameter at which the ray leaves the current cell.
+impl<S: Scalar> CellPosition for VoxelWalk<S> {
     #[inline(always)]
-    pub fn t_exit(&self) -> S {
+    fn index(&self) -> usize {
+        self.offset as usize
+    }
+
+    #[inline(always)]
+    fn coords(&self) -> [i32; 3] {
+        std::array::from_fn(|k| self.last[k] - self.step[k] * self.remaining[k])
+    }
+}
+
+impl<S: Scalar> CellWalk<S> for VoxelWalk<S> {
+    #[inline(always)]
+    fn t_exit(&self) -> S {
         self.t_next[self.axis()]
     }
 
-    /// Steps to the next cell; false when that would leave the grid.
     #[inline(always)]
-    pub fn advance(&mut self) -> bool {
+    fn advance(&mut self) -> bool {
         let k = self.axis();
         if self.remaining[k] == 0 {
             return false;
@@ -196,15 +259,30 @@ impl<S: Scalar> VoxelWalk<S> {
 mod tests {
     use super::*;
 
-    fn cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
+    /// The cells of a walk; its coordinates and exits are held against the indices on the way.
+    fn collect(frame: &GridFrame<f64>, walk: Option<impl CellWalk<f64>>) -> Vec<usize> {
         let mut out = Vec::new();
-        if let Some(mut w) = frame.walk(ray) {
+        let Some(mut w) = walk else { return out };
+        let mut last_exit = f64::NEG_INFINITY;
+        loop {
+            assert_eq!(frame.index(w.coords()), w.index());
+            assert!(w.t_exit() >= last_exit - 1e-9 * last_exit.abs());
+            last_exit = w.t_exit();
             out.push(w.index());
-            while w.advance() {
-                out.push(w.index());
+            if !w.advance() {
+                return out;
             }
         }
-        out
+    }
+
+    /// The cells of the t_next walk, which those of the driving-axis walk must equal but for the
+    /// order at ties, where both may touch another cell on an edge or corner.
+    fn cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
+        collect(frame, frame.walk(ray))
+    }
+
+    fn driven_cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
+        collect(frame, frame.driving_walk_from(ray, ray.t_min))
     }
 
     fn unit_frame(n: u32) -> GridFrame<f64> {
@@ -226,6 +304,7 @@ mod tests {
             let target = glam::DVec3::new(random(), random(), random()) * f64::from(n);
             let ray = Ray::<f64>::new(o, target - o);
             let visited = cells_of(&frame, &ray);
+            assert_eq!(driven_cells_of(&frame, &ray), visited, "{ray:?}");
             // oracle: every cell whose box the ray crosses by more than rounding
             let mut pierced = 0;
             for i in 0..frame.cells() {
@@ -255,6 +334,7 @@ mod tests {
                     o[k] = if sign > 0.0 { -3.0 } else { 11.0 };
                     let ray = Ray::<f64>::new(o.into(), d.into());
                     assert_eq!(cells_of(&frame, &ray).len(), 8);
+                    assert_eq!(driven_cells_of(&frame, &ray).len(), 8);
                 }
             }
         }
@@ -268,5 +348,48 @@ mod tests {
         let cells = cells_of(&frame, &ray);
         assert_eq!(cells.len(), 8);
         assert!(cells.iter().all(|&c| c < frame.cells()));
+    }
+
+    #[test]
+    fn lattice_ties_miss_no_pierced_cell_in_either_walk() {
+        // HARD_CASES T2: lattice origins, directions {-7..7}^3; half-integer sums keep it exact
+        let frame = unit_frame(8);
+        for d in (0..15i32.pow(3)).map(|i| [i % 15 - 7, i / 15 % 15 - 7, i / 225 - 7]) {
+            if d == [0; 3] {
+                continue;
+            }
+            let d = d.map(f64::from);
+            let ray = Ray::<f64>::new([4.0, 3.0, 5.0].into(), d.into());
+            let (next, driven) = (cells_of(&frame, &ray), driven_cells_of(&frame, &ray));
+            for i in 0..frame.cells() {
+                let lo = glam::DVec3::new((i % 8) as f64, (i / 8 % 8) as f64, (i / 64) as f64);
+                let b = Aabb::<f64> { min: lo, max: lo + 1.0 };
+                // an open crossing: rays within a face's plane pierce neither neighbour
+                let within = (0..3)
+                    .all(|k| d[k] != 0.0 || (ray.origin[k] > lo[k] && ray.origin[k] < lo[k] + 1.0));
+                if within
+                    && let Some((a, z)) = b.clip(ray.origin, ray.direction, 0.0, f64::INFINITY)
+                    && z - a > 1e-9
+                {
+                    assert!(next.contains(&i), "{d:?} t_next misses {lo}");
+                    assert!(driven.contains(&i), "{d:?} driving axis misses {lo}");
+                }
+            }
+            assert!(next.len() <= 22 && driven.len() <= 22);
+        }
+    }
+
+    #[test]
+    fn directions_too_small_to_invert_are_no_directions() {
+        // HARD_CASES R2: 0 * infinity once ended the walk at the first cell
+        let bounds = Aabb { min: glam::Vec3::ZERO, max: glam::Vec3::splat(8.0) };
+        let frame = GridFrame::<f32>::new(bounds, [8; 3]);
+        let ray = Ray::<f32>::new([4.0, -1.0, 4.0].into(), [1e-45, 1.0, -1e-45].into());
+        let mut walk = frame.walk(&ray).unwrap();
+        let mut driven = frame.driving_walk_from(&ray, 0.0).unwrap();
+        for _ in 0..7 {
+            assert!(walk.advance() && driven.advance());
+        }
+        assert!(!walk.advance() && !driven.advance());
     }
 }

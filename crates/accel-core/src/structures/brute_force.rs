@@ -26,6 +26,8 @@ pub struct BruteForce<S> {
 }
 
 impl<S: Scalar> Structure<S> for BruteForce<S> {
+    const DUPLICATES: bool = false;
+
     fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
     }

@@ -3,12 +3,19 @@
 //! A structure holds ids and knows nothing of primitives but their bounds. Help, `rtbench list`,
 //! the settings parser and the test matrix are all made from the registry.
 
+pub mod bricked_grid;
 pub mod brute_force;
+pub mod hashed_grid;
 mod obvhs_adapter;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
+pub mod proximity_clouds;
+pub mod regular_grid;
+#[cfg(test)]
+pub(crate) mod test_scenes;
 pub mod uniform_grid;
 
+use crate::mailbox::Setting;
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::{MixedSet, MoellerTrumbore, PrimSet, TriangleSet, Watertight};
 use crate::ray::Ray;
@@ -20,12 +27,19 @@ use crate::tracer::{Bound, Tracer};
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
+    entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
+    entry!(proximity_clouds::ProximityClouds, proximity_clouds::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];
 
 /// An acceleration structure over primitive ids.
 pub trait Structure<S: Scalar>: Sized + Send + Sync {
+    /// Whether a walk may push an id more than once. Without duplicates a mailbox is of no use,
+    /// and none is compiled.
+    const DUPLICATES: bool = true;
+
     /// Builds the structure over all primitives of the set.
     ///
     /// # Errors
@@ -204,7 +218,8 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         if prims.is_empty() {
             return Err(BuildError::NoPrimitives { structure: params.structure() });
         }
-        Ok(Box::new(Bound::<S, P, T>::new(prims, T::build(prims, params)?)))
+        let mailbox = Setting::of(params, prims.len(), prims.bytes());
+        Ok(Box::new(Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox)))
     }
     match prims {
         PrimsRef::Watertight(p) => over::<S, _, T>(p, params),

@@ -43,6 +43,8 @@ pub struct ObvhsBvh2<S> {
 }
 
 impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
+    const DUPLICATES: bool = false;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let items = items(prims, params)?;
         let bvh = build_bvh2(&items.boxes, build_params(params), &mut Duration::default());

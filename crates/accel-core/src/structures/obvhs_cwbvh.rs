@@ -43,6 +43,8 @@ pub struct ObvhsCwBvh<S> {
 }
 
 impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
+    const DUPLICATES: bool = false;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let items = items(prims, params)?;
         let bvh = build_cwbvh(&items.boxes, build_params(params), &mut Duration::default());

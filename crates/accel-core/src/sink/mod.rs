@@ -6,6 +6,7 @@
 use std::ops::ControlFlow;
 
 use crate::counters::Counters;
+use crate::mailbox::{Mailbox, NoMailbox};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, MISS, Ray};
 use crate::scalar::Scalar;
@@ -19,6 +20,12 @@ pub trait Sink<S: Scalar> {
     fn t_max(&self) -> S;
     /// Tests the candidates; `Break` ends the query.
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()>;
+    /// [`Sink::test`] for a query that treats hits up to the cell's exit differently from farther
+    /// ones; `t_exit` is the parameter at which the ray leaves the cell of these candidates.
+    #[inline(always)]
+    fn test_in_cell(&mut self, ids: &[u32], _t_exit: S) -> ControlFlow<()> {
+        self.test(ids)
+    }
     /// Reports a step into a cell or leaf.
     fn elementary_step(&mut self, empty: bool);
     /// Reports a step within a hierarchy.
@@ -48,8 +55,15 @@ macro_rules! count_steps {
     };
 }
 
+mod erased;
+mod historical;
+
+pub use erased::ErasedSink;
+pub use historical::{HistoricalCellShadow, HistoricalShadow};
+
 /// The closest hit in `[t_min, t_max]`; of equal hits the lowest id wins.
-pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
+    mailbox: M,
     prims: &'a P,
     ray: &'a Ray<S>,
     setup: P::RaySetup,
@@ -61,8 +75,16 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
     /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        Self::with_mailbox(prims, ray, NoMailbox)
+    }
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P, C, M> {
+    /// Starts a query with an empty mailbox.
+    #[inline(always)]
+    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
         let best = Hit { t: ray.t_max, id: MISS };
-        Self { prims, ray, setup: prims.setup(ray), best, counters: C::default() }
+        Self { mailbox, prims, ray, setup: prims.setup(ray), best, counters: C::default() }
     }
 
     /// The answer and what it took.
@@ -72,7 +94,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
     }
 }
 
-impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> {
+impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'_, S, P, C, M> {
     count_steps!();
 
     #[inline(always)]
@@ -82,8 +104,17 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> 
 
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
-        count!(self.counters.intersection_tests(ids.len()));
+        if !M::ENABLED {
+            count!(self.counters.intersection_tests(ids.len()));
+        }
         for &id in ids {
+            if M::ENABLED {
+                if !self.mailbox.is_new(id) {
+                    count!(self.counters.test_saved());
+                    continue;
+                }
+                count!(self.counters.intersection_tests(1));
+            }
             if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
                 && (t < self.best.t || id < self.best.id)
             {
@@ -95,7 +126,8 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for ClosestHit<'_, S, P, C> 
 }
 
 /// Is the ray blocked by an opaque primitive? Transmissive ones let it pass.
-pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
+pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
+    mailbox: M,
     prims: &'a P,
     ray: &'a Ray<S>,
     setup: P::RaySetup,
@@ -107,7 +139,16 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
     /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self { prims, ray, setup: prims.setup(ray), blocked: false, counters: C::default() }
+        Self::with_mailbox(prims, ray, NoMailbox)
+    }
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, M> {
+    /// Starts a query with an empty mailbox.
+    #[inline(always)]
+    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
+        let (setup, counters) = (prims.setup(ray), C::default());
+        Self { mailbox, prims, ray, setup, blocked: false, counters }
     }
 
     /// The answer and what it took.
@@ -117,7 +158,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
     }
 }
 
-impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for AnyHit<'_, S, P, C> {
+impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S, P, C, M> {
     count_steps!();
 
     #[inline(always)]
@@ -128,69 +169,15 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for AnyHit<'_, S, P, C> {
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
         for &id in ids {
+            if M::ENABLED && !self.mailbox.is_new(id) {
+                count!(self.counters.test_saved());
+                continue;
+            }
             count!(self.counters.intersection_tests(1));
             let hit = self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max);
             if hit.is_some() && self.prims.is_opaque(id) {
                 self.blocked = true;
                 return ControlFlow::Break(());
-            }
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// The shadow ray of Havran and Sixta (1999): stops at the first opaque hit in list order, even
-/// beyond the current cell; a transmissive primitive that was hit is remembered and not tested
-/// again. Only used for counting.
-pub struct HistoricalShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
-    prims: &'a P,
-    ray: &'a Ray<S>,
-    setup: P::RaySetup,
-    blocked: bool,
-    glass: Vec<u32>,
-    counters: C,
-}
-
-impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalShadow<'a, S, P, C> {
-    /// Starts a query.
-    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self {
-            prims,
-            ray,
-            setup: prims.setup(ray),
-            blocked: false,
-            glass: Vec::new(),
-            counters: C::default(),
-        }
-    }
-
-    /// Blocked or not, the number of distinct transmissive primitives hit on the way, and what
-    /// it took.
-    pub fn finish(self) -> (bool, usize, C) {
-        (self.blocked, self.glass.len(), self.counters)
-    }
-}
-
-impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, P, C> {
-    count_steps!();
-
-    #[inline(always)]
-    fn t_max(&self) -> S {
-        self.ray.t_max
-    }
-
-    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
-        for &id in ids {
-            if self.glass.contains(&id) {
-                continue;
-            }
-            count!(self.counters.intersection_tests(1));
-            if self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max).is_some() {
-                if self.prims.is_opaque(id) {
-                    self.blocked = true;
-                    return ControlFlow::Break(());
-                }
-                self.glass.push(id);
             }
         }
         ControlFlow::Continue(())

@@ -1,0 +1,262 @@
+//! The regular grid with its cells in a hash table: only occupied cells take memory.
+//!
+//! Paper: A. Glassner, "Space Subdivision for Fast Ray Tracing", IEEE CG&A 4(10), 1984, keeps the
+//! cells of his octree in a hash table under a computed name; here the name is a cell's index in a
+//! regular grid (see `uniform_grid.rs` for the papers on those).
+//!
+//! Deviations: open addressing with linear probing in place of chains, multiplicative hashing
+//! (D. Knuth, "The Art of Computer Programming", volume 3, section 6.4) and a reduction to the
+//! table's size by a product, so that any size serves. Keys are 64 bits: a virtual grid of 2048^3
+//! voxels has more cells than a u32. No random seed: the same scene gives the same table.
+//! A look-up probes at most as far as the farthest key of the build, even in a full table.
+
+use super::regular_grid::{CellStorage, Contents, RegularGrid, specs};
+use super::{StructureInfo, no_defect};
+use crate::cell_lists::{ListOrder, TooManyReferences};
+use crate::cell_walk::{CellPosition, Traversal};
+use crate::mailbox;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::scalar::Scalar;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "hashed-grid",
+    summary: "equal voxels in a hash table: only occupied ones take memory",
+    paper: "Glassner 1984 (hashed cells); Amanatides, Woo 1987 (walk)",
+    deviations: "linear probing, multiplicative hash, no chains; boxes as in uniform-grid",
+    params: &[
+        specs::RESOLUTION,
+        specs::DENSITY,
+        specs::BOXES,
+        specs::ORDER,
+        ParamSpec {
+            name: "max-cells",
+            summary: "upper limit for the number of voxels, occupied or not",
+            default: "68719476736",
+            kind: ParamKind::Integer { min: 1, max: 1 << 60 },
+        },
+        ParamSpec {
+            name: "max-references",
+            summary: "upper limit for the references in all voxels together",
+            default: "134217728",
+            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
+        },
+        ParamSpec {
+            name: "load-factor",
+            summary: "occupied part of the hash table; more is smaller and slower",
+            default: "0.5",
+            kind: ParamKind::Real { min: 0.05, max: 1.0 },
+        },
+        Traversal::PARAM,
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
+    ],
+    variants: &["", "density=20", "load-factor=0.9", "traversal=driving-axis"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// A grid in a hash table.
+pub type HashedGrid<S> = RegularGrid<S, HashedCells>;
+
+/// 2^64 divided by the golden ratio: spreads equal strides evenly (Knuth 6.4).
+const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// No cell has this index: there are at most 2^60.
+const VACANT: u64 = u64::MAX;
+
+#[derive(Debug, Clone, Copy)]
+struct Slot {
+    key: u64,
+    start: u32,
+    len: u32,
+}
+
+impl Slot {
+    const VACANT: Self = Self { key: VACANT, start: 0, len: 0 };
+}
+
+/// Open addressing by cell index.
+#[derive(Debug, Clone)]
+struct Table {
+    slots: Vec<Slot>,
+    occupied: usize,
+    /// The farthest that any key stands from its first choice.
+    farthest: usize,
+    multiplier: u64,
+}
+
+impl Table {
+    fn new(capacity: usize, multiplier: u64) -> Self {
+        let slots = vec![Slot::VACANT; capacity.max(1)];
+        Self { slots, occupied: 0, farthest: 0, multiplier }
+    }
+
+    /// First choice of a key: its hash, scaled to the size of the table.
+    #[inline(always)]
+    fn home(&self, key: u64) -> usize {
+        let hash = key.wrapping_mul(self.multiplier);
+        ((u128::from(hash) * self.slots.len() as u128) >> 64) as usize
+    }
+
+    /// The slot that holds `key`.
+    #[inline(always)]
+    fn find(&self, key: u64) -> Option<&Slot> {
+        let mut at = self.home(key);
+        for _ in 0..=self.farthest {
+            let slot = self.slots.get(at)?;
+            if slot.key == key {
+                return Some(slot);
+            }
+            if slot.key == VACANT {
+                return None;
+            }
+            at = if at + 1 == self.slots.len() { 0 } else { at + 1 };
+        }
+        None
+    }
+
+    /// The slot of `key`, taken if it is new; the table has room.
+    fn slot(&mut self, key: u64) -> usize {
+        let mut at = self.home(key);
+        let mut distance = 0;
+        while self.slots[at].key != key {
+            if self.slots[at].key == VACANT {
+                self.slots[at].key = key;
+                self.occupied += 1;
+                self.farthest = self.farthest.max(distance);
+                break;
+            }
+            at = if at + 1 == self.slots.len() { 0 } else { at + 1 };
+            distance += 1;
+        }
+        at
+    }
+
+    /// The same entries in a table of another size.
+    fn resized(&self, capacity: usize) -> Self {
+        let mut table = Self::new(capacity.max(self.occupied), self.multiplier);
+        for old in self.slots.iter().filter(|s| s.key != VACANT) {
+            let at = table.slot(old.key);
+            table.slots[at] = *old;
+        }
+        table
+    }
+}
+
+/// The occupied cells of a grid.
+pub struct HashedCells {
+    table: Table,
+    ids: Vec<u32>,
+}
+
+impl HashedCells {
+    fn with_hash<S: Scalar, P: PrimSet<S>>(
+        contents: &Contents<S, P>,
+        load_factor: f64,
+        multiplier: u64,
+    ) -> Result<Self, TooManyReferences> {
+        let total = contents.count_references();
+        if total > contents.max_references.min(u64::from(u32::MAX)) {
+            return Err(TooManyReferences(total));
+        }
+        let frame = contents.frame;
+        let primitives = 0..contents.primitives as u32;
+        let mut table = Table::new(1024, multiplier);
+        for id in primitives.clone() {
+            contents.cells_of(id, |c| {
+                if table.occupied * 2 >= table.slots.len() {
+                    table = table.resized(table.slots.len() * 2);
+                }
+                let at = table.slot(frame.index(c) as u64);
+                table.slots[at].len += 1;
+            });
+        }
+        let mut table = table.resized((table.occupied as f64 / load_factor).ceil() as usize);
+        // `start` is the end of a list at first; filling from the back turns it into its start
+        let mut sum = 0;
+        for slot in &mut table.slots {
+            sum += slot.len;
+            slot.start = sum;
+        }
+        let mut ids = vec![0; total as usize];
+        let mut place = |id: u32| {
+            contents.cells_of(id, |c| {
+                let at = table.slot(frame.index(c) as u64);
+                table.slots[at].start -= 1;
+                ids[table.slots[at].start as usize] = id;
+            });
+        };
+        match contents.order {
+            ListOrder::File => primitives.rev().for_each(&mut place),
+            ListOrder::Reverse => primitives.for_each(&mut place),
+        }
+        Ok(Self { table, ids })
+    }
+
+    /// The most slots that a look-up may inspect.
+    pub fn probe_bound(&self) -> usize {
+        self.table.farthest + 1
+    }
+}
+
+impl CellStorage for HashedCells {
+    fn build<S: Scalar, P: PrimSet<S>>(
+        contents: &Contents<S, P>,
+        params: &Params,
+    ) -> Result<Self, TooManyReferences> {
+        Self::with_hash(contents, params.real("load-factor"), GOLDEN)
+    }
+
+    #[inline(always)]
+    fn list(&self, cell: &impl CellPosition) -> &[u32] {
+        let Some(slot) = self.table.find(cell.index() as u64) else { return &[] };
+        self.ids.get(slot.start as usize..(slot.start + slot.len) as usize).unwrap_or(&[])
+    }
+
+    fn occupied_cells(&self) -> u64 {
+        self.table.occupied as u64
+    }
+
+    fn references(&self) -> u64 {
+        self.ids.len() as u64
+    }
+
+    fn bytes(&self) -> u64 {
+        (size_of_val(self.table.slots.as_slice()) + size_of_val(self.ids.as_slice())) as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::structures::regular_grid::contents_of;
+    use crate::structures::test_scenes::mixed_scene;
+
+    #[test]
+    fn a_constant_hash_and_a_full_table_hold_the_same_lists() {
+        // HARD_CASES Gr7
+        let set = mixed_scene::<f64>(60, 7, [1.0; 3]);
+        let params = Params::new("hashed-grid", INFO.params, [("density", "4")]).unwrap();
+        let contents = contents_of(&set, &params).unwrap();
+        let frame = contents.frame;
+        let dense = contents.lists(frame.cells(), |c| frame.index(c)).unwrap();
+        for (load, multiplier) in [(0.5, GOLDEN), (1.0, GOLDEN), (1.0, 0), (0.3, 0)] {
+            let hashed = HashedCells::with_hash(&contents, load, multiplier).unwrap();
+            let occupied = dense.cells() - dense.empty_cells();
+            assert_eq!(hashed.table.occupied, occupied);
+            assert!(hashed.probe_bound() <= occupied);
+            if load == 1.0 {
+                assert_eq!(hashed.table.slots.len(), occupied);
+            }
+            let n = frame.resolution().map(|n| n as i32);
+            for i in 0..n[0] * n[1] * n[2] {
+                let c = [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])];
+                assert_eq!(hashed.list(&frame.cell(c)), dense.list(frame.index(c)), "{c:?}");
+            }
+        }
+        let usual = HashedCells::with_hash(&contents, 0.5, GOLDEN).unwrap();
+        assert!(usual.probe_bound() <= 64, "{}", usual.probe_bound());
+    }
+}

@@ -1,0 +1,286 @@
+//! What the regular grids share: frame, placement, walk. They differ in where cells are stored.
+//!
+//! `uniform_grid.rs` (an array), `hashed_grid.rs` (a hash table) and `bricked_grid.rs` (blocks)
+//! are this grid over one [`CellStorage`] each, so they have the same cells and do the same work.
+
+use super::{BuildError, Shape, Structure};
+use crate::aabb::Aabb;
+use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
+use crate::cell_walk::{CellPosition, CellWalk, Traversal};
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::resolution::{ResolutionInput, divided_bounds, resolve};
+use crate::scalar::{Scalar, Vector};
+use crate::sink::Sink;
+use crate::voxel_walk::GridFrame;
+
+/// The parameters that regular grids share, for their lists of parameters.
+pub mod specs {
+    use super::{ParamKind, ParamSpec};
+
+    /// How many voxels.
+    pub const RESOLUTION: ParamSpec = ParamSpec {
+        name: "resolution",
+        summary: "rule for the number of voxels, or the number itself",
+        default: "density",
+        kind: ParamKind::Resolution,
+    };
+    /// Voxels per primitive.
+    pub const DENSITY: ParamSpec = ParamSpec {
+        name: "density",
+        summary: "voxels per primitive, D, for the rules that have it",
+        default: "2",
+        kind: ParamKind::Real { min: 1e-6, max: 1e6 },
+    };
+    /// Padded or historical boxes.
+    pub const BOXES: ParamSpec = ParamSpec {
+        name: "boxes",
+        summary: "boxes of primitives: padded by ulps, or as in 1999",
+        default: "padded",
+        kind: ParamKind::Choice(&["padded", "historical"]),
+    };
+    /// Order of ids in a voxel.
+    pub const ORDER: ParamSpec = ParamSpec {
+        name: "order",
+        summary: "order of ids in a voxel: as in the file, or reversed as in 1999",
+        default: "file",
+        kind: ParamKind::Choice(&["file", "reverse"]),
+    };
+    /// Limit for cells that take memory each.
+    pub const MAX_CELLS: ParamSpec = ParamSpec {
+        name: "max-cells",
+        summary: "upper limit for the number of voxels",
+        default: "67108864",
+        kind: ParamKind::Integer { min: 1, max: 1 << 32 },
+    };
+    /// Limit for references.
+    pub const MAX_REFERENCES: ParamSpec = ParamSpec {
+        name: "max-references",
+        summary: "upper limit for the references in all voxels together",
+        default: "536870912",
+        kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
+    };
+}
+
+/// Where the lists of a grid's cells are kept.
+pub trait CellStorage: Sized + Send + Sync {
+    /// Stores the lists that `contents` describes.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`] when they exceed `contents.max_references`.
+    fn build<S: Scalar, P: PrimSet<S>>(
+        contents: &Contents<S, P>,
+        params: &Params,
+    ) -> Result<Self, TooManyReferences>;
+
+    /// The ids of a cell.
+    fn list(&self, cell: &impl CellPosition) -> &[u32];
+    /// Cells that hold ids.
+    fn occupied_cells(&self) -> u64;
+    /// Ids in all cells together.
+    fn references(&self) -> u64;
+    /// Bytes occupied.
+    fn bytes(&self) -> u64;
+}
+
+/// What a storage is built from: which primitive goes to which cells.
+pub struct Contents<'a, S: Scalar, P: PrimSet<S>> {
+    /// The grid.
+    pub frame: GridFrame<S>,
+    /// Number of primitives.
+    pub primitives: usize,
+    /// Order of ids in a cell.
+    pub order: ListOrder,
+    /// Limit for references.
+    pub max_references: u64,
+    boxes: BoundsOf<'a, S, P>,
+    historical: bool,
+}
+
+impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
+    /// First and last cell of primitive `id` on each axis.
+    #[inline(always)]
+    pub fn range(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        let b = self.boxes.of(id);
+        if self.historical { self.frame.range_by_division(&b) } else { self.frame.range(&b) }
+    }
+
+    /// Calls `emit` with the coordinates of every cell primitive `id` goes to, x fastest.
+    #[inline(always)]
+    pub fn cells_of(&self, id: u32, mut emit: impl FnMut([i32; 3])) {
+        let (first, last) = self.range(id);
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    emit([x, y, z]);
+                }
+            }
+        }
+    }
+
+    /// All references together, without visiting cells.
+    pub fn count_references(&self) -> u64 {
+        let cells = |id| {
+            let (first, last) = self.range(id);
+            (0..3).map(|k| (last[k] - first[k] + 1).max(0) as u64).product::<u64>()
+        };
+        (0..self.primitives as u32).map(cells).fold(0, u64::saturating_add)
+    }
+
+    /// The lists in one array, `cells` of them, cell `coords` at `index(coords)`.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`].
+    pub fn lists(
+        &self,
+        cells: usize,
+        index: impl Fn([i32; 3]) -> usize,
+    ) -> Result<CellLists, TooManyReferences> {
+        struct Indexed<'c, 'a, S: Scalar, P: PrimSet<S>, F>(&'c Contents<'a, S, P>, F);
+        impl<S: Scalar, P: PrimSet<S>, F: Fn([i32; 3]) -> usize> Placement for Indexed<'_, '_, S, P, F> {
+            #[inline(always)]
+            fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+                self.0.cells_of(id, |c| emit((self.1)(c)));
+            }
+        }
+        let placement = Indexed(self, index);
+        CellLists::build(cells, self.primitives, self.order, self.max_references, &placement)
+    }
+}
+
+/// Box margin of cones in Havran and Sixta's uniform grid, as fitted to their counters.
+const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
+
+/// A regular grid whose cells are kept in a `G`.
+pub struct RegularGrid<S: Scalar, G> {
+    frame: GridFrame<S>,
+    storage: G,
+    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    from_origin: bool,
+    traversal: Traversal,
+}
+
+impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let contents = contents_of(prims, params)?;
+        let storage = G::build(&contents, params).map_err(|e| too_many_references(e, params))?;
+        let (frame, from_origin) = (contents.frame, contents.historical);
+        Ok(Self { frame, storage, from_origin, traversal: Traversal::of(params) })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        match self.traversal {
+            Traversal::TNext => {
+                if let Some(walk) = self.frame.walk_from(ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+            Traversal::DrivingAxis => {
+                if let Some(walk) = self.frame.driving_walk_from(ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        let cells = self.frame.cells() as u64;
+        Shape {
+            inner_cells: 0,
+            cells,
+            empty_cells: cells - self.storage.occupied_cells(),
+            references: self.storage.references(),
+            resolution: Some(self.frame.resolution()),
+            bytes: self.storage.bytes(),
+        }
+    }
+}
+
+/// Visits cells until nothing closer can follow.
+#[inline(always)]
+fn visit<S: Scalar>(
+    mut walk: impl CellWalk<S>,
+    storage: &impl CellStorage,
+    sink: &mut impl Sink<S>,
+) {
+    loop {
+        let list = storage.list(&walk);
+        sink.elementary_step(list.is_empty());
+        if !list.is_empty() && sink.test(list).is_break() {
+            return;
+        }
+        if sink.t_max() < walk.t_exit() || !walk.advance() {
+            return;
+        }
+    }
+}
+
+/// Frame and placement under the settings of [`specs`].
+///
+/// # Errors
+/// [`BuildError`] when the scene is too large for the scalar or the grid for its limits.
+pub fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
+    prims: &'a P,
+    params: &Params,
+) -> Result<Contents<'a, S, P>, BuildError> {
+    let structure = params.structure();
+    let historical = params.text("boxes") == "historical";
+    let rule = if historical {
+        BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
+    } else {
+        BoundsRule::Padded
+    };
+    let boxes =
+        BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    let frame = frame_of(prims, &boxes, params)?;
+    let order =
+        if params.text("order") == "reverse" { ListOrder::Reverse } else { ListOrder::File };
+    let max_references = params.integer("max-references");
+    Ok(Contents { frame, primitives: prims.len(), order, max_references, boxes, historical })
+}
+
+/// The error of a storage that holds too much.
+pub fn too_many_references(e: TooManyReferences, params: &Params) -> BuildError {
+    BuildError::TooLarge {
+        structure: params.structure(),
+        what: "references in voxels",
+        needed: u128::from(e.0),
+        limit: u128::from(params.integer("max-references")),
+    }
+}
+
+/// The grid that the settings `resolution`, `density` and `max-cells` ask for.
+fn frame_of<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    boxes: &BoundsOf<S, P>,
+    params: &Params,
+) -> Result<GridFrame<S>, BuildError> {
+    let rule = params.resolution("resolution");
+    let max_cells = params.integer("max-cells");
+    let input = ResolutionInput {
+        bounds: boxes.scene(),
+        primitives: prims.len(),
+        density: params.real("density"),
+        mean_longest_side: if rule.reads_sides() { mean_longest_side(prims) } else { 0.0 },
+        max_cells,
+        smallest_cell: boxes.smallest_cell(),
+    };
+    let n = resolve(rule, &input).map_err(|needed| BuildError::TooLarge {
+        structure: params.structure(),
+        what: "number of voxels",
+        needed,
+        limit: u128::from(max_cells),
+    })?;
+    Ok(GridFrame::new(divided_bounds(rule, boxes.scene(), n), n))
+}
+
+fn mean_longest_side<S: Scalar, P: PrimSet<S>>(prims: &P) -> f64 {
+    let longest =
+        |b: Aabb<S>| b.size().to_array().into_iter().fold(0.0f64, |m, s| m.max(s.to_f64()));
+    let sum: f64 = (0..prims.len() as u32).map(|id| longest(prims.bounds(id))).sum();
+    sum / prims.len().max(1) as f64
+}

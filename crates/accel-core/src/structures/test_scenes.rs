@@ -1,0 +1,224 @@
+//! Scenes and rays for differential tests, and the comparison with brute force.
+
+use glam::DVec3;
+
+use super::{Buildable, Entry, PrimsRef, find};
+use crate::counters::WorkCounters;
+use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
+use crate::ray::{Hit, Ray};
+use crate::scalar::{Scalar, Vec3, Vector};
+use crate::tracer::{ShadowCount, ShadowRule, Tracer};
+
+/// A small generator of test numbers.
+pub(crate) struct Random(pub u64);
+
+impl Random {
+    /// In [0, 1).
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) as f64 / (1u64 << 31) as f64
+    }
+
+    pub(crate) fn point(&mut self, size: [f64; 3]) -> DVec3 {
+        DVec3::new(self.unit() * size[0], self.unit() * size[1], self.unit() * size[2])
+    }
+}
+
+/// `n` primitives of all kinds in a box of that size; every tenth is transmissive, every sixth
+/// repeats the place of another.
+pub(crate) fn mixed_scene<S: Scalar>(n: u32, seed: u64, size: [f64; 3]) -> MixedSet<S> {
+    let mut random = Random(seed);
+    let mut set = MixedSetBuilder::<S>::default();
+    let mut at = DVec3::ZERO;
+    for i in 0..n {
+        if i % 6 != 5 {
+            at = random.point(size);
+        }
+        let small = size.map(|s| s * 0.2);
+        let half = DVec3::from(small) * 0.5;
+        match i % 4 {
+            0 => set.triangle([at, at + random.point(small) - half, at + random.point(small)]),
+            1 => {
+                // a quadrilateral in the plane z = constant, often exactly in a cell's plane
+                let z = (at.z * 8.0).round() / 8.0;
+                let (w, h) = (small[0].max(1e-3), small[1].max(1e-3));
+                let corner = |x: f64, y: f64| DVec3::new(at.x + x * w, at.y + y * h, z);
+                set.polygon(&[corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 1.)])
+            }
+            2 => set.sphere(at, 0.05 * random.unit() + 0.01),
+            _ => set.cone(Cone::new(at, 0.04, at + random.point(small) + DVec3::Z * 0.01, 0.02)),
+        }
+        .unwrap();
+        if i % 10 == 3 {
+            set.last_is_transmissive();
+        }
+    }
+    set.finish()
+}
+
+/// 10,000 times the same triangle, and one more behind it.
+pub(crate) fn duplicates<S: Scalar>() -> MixedSet<S> {
+    let mut set = MixedSetBuilder::<S>::default();
+    for i in 0..10_001 {
+        let z = if i == 0 { 2.0 } else { 1.0 };
+        set.triangle([DVec3::new(0.0, 0.0, z), DVec3::new(1.0, 0.0, z), DVec3::new(0.0, 1.0, z)])
+            .unwrap();
+    }
+    set.finish()
+}
+
+/// Random rays at the set, axis-parallel ones, ones in eighth-planes, ones between primitives.
+pub(crate) fn rays<S: Scalar>(set: &MixedSet<S>, n: usize, seed: u64) -> Vec<Ray<S>> {
+    let mut random = Random(seed);
+    let bounds = set.scene_bounds();
+    let (lo, size) = (bounds.min.to_dvec3(), bounds.size().to_dvec3());
+    let mut out = Vec::new();
+    for i in 0..n {
+        let inside = |random: &mut Random| lo + random.point([1.0; 3]) * size;
+        let mut from = inside(&mut random);
+        let to = inside(&mut random);
+        let mut direction = to - from;
+        match i % 6 {
+            0 => from -= direction * 3.0,
+            1 => {
+                direction = [DVec3::X, DVec3::Y, DVec3::Z][i / 6 % 3];
+                if i / 18 % 2 == 0 {
+                    direction = -direction;
+                }
+                from -= direction * size.max_element();
+            }
+            2 => {
+                // in planes of eighths of the box, where cells often end
+                from =
+                    lo + ((from - lo) / size.max(DVec3::splat(1e-30)) * 8.0).round() / 8.0 * size;
+                direction[i / 6 % 3] = -0.0;
+            }
+            3 => {
+                let b = set.bounds((i % set.len()) as u32);
+                direction = b.min.to_dvec3().lerp(b.max.to_dvec3(), 0.5) - from;
+            }
+            _ => {}
+        }
+        let (from, direction) = (Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(direction));
+        let mut ray = Ray::<S>::new(from, direction);
+        if i % 5 == 4 {
+            (ray.t_min, ray.t_max) = (S::from_f64(0.1), S::from_f64(0.8));
+        }
+        out.push(ray);
+    }
+    out
+}
+
+/// What a tracer did: hits, blocked, counters of both kinds of query.
+pub(crate) type Work<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
+
+/// Runs every query of a tracer; counted and timed answers must agree.
+pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Work<S> {
+    let mut hits = vec![Hit::NONE; rays.len()];
+    let mut counted_hits = hits.clone();
+    let mut blocked = vec![false; rays.len()];
+    let mut answers = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
+    tracer.closest_hits(rays, &mut hits);
+    tracer.occlusions(rays, &mut blocked);
+    let closest = tracer.count_closest_hits(rays, &mut counted_hits);
+    let shadow = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
+    assert_eq!(hits, counted_hits);
+    assert!(answers.iter().map(|a| a.blocked).eq(blocked.iter().copied()));
+    (hits, blocked, closest, shadow)
+}
+
+/// Builds with settings written as in a variant.
+pub(crate) fn built<'a, S: Buildable>(
+    entry: &Entry,
+    set: &'a MixedSet<S>,
+    settings: &str,
+) -> Box<dyn Tracer<S> + 'a> {
+    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
+    let params = entry.params(pairs).unwrap();
+    entry.build(PrimsRef::Mixed(set), &params).unwrap()
+}
+
+/// Scenes that are hard for grids, by name.
+pub(crate) fn hard_scenes<S: Scalar>() -> Vec<(&'static str, MixedSet<S>)> {
+    vec![
+        ("cube", mixed_scene(300, 1, [1.0; 3])),
+        ("flat", mixed_scene(200, 2, [1.0, 1.0, 0.0])),
+        ("stretched", mixed_scene(200, 3, [300.0, 1.0, 1.0])),
+        ("one", mixed_scene(1, 4, [1.0; 3])),
+        ("duplicates", duplicates()),
+    ]
+}
+
+/// Every setting must give brute force's hits, bit for bit.
+pub(crate) fn agrees_with_brute_force<S: Buildable>(name: &str, settings: &[&str]) {
+    let entry = find(name).unwrap();
+    for (scene, set) in hard_scenes::<S>() {
+        let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 99);
+        let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
+        assert!(right.0.iter().filter(|h| h.is_hit()).count() * 20 > rays.len(), "{scene}");
+        for settings in settings {
+            let got = work(built(entry, &set, settings).as_ref(), &rays);
+            for (i, ray) in rays.iter().enumerate() {
+                assert_eq!(got.0[i], right.0[i], "{name} {settings} {scene} {ray:?}");
+                assert_eq!(got.1[i], right.1[i], "{name} {settings} {scene} {ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn grids_agree_with_brute_force() {
+    for name in ["uniform-grid", "hashed-grid", "bricked-grid"] {
+        let settings = [
+            "",
+            "traversal=driving-axis",
+            "density=20 traversal=driving-axis order=reverse",
+            "resolution=16x8x8",
+            "resolution=cubic",
+            "resolution=auto",
+        ];
+        agrees_with_brute_force::<f32>(name, &settings);
+        agrees_with_brute_force::<f64>(name, &settings);
+    }
+}
+
+#[test]
+fn storages_have_the_same_cells_and_do_the_same_work() {
+    for (scene, set) in hard_scenes::<f64>() {
+        let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 5);
+        for settings in ["", "density=9 order=reverse", "boxes=historical traversal=driving-axis"] {
+            let dense = built(find("uniform-grid").unwrap(), &set, settings);
+            let expected = work(dense.as_ref(), &rays);
+            for name in ["hashed-grid", "bricked-grid"] {
+                let other = built(find(name).unwrap(), &set, settings);
+                assert!(work(other.as_ref(), &rays) == expected, "{name} {settings} {scene}");
+                let (mut a, mut b) = (dense.shape(), other.shape());
+                (a.bytes, b.bytes) = (0, 0);
+                assert_eq!(a, b, "{name} {settings} {scene}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_virtual_grid_of_2048_cubed_works() {
+    // HARD_CASES Gr3: 2^33 cells
+    let mut set = MixedSetBuilder::<f32>::default();
+    let mut random = Random(11);
+    for _ in 0..400 {
+        let at = random.point([1.0; 3]);
+        set.triangle([at, at + random.point([0.01; 3]), at + random.point([0.01; 3])]).unwrap();
+    }
+    let set = set.finish();
+    let rays = rays(&set, 600, 12);
+    let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
+    for traversal in ["t-next", "driving-axis"] {
+        let settings = format!("resolution=2048x2048x2048 traversal={traversal}");
+        let grid = built(find("hashed-grid").unwrap(), &set, &settings);
+        let got = work(grid.as_ref(), &rays);
+        assert!(got.0 == right.0 && got.1 == right.1);
+        let shape = grid.shape();
+        assert_eq!(shape.cells, 1 << 33);
+        assert!(shape.bytes < 1 << 27, "{shape:?}");
+    }
+}
