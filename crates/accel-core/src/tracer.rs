@@ -133,7 +133,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
         self.closest::<B>(rays, hits, mailboxes, |ray, mailbox| {
             let mut sink =
                 ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox);
-            counted_walk(&self.structure, ray, &mut sink);
+            counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
             let (hit, counters) = sink.finish();
             total += counters;
             hit
@@ -173,19 +173,19 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
                     ray,
                     mailbox.next_ray(),
                 );
-                counted_walk(&self.structure, ray, &mut sink);
+                counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
                 let (blocked, counters) = sink.finish();
                 (ShadowCount { blocked, glass: 0 }, counters)
             }
             ShadowRule::Historical => {
                 let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                counted_walk(&self.structure, ray, &mut sink);
+                counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
                 let (blocked, glass, counters) = sink.finish();
                 (ShadowCount { blocked, glass: glass as u32 }, counters)
             }
             ShadowRule::HistoricalInCell => {
                 let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                counted_walk(&self.structure, ray, &mut sink);
+                counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
                 let (hit, counters) = sink.finish();
                 let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
                 let blocked = hit.is_hit() && !glass;
@@ -195,9 +195,10 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
     }
 }
 
-/// The walk that counts: compiled once a structure.
-fn counted_walk<S: Scalar, T: Structure<S>>(structure: &T, ray: &Ray<S>, sink: &mut impl Sink<S>) {
-    structure.walk(ray, &mut ErasedSink::new(sink));
+/// The walk that counts. Never inlined, so that it is compiled once a structure.
+#[inline(never)]
+fn counted_walk<S: Scalar, T: Structure<S>>(structure: &T, ray: &Ray<S>, mut sink: ErasedSink<S>) {
+    structure.walk(ray, &mut sink);
 }
 
 impl<S: Scalar, P: PrimSet<S>, T: Structure<S>> Tracer<S> for Bound<'_, S, P, T> {
