@@ -40,13 +40,42 @@ impl CellLists {
         max_references: u64,
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
+        Self::fill(cells, 0..primitives as u32, order, (max_references, u64::MAX), placement)
+    }
+
+    /// Builds the lists of `cells` cells for these primitives, each list in the order of `ids`.
+    ///
+    /// # Errors
+    /// As [`CellLists::build`], but counting ends where the limit is passed.
+    pub fn build_of(
+        cells: usize,
+        ids: &[u32],
+        max_references: u64,
+        placement: &impl Placement,
+    ) -> Result<Self, TooManyReferences> {
+        let limits = (max_references, max_references);
+        Self::fill(cells, ids.iter().copied(), ListOrder::File, limits, placement)
+    }
+
+    /// More than `max_references` are refused; counting ends once there are more than
+    /// `stop_counting`.
+    fn fill(
+        cells: usize,
+        primitives: impl DoubleEndedIterator<Item = u32> + Clone,
+        order: ListOrder,
+        (max_references, stop_counting): (u64, u64),
+        placement: &impl Placement,
+    ) -> Result<Self, TooManyReferences> {
         let mut starts = vec![0u32; cells + 1];
         let mut total = 0u64;
-        for id in 0..primitives as u32 {
+        for id in primitives.clone() {
             placement.cells_of(id, |cell| {
                 starts[cell] = starts[cell].wrapping_add(1);
                 total += 1;
             });
+            if total > stop_counting {
+                break;
+            }
         }
         if total > max_references.min(u64::from(u32::MAX)) {
             return Err(TooManyReferences(total));
@@ -65,10 +94,43 @@ impl CellLists {
             });
         };
         match order {
-            ListOrder::File => (0..primitives as u32).rev().for_each(&mut place),
-            ListOrder::Reverse => (0..primitives as u32).for_each(&mut place),
+            ListOrder::File => primitives.rev().for_each(&mut place),
+            ListOrder::Reverse => primitives.for_each(&mut place),
         }
         Ok(Self { starts, ids })
+    }
+
+    /// Asks `replacement` for every list that is not empty; where it answers, the list becomes
+    /// that one entry.
+    ///
+    /// # Errors
+    /// The first error of `replacement`.
+    pub fn replaced<E>(
+        mut self,
+        mut replacement: impl FnMut(usize, &[u32]) -> Result<Option<u32>, E>,
+    ) -> Result<Self, E> {
+        let mut end = 0;
+        for cell in 0..self.cells() {
+            // entries only move down: what is still to be read is never overwritten
+            let (from, to) = (self.starts[cell] as usize, self.starts[cell + 1] as usize);
+            self.starts[cell] = end as u32;
+            let answer = if from < to { replacement(cell, &self.ids[from..to])? } else { None };
+            if let Some(entry) = answer {
+                self.ids[end] = entry;
+                end += 1;
+            } else {
+                self.ids.copy_within(from..to, end);
+                end += to - from;
+            }
+        }
+        if let Some(last) = self.starts.last_mut() {
+            *last = end as u32;
+        }
+        if end < self.ids.len() {
+            self.ids.truncate(end);
+            self.ids.shrink_to_fit();
+        }
+        Ok(self)
     }
 
     /// The ids of a cell; empty for a cell that does not exist.
@@ -135,6 +197,25 @@ mod tests {
         assert_eq!((lists.cells(), lists.empty_cells(), lists.references()), (5, 1, 12));
         let reverse = build(ListOrder::Reverse, 99).unwrap();
         assert_eq!(reverse.list(2), [5, 4, 3, 2, 2, 1, 0]);
+    }
+
+    #[test]
+    fn lists_of_some_primitives_and_replaced_lists() {
+        let lists = CellLists::build_of(5, &[5, 1, 4], 99, &TwoEach).unwrap();
+        assert_eq!((lists.list(2), lists.list(1)), (&[5, 1, 4][..], &[5, 1][..]));
+        let mut asked = Vec::new();
+        let lists = build(ListOrder::File, 99)
+            .unwrap()
+            .replaced(|cell, list| {
+                asked.push(cell);
+                Ok::<_, ()>((list.len() > 2).then_some(77))
+            })
+            .unwrap();
+        assert_eq!(asked, [0, 1, 2, 3]);
+        let all: Vec<_> = (0..5).map(|c| lists.list(c).to_vec()).collect();
+        assert_eq!(all, [vec![0, 4], vec![1, 5], vec![77], vec![3], vec![]]);
+        assert_eq!(lists.references(), 6);
+        assert_eq!(lists.replaced(|_, _| Err("no")), Err("no"));
     }
 
     #[test]

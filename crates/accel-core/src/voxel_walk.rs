@@ -9,7 +9,7 @@ use crate::aabb::Aabb;
 use crate::cell_walk::{CellPosition, CellWalk, GridCell};
 use crate::driving_axis_walk::DrivingAxisWalk;
 use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
+use crate::scalar::{Scalar, Vec3, Vector};
 
 /// Where the cells of a regular grid are.
 #[derive(Debug, Clone, Copy)]
@@ -98,6 +98,17 @@ impl<S: Scalar> GridFrame<S> {
         self.cell
     }
 
+    /// The box of the cell with that index.
+    pub fn cell_bounds(&self, index: usize) -> Aabb<S> {
+        let [nx, ny, _] = self.n.map(|n| n as usize);
+        let at = [index % nx, index / nx % ny, index / (nx * ny)];
+        let plane = |k: usize, i: usize| self.lo[k] + S::from_i32(i as i32) * self.cell[k];
+        Aabb {
+            min: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k]))),
+            max: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k] + 1))),
+        }
+    }
+
     /// Starts a walk, or `None` when the ray misses the box within its interval.
     #[inline(always)]
     pub fn walk(&self, ray: &Ray<S>) -> Option<VoxelWalk<S>> {
@@ -108,9 +119,16 @@ impl<S: Scalar> GridFrame<S> {
     #[inline(always)]
     pub fn walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<VoxelWalk<S>> {
         let (t_in, _) = self.bounds.clip(ray.origin, ray.direction, t_start, ray.t_max)?;
+        Some(self.walk_at(ray, inverse_direction(ray), t_in))
+    }
+
+    /// Starts a walk in the cell that holds, or is nearest to, the point of the ray at `t`,
+    /// whether or not the ray meets the box there. `inverse` is [`inverse_direction`] of the ray.
+    #[inline(always)]
+    pub fn walk_at(&self, ray: &Ray<S>, inverse: [S; 3], t: S) -> VoxelWalk<S> {
         let o = ray.origin.to_array();
         let d = ray.direction.to_array();
-        let p = ray.at(t_in).to_array();
+        let p = ray.at(t).to_array();
         let stride = [1, self.n[0] as isize, self.n[0] as isize * self.n[1] as isize];
         let mut walk = VoxelWalk {
             t_next: [S::INFINITY; 3],
@@ -118,7 +136,7 @@ impl<S: Scalar> GridFrame<S> {
             plane_step: [S::ZERO; 3],
             cell: self.cell,
             from_origin: [S::ZERO; 3],
-            inv_d: [S::INFINITY; 3],
+            inv_d: inverse,
             remaining: [0; 3],
             last: [0; 3],
             step: [0; 3],
@@ -128,15 +146,12 @@ impl<S: Scalar> GridFrame<S> {
         let mut at = [0; 3];
         for k in 0..3 {
             at[k] = self.clamped((p[k] - self.lo[k]) * self.inv_cell[k], k);
-            let inv_d = S::ONE / d[k];
-            // a component of 0, or so small that it never leads to another cell (0 * infinity
-            // below would be NaN)
-            if !inv_d.is_finite() {
+            // no direction (0 * infinity below would be NaN)
+            if !inverse[k].is_finite() {
                 walk.last[k] = at[k];
                 continue;
             }
             let up = d[k] > S::ZERO;
-            walk.inv_d[k] = inv_d;
             walk.step[k] = if up { 1 } else { -1 };
             walk.last[k] = if up { self.n[k] - 1 } else { 0 };
             walk.from_origin[k] = self.lo[k] - o[k];
@@ -147,7 +162,7 @@ impl<S: Scalar> GridFrame<S> {
             walk.t_next[k] = walk.plane_parameter(k);
         }
         walk.offset = self.index(at) as isize;
-        Some(walk)
+        walk
     }
 
     /// [`GridFrame::walk_from`] along the driving axis.
@@ -155,6 +170,13 @@ impl<S: Scalar> GridFrame<S> {
     pub fn driving_walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<DrivingAxisWalk<S>> {
         self.walk_from(ray, t_start).map(DrivingAxisWalk::new)
     }
+}
+
+/// 1 / direction; an infinity on the axes that the ray is perpendicular to, or so nearly that it
+/// never leads to another cell.
+#[inline(always)]
+pub fn inverse_direction<S: Scalar>(ray: &Ray<S>) -> [S; 3] {
+    ray.direction.to_array().map(|d| S::ONE / d)
 }
 
 /// A ray on its way through a grid.

@@ -13,6 +13,7 @@ pub mod proximity_clouds;
 pub mod regular_grid;
 #[cfg(test)]
 pub(crate) mod test_scenes;
+pub mod recursive_grid;
 pub mod uniform_grid;
 
 use crate::mailbox::Setting;
@@ -30,6 +31,7 @@ pub static REGISTRY: &[Entry] = &[
     entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
     entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
     entry!(proximity_clouds::ProximityClouds, proximity_clouds::INFO),
+    entry!(recursive_grid::RecursiveGrid, recursive_grid::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];
@@ -70,6 +72,9 @@ pub struct Shape {
     pub resolution: Option<[u32; 3]>,
     /// Bytes of the structure itself, without the primitives.
     pub bytes: u64,
+    /// Structures that build on demand: cells no ray has asked to divide yet. They count as
+    /// elementary cells until then.
+    pub pending_cells: Option<u64>,
 }
 
 /// Why a structure could not be built.

@@ -88,6 +88,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
             bytes: (size_of_val(self.bvh.nodes.as_slice())
                 + size_of_val(self.bvh.primitive_indices.as_slice())) as u64
                 + self.groups.bytes(),
+            ..Shape::default()
         }
     }
 }

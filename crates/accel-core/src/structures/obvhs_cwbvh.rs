@@ -109,6 +109,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             resolution: None,
             bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(indices)) as u64
                 + self.groups.bytes(),
+            ..Shape::default()
         }
     }
 }

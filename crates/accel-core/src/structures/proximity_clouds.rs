@@ -133,6 +133,7 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
             references: self.lists.references(),
             resolution: Some(self.frame.resolution()),
             bytes: self.lists.bytes() + self.distances.len() as u64,
+            ..Shape::default()
         }
     }
 }

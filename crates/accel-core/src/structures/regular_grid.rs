@@ -196,6 +196,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
             references: self.storage.references(),
             resolution: Some(self.frame.resolution()),
             bytes: self.storage.bytes(),
+            ..Shape::default()
         }
     }
 }

@@ -5,6 +5,7 @@
 //! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
 
 pub mod published;
+mod recursive;
 mod uniform;
 pub mod verdict;
 
@@ -76,7 +77,7 @@ pub enum ReproduceError {
 }
 
 /// What can be reproduced so far.
-pub const STRUCTURES: [&str; 2] = ["invariants", "uniform"];
+pub const STRUCTURES: [&str; 3] = ["invariants", "uniform", "recursive"];
 
 /// A scene in the published setting: its rays, made once.
 pub struct PublishedScene {
@@ -118,8 +119,8 @@ impl PublishedScene {
         self.rays.total() as u64 + self.rays.total_internal_reflections
     }
 
-    /// Counts what `tracer` does for all rays.
-    pub(crate) fn count(&self, tracer: &dyn Tracer<f64>) -> Work {
+    /// Counts what `tracer` does for all rays, shadow rays by this rule.
+    pub(crate) fn count(&self, tracer: &dyn Tracer<f64>, rule: ShadowRule) -> Work {
         let mut counters = WorkCounters::default();
         let mut hits_of = |kinds: &[RayKind]| {
             let mut found = 0;
@@ -135,7 +136,7 @@ impl PublishedScene {
         let secondary_hits = hits_of(&[RayKind::Reflected, RayKind::Refracted]);
         let rays = self.rays.rays(RayKind::Shadow);
         let mut answers = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
-        counters += tracer.count_occlusions(rays, ShadowRule::Historical, &mut answers);
+        counters += tracer.count_occlusions(rays, rule, &mut answers);
         let shadow_hits =
             answers.iter().map(|a| if a.blocked { 1 } else { u64::from(a.glass) }).sum();
         Work { shape: tracer.shape(), counters, primary_hits, secondary_hits, shadow_hits }
@@ -168,6 +169,21 @@ pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, Reproduce
     find(name).ok_or(ReproduceError::Missing(name))
 }
 
+/// The counters of a grid in the paper's symbols; those of rays per ray.
+pub(crate) fn grid_counters(scene: &PublishedScene, work: &Work) -> Vec<(&'static str, f64)> {
+    let per_ray = |n: u64| n as f64 / scene.all_rays() as f64;
+    vec![
+        ("N_IN", work.shape.inner_cells as f64),
+        ("N_V", work.shape.cells as f64),
+        ("N_EV", work.shape.empty_cells as f64),
+        ("N_OIV", work.shape.references as f64),
+        ("N_IT", per_ray(work.counters.intersection_tests)),
+        ("N_TS", per_ray(work.counters.traversal_steps)),
+        ("N_ETS", per_ray(work.counters.elementary_steps)),
+        ("N_EETS", per_ray(work.counters.empty_elementary_steps)),
+    ]
+}
+
 /// Reproduces the figures of one scene for the structures asked for, in the paper's order.
 ///
 /// # Errors
@@ -190,7 +206,7 @@ pub fn reproduce_scene(
                 params,
                 scene,
                 counters,
-                &uniform::counters(&published, &work),
+                &grid_counters(&published, &work),
             ));
         }
     }
@@ -199,6 +215,12 @@ pub fn reproduce_scene(
             let ours = invariants.clone().unwrap_or_default();
             let all = compare("invariants", params, scene, &counters, &ours);
             rows.splice(0..0, all);
+        }
+    }
+    if structures.contains(&"recursive") {
+        for (params, counters) in table(figures, "recursive", scene) {
+            let ours = recursive::counters(&published, params)?;
+            rows.extend(compare("recursive", params, scene, &counters, &ours));
         }
     }
     Ok(rows)

@@ -33,12 +33,16 @@ pub fn tolerance(structure: &str, counter: &str) -> f64 {
         ("uniform", "N_EV" | "N_OIV") => 0.025,
         ("uniform", "N_TS" | "N_ETS") => 0.005,
         ("uniform", "N_EETS") => 0.012,
-        ("uniform", "N_IT") => 0.03,
+        ("uniform" | "recursive", "N_IT") => 0.03,
+        ("recursive", "N_IN" | "N_V" | "N_EV" | "N_OIV") => 0.0002,
+        ("recursive", "N_TS" | "N_ETS" | "N_EETS") => 0.01,
         _ => 0.0,
     }
 }
 
-/// Deviations whose cause is known. Only where the figure is outside its tolerance do they speak.
+const CONE_BOX: &str = "the original's box of cones and cylinders is not known";
+
+/// Deviations whose cause is known: structure, setting (empty: all), scene, counters, why. Only where the figure is outside its tolerance do they speak.
 static KNOWN: &[(&str, &str, &str, &[&str], &str)] = &[
     (
         "uniform",
@@ -53,6 +57,15 @@ static KNOWN: &[(&str, &str, &str, &[&str], &str)] = &[
         "lattice",
         &["N_OIV", "N_EETS", "N_IT"],
         "cylinder ends on cell planes; the original's cone box is not known",
+    ),
+    ("recursive", "", "rings", &["N_IN", "N_V", "N_EV", "N_OIV"], CONE_BOX),
+    ("recursive", "", "tree", &["N_IN", "N_V", "N_EV", "N_OIV"], CONE_BOX),
+    (
+        "recursive",
+        "",
+        "gears",
+        &["N_IT", "N_TS", "N_ETS", "N_EETS"],
+        "the original's rule for shadow rays that meet glass is not fully known",
     ),
 ];
 
@@ -79,7 +92,10 @@ pub fn judge(
     KNOWN
         .iter()
         .find(|(s, p, sc, counters, _)| {
-            *s == structure && *p == params && *sc == scene && counters.contains(&counter)
+            *s == structure
+                && (p.is_empty() || *p == params)
+                && *sc == scene
+                && counters.contains(&counter)
         })
         .map_or(Verdict::Unexplained, |(.., why)| Verdict::KnownReason(why))
 }
@@ -100,6 +116,10 @@ mod tests {
         assert_eq!(j("woo D=1.0", "balls", "N_IT", "39.76", 41.0), Verdict::Unexplained);
         assert!(matches!(j("woo D=10.0", "gears", "N_OIV", "100", 106.8), Verdict::KnownReason(_)));
         assert_eq!(j("woo D=10.0", "balls", "N_OIV", "100", 106.8), Verdict::Unexplained);
-        assert_eq!(j("", "", "N_V", "?", 1.0), Verdict::Unexplained);
+        let j = |scene, ours| judge("recursive", "RMD=3 RHT=+", scene, "N_V", "10000", ours);
+        assert_eq!(j("mount", 10002.0), Verdict::Within);
+        assert_eq!(j("mount", 10003.0), Verdict::Unexplained);
+        assert!(matches!(j("tree", 10003.0), Verdict::KnownReason(_)));
+        assert_eq!(judge("", "", "", "N_V", "?", 1.0), Verdict::Unexplained);
     }
 }

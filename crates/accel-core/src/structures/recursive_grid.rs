@@ -1,0 +1,280 @@
+//! The recursive grid: voxels that hold many primitives are divided by grids of their own.
+//!
+//! Paper: D. Jevans, B. Wyvill, "Adaptive Voxel Subdivision for Ray Tracing", Graphics Interface
+//! 1989.
+//!
+//! Deviations: a grid's lists stand in one array, boxes are padded by a few ulps, and plane
+//! parameters are recomputed from the true ray on every level. A voxel stays undivided, and the
+//! outermost grid is made coarser, where a grid would multiply references too much (copies of one
+//! primitive would otherwise be divided for ever). `build=lazy` makes deep grids when a ray first
+//! enters their voxel, from any thread; where the paper has no limits, ours leave such a voxel
+//! undivided once they are reached.
+//! `boxes=historical` is Havran and Sixta's (1999) grid as their counters show it: boxes enlarged
+//! by 0.01 on insertion, and a grid's first voxel that of the point 0.01 beyond its entry.
+
+mod levels;
+
+use std::ops::ControlFlow;
+
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::cell_walk::{CellPosition, CellWalk};
+use crate::mailbox;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+use crate::sink::Sink;
+use crate::voxel_walk::inverse_direction;
+use levels::{Budget, Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "recursive-grid",
+    summary: "voxels with many primitives are divided by grids of their own, eagerly or on demand",
+    paper: "Jevans, Wyvill 1989",
+    deviations: "padded boxes; a voxel stays undivided where its grid would multiply references",
+    params: &[
+        ParamSpec {
+            name: "max-depth",
+            summary: "levels of grids, the outermost included",
+            default: "4",
+            kind: ParamKind::Integer { min: 1, max: MAX_DEPTH },
+        },
+        ParamSpec {
+            name: "resolution",
+            summary: "rule for the voxels of every grid",
+            default: "density",
+            kind: ParamKind::Choice(&["density", "heterogeneous", "cube-root"]),
+        },
+        ParamSpec {
+            name: "top-density",
+            summary: "voxels per primitive of the outermost grid",
+            default: "1",
+            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
+        },
+        ParamSpec {
+            name: "density",
+            summary: "voxels per reference of the grids inside",
+            default: "1",
+            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
+        },
+        ParamSpec {
+            name: "threshold",
+            summary: "voxels with more references are divided",
+            default: "8",
+            kind: ParamKind::Integer { min: 1, max: 1 << 31 },
+        },
+        ParamSpec {
+            name: "max-growth",
+            summary: "a voxel stays undivided if its grid held more times its references",
+            default: "16",
+            kind: ParamKind::Real { min: 1.0, max: 1e9 },
+        },
+        ParamSpec {
+            name: "build",
+            summary: "all grids at once, or deep ones when a ray enters their voxel",
+            default: "eager",
+            kind: ParamKind::Choice(&["eager", "lazy"]),
+        },
+        ParamSpec {
+            name: "lazy-levels",
+            summary: "levels that build=lazy makes at once",
+            default: "1",
+            kind: ParamKind::Integer { min: 1, max: MAX_DEPTH },
+        },
+        ParamSpec {
+            name: "boxes",
+            summary: "boxes of primitives: padded by ulps, or as in 1999",
+            default: "padded",
+            kind: ParamKind::Choice(&["padded", "historical"]),
+        },
+        ParamSpec {
+            name: "max-cells",
+            summary: "upper limit for the number of voxels of all grids together",
+            default: "67108864",
+            kind: ParamKind::Integer { min: 1, max: 1 << 32 },
+        },
+        ParamSpec {
+            name: "max-references",
+            summary: "upper limit for the references in all voxels together",
+            default: "536870912",
+            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
+        },
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
+    ],
+    variants: &["", "max-depth=2", "max-depth=3", "resolution=cube-root", "build=lazy"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// The walk recurses once a level.
+const MAX_DEPTH: u64 = 8;
+
+/// Box margin of cones and cylinders in Havran and Sixta's recursive grid, as fitted.
+const HISTORICAL_CONE_MARGIN: f64 = 0.001;
+
+/// Their insertion pad, and how far beyond a grid's entry its first voxel is looked up.
+const HISTORICAL_PAD: f64 = 0.01;
+
+/// Grids within the voxels of grids.
+pub struct RecursiveGrid<S: Scalar> {
+    root: Grid<S>,
+    division: Division<S>,
+    /// Grids may still be waiting to be built.
+    lazy: bool,
+    /// How far beyond its entry a grid's first voxel is looked up.
+    advance: S,
+    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    from_origin: bool,
+}
+
+impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        if prims.len() as u64 > MAX_PRIMITIVES {
+            return Err(BuildError::TooLarge {
+                structure,
+                what: "number of primitives",
+                needed: prims.len() as u128,
+                limit: u128::from(MAX_PRIMITIVES),
+            });
+        }
+        let historical = params.text("boxes") == "historical";
+        let (rule, pad) = if historical {
+            let rule = BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN };
+            (rule, S::from_f64(HISTORICAL_PAD))
+        } else {
+            (BoundsRule::Padded, S::ZERO)
+        };
+        let bounds = BoundsOf::new(prims, rule)
+            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let ids: Vec<u32> = (0..prims.len() as u32).collect();
+        let lazy = params.text("build") == "lazy";
+        let max_depth = params.integer("max-depth") as u32;
+        let mut division = Division {
+            boxes: ids.iter().map(|&id| bounds.of(id).expanded(pad)).collect(),
+            rule: match params.text("resolution") {
+                "heterogeneous" => LevelRule::Heterogeneous,
+                "cube-root" => LevelRule::CubeRoot,
+                _ => LevelRule::Density,
+            },
+            densities: [params.real("top-density"), params.real("density")],
+            threshold: params.integer("threshold") as usize,
+            max_depth,
+            eager_depth: if lazy { params.integer("lazy-levels") as u32 } else { max_depth },
+            max_growth: params.real("max-growth"),
+            by_division: historical,
+            narrowest: Division::narrowest_in(bounds.scene())
+                .greater(S::from_f64(bounds.smallest_cell())),
+            cells: Budget::new("number of voxels", params.integer("max-cells")),
+            references: Budget::new("references in voxels", params.integer("max-references")),
+        };
+        let root = division.root(&ids, bounds.scene()).map_err(|e| BuildError::TooLarge {
+            structure,
+            what: e.what,
+            needed: u128::from(e.needed),
+            limit: u128::from(e.limit),
+        })?;
+        if !lazy {
+            division.boxes = Vec::new();
+        }
+        let advance = if historical { pad } else { S::ZERO };
+        Ok(Self { root, division, lazy, advance, from_origin: historical })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        let bounds = self.root.frame.bounds();
+        if let Some((t, _)) = bounds.clip(ray.origin, ray.direction, t_start, ray.t_max) {
+            let _ = self.walk_grid(&self.root, 1, ray, inverse_direction(ray), t, sink);
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        let mut shape = Shape {
+            bytes: (size_of::<Self>() + size_of_val(self.division.boxes.as_slice())) as u64,
+            pending_cells: self.lazy.then_some(0),
+            ..Shape::default()
+        };
+        add_grid(&self.root, &mut shape);
+        shape
+    }
+}
+
+impl<S: Scalar> RecursiveGrid<S> {
+    /// Walks through one grid, which the ray enters at `t_enter`, and the grids within; `Break`
+    /// ends the query.
+    fn walk_grid<K: Sink<S>>(
+        &self,
+        grid: &Grid<S>,
+        depth: u32,
+        ray: &Ray<S>,
+        inverse: [S; 3],
+        mut t_enter: S,
+        sink: &mut K,
+    ) -> ControlFlow<()> {
+        sink.inner_step();
+        let mut walk = grid.frame.walk_at(ray, inverse, t_enter + self.advance);
+        loop {
+            let t_exit = walk.t_exit();
+            match grid.voxel(walk.index()) {
+                Voxel::Ids(ids) => test(ids, t_exit, sink)?,
+                Voxel::Child(child) => {
+                    let bounds = || grid.frame.cell_bounds(walk.index());
+                    match child.content(&self.division, bounds, depth + 1) {
+                        Content::Grid(inner) => {
+                            self.walk_grid(inner, depth + 1, ray, inverse, t_enter, sink)?
+                        }
+                        Content::List(ids) => test(ids, t_exit, sink)?,
+                    }
+                }
+            }
+            if sink.t_max() < t_exit {
+                return ControlFlow::Break(());
+            }
+            if !walk.advance() {
+                return ControlFlow::Continue(());
+            }
+            t_enter = t_exit;
+        }
+    }
+}
+
+/// A step into an elementary voxel.
+#[inline(always)]
+fn test<S: Scalar, K: Sink<S>>(ids: &[u32], t_exit: S, sink: &mut K) -> ControlFlow<()> {
+    sink.elementary_step(ids.is_empty());
+    if ids.is_empty() { ControlFlow::Continue(()) } else { sink.test_in_cell(ids, t_exit) }
+}
+
+/// Adds a grid and all within it.
+fn add_grid<S: Scalar>(grid: &Grid<S>, shape: &mut Shape) {
+    shape.inner_cells += 1;
+    shape.cells += (grid.frame.cells() - grid.children.len()) as u64;
+    shape.empty_cells += grid.lists.empty_cells() as u64;
+    shape.references += (grid.lists.references() - grid.children.len()) as u64;
+    shape.bytes += (grid.lists.bytes() + size_of_val(grid.children.as_slice())) as u64;
+    for child in &grid.children {
+        add_child(child, shape);
+    }
+}
+
+fn add_child<S: Scalar>(child: &Child<S>, shape: &mut Shape) {
+    let references = match child.built_content() {
+        Some(Content::Grid(inner)) => return add_grid(inner, shape),
+        Some(Content::List(ids)) => ids.len(),
+        None => {
+            *shape.pending_cells.get_or_insert(0) += 1;
+            child.waiting_references()
+        }
+    } as u64;
+    shape.cells += 1;
+    shape.references += references;
+    shape.bytes += references * 4;
+}
+
+#[cfg(test)]
+mod tests;

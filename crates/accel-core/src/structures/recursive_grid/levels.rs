@@ -1,0 +1,369 @@
+//! One level of a recursive grid: how many voxels it gets, what goes into them, and which of them
+//! are divided further.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use crate::aabb::Aabb;
+use crate::cell_lists::{CellLists, Placement};
+use crate::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::scalar::{Scalar, Vector};
+use crate::voxel_walk::GridFrame;
+
+/// Marks an entry of a list that is the index of a child, not of a primitive.
+const CHILD: u32 = 1 << 31;
+
+/// How many primitives a recursive grid can hold: their ids must leave the mark free.
+pub(super) const MAX_PRIMITIVES: u64 = CHILD as u64;
+
+/// Voxels narrower than this many ulps of the scene's largest coordinate are not made: their
+/// planes could not be told apart.
+const NARROWEST_VOXEL_ULPS: f64 = 64.0;
+
+/// The factor by which an outermost grid that would not pay is made coarser.
+const ROOT_COARSENING: f64 = 8.0;
+
+/// A grid, and the grids in its voxels.
+pub(super) struct Grid<S: Scalar> {
+    pub(super) frame: GridFrame<S>,
+    /// Ids, or one entry with [`CHILD`] set.
+    pub(super) lists: CellLists,
+    pub(super) children: Vec<Child<S>>,
+}
+
+/// What a voxel holds.
+pub(super) enum Voxel<'a, S: Scalar> {
+    /// Primitives.
+    Ids(&'a [u32]),
+    /// A divided voxel.
+    Child(&'a Child<S>),
+}
+
+impl<S: Scalar> Grid<S> {
+    /// What the voxel with that index holds.
+    #[inline(always)]
+    pub(super) fn voxel(&self, index: usize) -> Voxel<'_, S> {
+        let list = self.lists.list(index);
+        if let Some(&first) = list.first()
+            && first & CHILD != 0
+            && let Some(child) = self.children.get((first & !CHILD) as usize)
+        {
+            return Voxel::Child(child);
+        }
+        Voxel::Ids(list)
+    }
+}
+
+/// A voxel that holds more primitives than the threshold.
+pub(super) struct Child<S: Scalar> {
+    /// What it is to be built from; empty once that was done.
+    waiting: Mutex<Vec<u32>>,
+    content: OnceLock<Content<S>>,
+}
+
+/// What became of such a voxel.
+pub(super) enum Content<S: Scalar> {
+    /// It was divided.
+    Grid(Grid<S>),
+    /// Dividing it would not have paid, or broken a limit: an elementary voxel after all.
+    List(Vec<u32>),
+}
+
+impl<S: Scalar> Child<S> {
+    fn built(grid: Grid<S>) -> Self {
+        Self { waiting: Mutex::default(), content: OnceLock::from(Content::Grid(grid)) }
+    }
+
+    fn waiting(ids: &[u32]) -> Self {
+        Self { waiting: Mutex::new(ids.to_vec()), content: OnceLock::new() }
+    }
+
+    /// What is there, if it was ever built.
+    pub(super) fn built_content(&self) -> Option<&Content<S>> {
+        self.content.get()
+    }
+
+    /// How many references wait to be built from.
+    pub(super) fn waiting_references(&self) -> usize {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// What is there; built now by the first ray that asks, while other threads that need this
+    /// very voxel wait. `bounds` and `depth` are those of the voxel.
+    #[inline(always)]
+    pub(super) fn content(
+        &self,
+        division: &Division<S>,
+        bounds: impl FnOnce() -> Aabb<S>,
+        depth: u32,
+    ) -> &Content<S> {
+        self.content.get_or_init(|| {
+            let ids = {
+                let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+                std::mem::take(&mut *waiting)
+            };
+            match division.grid(&ids, bounds(), depth) {
+                Ok(Some(grid)) => {
+                    division.references.give_back(ids.len() as u64);
+                    Content::Grid(grid)
+                }
+                Ok(None) | Err(_) => Content::List(ids),
+            }
+        })
+    }
+}
+
+/// How the voxels of a level are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LevelRule {
+    /// Cubes, D a reference, flat voxels included.
+    Density,
+    /// s_i (D n / V)^(1/3), rounded as in 1999.
+    Heterogeneous,
+    /// n^(1/3) on every axis, rounded up.
+    CubeRoot,
+}
+
+/// A limit was exceeded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct OverLimit {
+    pub(super) what: &'static str,
+    pub(super) needed: u64,
+    pub(super) limit: u64,
+}
+
+/// What is left of a limit; shared by the threads that build.
+#[derive(Debug)]
+pub(super) struct Budget {
+    what: &'static str,
+    limit: u64,
+    left: AtomicU64,
+}
+
+impl Budget {
+    pub(super) fn new(what: &'static str, limit: u64) -> Self {
+        Self { what, limit, left: AtomicU64::new(limit) }
+    }
+
+    fn left(&self) -> u64 {
+        self.left.load(Ordering::Relaxed)
+    }
+
+    fn exceeded_by(&self, amount: u64) -> OverLimit {
+        let needed = (self.limit - self.left().min(self.limit)).saturating_add(amount);
+        OverLimit { what: self.what, needed, limit: self.limit }
+    }
+
+    fn take(&self, amount: u64) -> Result<(), OverLimit> {
+        self.left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(amount))
+            .map(|_| ())
+            .map_err(|_| self.exceeded_by(amount))
+    }
+
+    fn give_back(&self, amount: u64) {
+        self.left.fetch_add(amount, Ordering::Relaxed);
+    }
+}
+
+/// All that is needed to divide a voxel.
+#[derive(Debug)]
+pub(super) struct Division<S: Scalar> {
+    /// Boxes of all primitives, as they are inserted.
+    pub(super) boxes: Vec<Aabb<S>>,
+    pub(super) rule: LevelRule,
+    /// Voxels a reference: of the root, and of all other grids.
+    pub(super) densities: [f64; 2],
+    /// Voxels with more references than this are divided.
+    pub(super) threshold: usize,
+    /// Depth of the deepest grids; the root has depth 1.
+    pub(super) max_depth: u32,
+    /// Grids down to this depth are built with the structure, deeper ones on demand.
+    pub(super) eager_depth: u32,
+    /// A voxel is not divided if that would multiply its references by more than this.
+    pub(super) max_growth: f64,
+    /// Cell indices by division, as in 1999.
+    pub(super) by_division: bool,
+    /// No voxel is narrower.
+    pub(super) narrowest: S,
+    pub(super) cells: Budget,
+    pub(super) references: Budget,
+}
+
+/// Bounding-box insertion.
+struct BoxPlacement<'a, S: Scalar> {
+    frame: GridFrame<S>,
+    division: &'a Division<S>,
+}
+
+impl<S: Scalar> Placement for BoxPlacement<'_, S> {
+    #[inline(always)]
+    fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+        let b = &self.division.boxes[id as usize];
+        let (first, last) = if self.division.by_division {
+            self.frame.range_by_division(b)
+        } else {
+            self.frame.range(b)
+        };
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                let row = self.frame.index([0, y, z]);
+                for x in first[0]..=last[0] {
+                    emit(row + x as usize);
+                }
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Division<S> {
+    /// The smallest width of a voxel in a scene with this box.
+    pub(super) fn narrowest_in(scene: Aabb<S>) -> S {
+        S::EPSILON * scene.magnitude() * S::from_f64(NARROWEST_VOXEL_ULPS)
+    }
+
+    /// The outermost grid; coarser than asked for where that would multiply references too much.
+    pub(super) fn root(&self, ids: &[u32], bounds: Aabb<S>) -> Result<Grid<S>, OverLimit> {
+        let mut density = self.densities[0];
+        loop {
+            if let Some(root) = self.grid_of_density(ids, bounds, 1, density)? {
+                return Ok(root);
+            }
+            // ends: a grid of one voxel does not multiply anything
+            density /= ROOT_COARSENING;
+        }
+    }
+
+    /// The grid of `bounds` over these primitives, with the grids below it that are not left for
+    /// later. `None` for a grid that would not pay.
+    pub(super) fn grid(
+        &self,
+        ids: &[u32],
+        bounds: Aabb<S>,
+        depth: u32,
+    ) -> Result<Option<Grid<S>>, OverLimit> {
+        self.grid_of_density(ids, bounds, depth, self.densities[1])
+    }
+
+    fn grid_of_density(
+        &self,
+        ids: &[u32],
+        bounds: Aabb<S>,
+        depth: u32,
+        density: f64,
+    ) -> Result<Option<Grid<S>>, OverLimit> {
+        let n = self.resolution(ids.len(), bounds, density);
+        if depth > 1 && n == [1; 3] {
+            return Ok(None);
+        }
+        let frame = GridFrame::new(bounds, n);
+        let cells = frame.cells() as u64;
+        self.cells.take(cells)?;
+        let allowed = self.max_growth * ids.len() as f64;
+        let left = self.references.left();
+        let placement = BoxPlacement { frame, division: self };
+        let lists =
+            match CellLists::build_of(frame.cells(), ids, left.min(allowed as u64), &placement) {
+                Ok(lists) => lists,
+                Err(needed) => {
+                    self.cells.give_back(cells);
+                    return if needed.0 as f64 > allowed {
+                        Ok(None)
+                    } else {
+                        Err(self.references.exceeded_by(needed.0))
+                    };
+                }
+            };
+        self.references.take(lists.references() as u64)?;
+        let mut children = Vec::new();
+        let lists = if depth < self.max_depth {
+            lists.replaced(|cell, list| self.child(&mut children, &frame, cell, list, depth))?
+        } else {
+            lists
+        };
+        children.shrink_to_fit();
+        Ok(Some(Grid { frame, lists, children }))
+    }
+
+    /// Divides a voxel of a grid of this depth, now or later, and returns the entry that stands
+    /// for it; `None` if it stays as it is.
+    fn child(
+        &self,
+        children: &mut Vec<Child<S>>,
+        frame: &GridFrame<S>,
+        cell: usize,
+        list: &[u32],
+        depth: u32,
+    ) -> Result<Option<u32>, OverLimit> {
+        if list.len() <= self.threshold {
+            return Ok(None);
+        }
+        let child = if depth < self.eager_depth {
+            let Some(grid) = self.grid(list, frame.cell_bounds(cell), depth + 1)? else {
+                return Ok(None);
+            };
+            self.references.give_back(list.len() as u64);
+            Child::built(grid)
+        } else {
+            Child::waiting(list)
+        };
+        let entry = CHILD | children.len() as u32;
+        children.push(child);
+        Ok(Some(entry))
+    }
+
+    /// Voxels an axis for `n` references in `bounds`.
+    fn resolution(&self, n: usize, bounds: Aabb<S>, density: f64) -> [u32; 3] {
+        let size = bounds.size().to_array();
+        let wanted = n as f64 * density;
+        let mut voxels = match self.rule {
+            LevelRule::CubeRoot => [(wanted.cbrt() - 1e-6).ceil().max(1.0) as u32; 3],
+            LevelRule::Heterogeneous => heterogeneous(size.map(|s| s.to_f64()), wanted),
+            LevelRule::Density => {
+                let input = ResolutionInput {
+                    bounds,
+                    primitives: n,
+                    density,
+                    mean_longest_side: 0.0,
+                    max_cells: self.cells.left().max(1),
+                    smallest_cell: self.narrowest.to_f64(),
+                };
+                // never refused: a computed rule keeps within max_cells
+                resolve(ResolutionRule::Density, &input).unwrap_or([1; 3])
+            }
+        };
+        for k in 0..3 {
+            let most = (size[k].to_f64() / self.narrowest.to_f64()).clamp(1.0, f64::from(u32::MAX));
+            voxels[k] = voxels[k].min(most as u32);
+        }
+        voxels
+    }
+}
+
+/// s_i (n / V)^(1/3), axis by axis as Havran and Sixta's (1999) figures show it: every axis is
+/// rounded, and the axes after it share the voxels that this leaves. The last one gets n / (n_x
+/// n_y); halves are rounded up.
+fn heterogeneous(size: [f64; 3], wanted: f64) -> [u32; 3] {
+    let [x, y, z] = size;
+    // in this order, a NaN (of an axis without length) becomes 1
+    let whole = |n: f64| n.round().max(1.0).min(f64::from(MAX_PER_AXIS));
+    let nx = whole(x * (wanted / (x * y * z)).cbrt());
+    let ny = whole(y * (wanted / nx / (y * z)).sqrt());
+    let nz = whole(wanted / nx / ny);
+    [nx, ny, nz].map(|n| n as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heterogeneous_rounds_axis_by_axis() {
+        assert_eq!(heterogeneous([1.0; 3], 8281.0), [20, 20, 21]);
+        // a half is rounded up
+        assert_eq!(heterogeneous([1.0; 3], 10.0), [2, 2, 3]);
+        // a thin axis has one voxel, and the last axis makes up for it
+        assert_eq!(heterogeneous([1.0, 1e-3, 1.0], 100.0), [46, 1, 2]);
+        assert_eq!(heterogeneous([1.0, 0.0, 0.0], 100.0), [MAX_PER_AXIS, 1, 1]);
+    }
+}

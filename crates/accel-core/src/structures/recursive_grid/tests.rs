@@ -1,0 +1,289 @@
+use glam::{DVec3, dvec3};
+
+use crate::Vector;
+use crate::aabb::Aabb;
+use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight};
+use crate::ray::{Hit, Ray};
+use crate::scalar::Vec3;
+use crate::structures::{BuildError, Buildable, PrimsRef, find};
+use crate::tracer::Tracer;
+
+/// splitmix64, to [0, 1).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self) -> DVec3 {
+        dvec3(self.next(), self.next(), self.next())
+    }
+}
+
+/// Primitives of all kinds in the unit cube, most of them crowded in a corner.
+fn mixed<S: Buildable>(n: usize, seed: u64) -> MixedSet<S> {
+    let mut random = Random(seed);
+    let mut builder = MixedSetBuilder::default();
+    for i in 0..n {
+        let crowded = i % 8 != 0;
+        let scale = if crowded { 0.05 } else { 1.0 };
+        let at = random.point() * scale;
+        let mut near = || at + (random.point() - 0.5) * scale * 0.2;
+        let (a, b, c) = (near(), near(), near());
+        match i % 4 {
+            0 => builder.triangle([a, b, c]),
+            1 => builder.polygon(&[a, b, c, a + (c - b)]),
+            2 => builder.sphere(a, scale * 0.05),
+            _ => builder.cone(Cone::new(a, scale * 0.03, b, scale * 0.01)),
+        }
+        .unwrap();
+    }
+    builder.finish()
+}
+
+/// Rays of all sorts: through the scene, axis-parallel, in planes of the cells, from within.
+fn rays<S: Buildable>(n: usize, seed: u64) -> Vec<Ray<S>> {
+    let mut random = Random(seed);
+    (0..n)
+        .map(|i| {
+            let target = random.point() * if i % 3 == 0 { 1.0 } else { 0.06 };
+            let (origin, direction) = match i % 5 {
+                0 | 1 => {
+                    let origin = random.point() * 4.0 - 1.5;
+                    (origin, target - origin)
+                }
+                2 => (random.point() * 0.06, random.point() - 0.5),
+                3 => {
+                    let mut direction = DVec3::ZERO;
+                    direction[i / 5 % 3] = if i % 2 == 0 { 1.0 } else { -1.0 };
+                    (target - direction * 2.0, direction)
+                }
+                _ => {
+                    let mut direction = random.point() - 0.5;
+                    direction[i / 5 % 3] = if i % 2 == 0 { 0.0 } else { -0.0 };
+                    ((target * 16.0).round() / 16.0 - direction * 3.0, direction)
+                }
+            };
+            Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
+        })
+        .filter(Ray::is_traceable)
+        .collect()
+}
+
+fn tracer<'a, S: Buildable>(
+    prims: PrimsRef<'a, S>,
+    name: &str,
+    settings: &str,
+) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+    let entry = find(name).unwrap();
+    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
+    entry.build(prims, &entry.params(settings).unwrap())
+}
+
+fn hits<S: Buildable>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
+    let mut hits = vec![Hit::NONE; rays.len()];
+    tracer.closest_hits(rays, &mut hits);
+    hits
+}
+
+fn blocked<S: Buildable>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<bool> {
+    let mut blocked = vec![false; rays.len()];
+    tracer.occlusions(rays, &mut blocked);
+    blocked
+}
+
+/// Deep grids in every setting that must give right answers.
+const SETTINGS: [&str; 9] = [
+    "",
+    "max-depth=1",
+    "max-depth=2",
+    "max-depth=8 threshold=1",
+    "max-depth=8 threshold=1 top-density=0.01 density=8",
+    "resolution=cube-root threshold=2",
+    "resolution=heterogeneous density=4",
+    "build=lazy",
+    "build=lazy lazy-levels=2 max-depth=8 threshold=1",
+];
+
+fn same_as_oracle<S: Buildable>(prims: PrimsRef<S>, rays: &[Ray<S>]) {
+    let oracle = tracer(prims, "brute-force", "").unwrap();
+    let (expected, shadowed) = (hits(oracle.as_ref(), rays), blocked(oracle.as_ref(), rays));
+    assert!(expected.iter().filter(|h| h.is_hit()).count() > rays.len() / 20);
+    for settings in SETTINGS {
+        let grid = tracer(prims, "recursive-grid", settings).unwrap();
+        for (i, (ours, right)) in hits(grid.as_ref(), rays).iter().zip(&expected).enumerate() {
+            assert_eq!(ours, right, "{settings}: ray {i} {:?}", rays[i]);
+        }
+        assert_eq!(blocked(grid.as_ref(), rays), shadowed, "{settings}");
+    }
+}
+
+#[test]
+fn same_answers_as_brute_force_in_mixed_scenes() {
+    for seed in 0..3 {
+        let set = mixed::<f64>(600, seed);
+        same_as_oracle(PrimsRef::Mixed(&set), &rays(4000, seed + 100));
+        let set = mixed::<f32>(600, seed);
+        same_as_oracle(PrimsRef::Mixed(&set), &rays(4000, seed + 100));
+    }
+}
+
+#[test]
+fn same_answers_in_flat_scenes_and_on_ties() {
+    // a chequered floor on a lattice: edges shared, every ray in the plane of many cells
+    let mut triangles = Vec::new();
+    for (x, z) in (0..24u8).flat_map(|x| (0..24u8).map(move |z| (x, z))) {
+        let at = |dx: u8, dz: u8| [f32::from(x + dx) / 32.0, 0.0, f32::from(z + dz) / 32.0];
+        triangles.push([at(0, 0), at(1, 0), at(0, 1)]);
+        triangles.push([at(1, 1), at(0, 1), at(1, 0)]);
+        // a copy: the lowest id must win
+        triangles.push([at(0, 0), at(1, 0), at(0, 1)]);
+    }
+    let set = TriangleSet::<f32, Watertight>::new(triangles, |_| false).unwrap();
+    let mut down = Vec::new();
+    for (x, z) in (0..100u8).flat_map(|x| (0..50u8).map(move |z| (x, z))) {
+        let origin = dvec3(f64::from(x) / 128.0, 1.0, f64::from(z) / 64.0);
+        let direction = dvec3(0.0, -1.0, if x % 3 == 0 { 0.25 } else { -0.0 });
+        down.push(Ray::new(origin.as_vec3(), direction.as_vec3()));
+    }
+    same_as_oracle(PrimsRef::Watertight(&set), &down);
+    same_as_oracle(PrimsRef::Watertight(&set), &rays(2000, 7));
+}
+
+#[test]
+fn far_from_the_origin_of_coordinates() {
+    let mut random = Random(5);
+    let shift = dvec3(1000.0, -2000.0, 500.0);
+    let mut builder = MixedSetBuilder::<f32>::default();
+    for _ in 0..500 {
+        let at = shift + random.point();
+        let mut near = || at + (random.point() - 0.5) * 0.1;
+        builder.triangle([near(), near(), near()]).unwrap();
+    }
+    let set = builder.finish();
+    let rays: Vec<_> = (0..3000)
+        .map(|_| {
+            let (from, to) = (random.point() * 3.0 - 1.0, random.point());
+            Ray::new((from + shift).as_vec3(), (to - from).as_vec3())
+        })
+        .collect();
+    same_as_oracle(PrimsRef::Mixed(&set), &rays);
+}
+
+#[test]
+fn ten_thousand_copies_of_one_triangle() {
+    let one = [[0.1f32, 0.2, 0.3], [1.0, 0.1, 0.2], [0.3, 0.9, 0.4]];
+    let set = TriangleSet::<f32, Watertight>::new(vec![one; 10_000], |_| false).unwrap();
+    let prims = PrimsRef::Watertight(&set);
+    for settings in ["", "max-depth=8", "build=lazy", "build=lazy max-references=12000000"] {
+        let grid = tracer(prims, "recursive-grid", settings).unwrap();
+        assert!(grid.shape().bytes < 64 << 20, "{settings}: {:?}", grid.shape());
+        let at = Vec3::<f32>::from_array([0.4, 0.4, 0.3]);
+        for hit in
+            hits(grid.as_ref(), &[Ray::new(at - Vec3::<f32>::splat(3.0), Vec3::<f32>::splat(1.0))])
+        {
+            assert_eq!(hit.id, 0, "{settings}");
+        }
+    }
+    for settings in [
+        "max-growth=1e9 max-depth=8 max-references=12000000",
+        "max-references=9999",
+        "max-cells=1 max-references=9999 build=lazy",
+    ] {
+        let refused = tracer(prims, "recursive-grid", settings).err();
+        let is_limit =
+            matches!(refused, Some(BuildError::TooLarge { needed, limit, .. }) if needed > limit);
+        assert!(is_limit, "{settings}: {refused:?}");
+    }
+}
+
+#[test]
+fn a_lazy_grid_whose_limit_is_reached_stays_right() {
+    let set = mixed::<f64>(2000, 11);
+    let prims = PrimsRef::Mixed(&set);
+    let rays = rays(3000, 12);
+    let right = hits(tracer(prims, "uniform-grid", "").unwrap().as_ref(), &rays);
+    let root = tracer(prims, "recursive-grid", "max-depth=1").unwrap().shape();
+    let limits = format!(
+        "build=lazy max-depth=8 threshold=1 max-cells={} max-references={}",
+        root.cells + 300,
+        root.references + 500,
+    );
+    let grid = tracer(prims, "recursive-grid", &limits).unwrap();
+    assert_eq!(hits(grid.as_ref(), &rays), right);
+    assert!(grid.shape().references <= root.references + 500, "{:?}", grid.shape());
+    assert!(grid.shape().cells <= root.cells + 300);
+}
+
+#[test]
+fn lazy_builds_what_rays_ask_for_and_counts_the_same() {
+    let set = mixed::<f64>(3000, 21);
+    let prims = PrimsRef::Mixed(&set);
+    let eager = tracer(prims, "recursive-grid", "max-depth=4").unwrap();
+    let lazy = tracer(prims, "recursive-grid", "max-depth=4 build=lazy").unwrap();
+    let before = lazy.shape();
+    assert_eq!(eager.shape().pending_cells, None);
+    assert!(before.pending_cells > Some(0) && before.inner_cells == 1);
+    assert!(before.cells < eager.shape().cells);
+    let few = rays(20, 22);
+    let mut answers = (vec![Hit::NONE; few.len()], vec![Hit::NONE; few.len()]);
+    let counters = lazy.count_closest_hits(&few, &mut answers.0);
+    assert_eq!(counters, eager.count_closest_hits(&few, &mut answers.1));
+    assert_eq!(answers.0, answers.1);
+    let after = lazy.shape();
+    assert!(after.inner_cells > 1 && after.inner_cells < eager.shape().inner_cells);
+    // rays along all axes through every corner of the crowd build nearly all of it
+    let mut random = Random(23);
+    for _ in 0..40 {
+        let rays: Vec<_> = (0..100)
+            .map(|i| {
+                let mut origin = random.point() * if i % 2 == 0 { 1.2 } else { 0.1 } - 0.05;
+                origin[i % 3] = -1.0;
+                Ray::new(origin, DVec3::AXES[i % 3])
+            })
+            .collect();
+        lazy.count_closest_hits(&rays, &mut vec![Hit::NONE; rays.len()]);
+    }
+    assert!(lazy.shape().cells <= eager.shape().cells);
+    assert!(lazy.shape().inner_cells > after.inner_cells);
+    assert!(lazy.shape().inner_cells <= eager.shape().inner_cells);
+}
+
+#[test]
+fn lazy_gives_the_same_hits_a_hundred_times_with_two_threads() {
+    let set = mixed::<f32>(1500, 31);
+    let prims = PrimsRef::Mixed(&set);
+    let rays = rays(1000, 32);
+    let right = hits(tracer(prims, "recursive-grid", "").unwrap().as_ref(), &rays);
+    for round in 0..100 {
+        let grid = tracer(prims, "recursive-grid", "build=lazy").unwrap();
+        let start = std::sync::Barrier::new(2);
+        let (a, b) = std::thread::scope(|scope| {
+            let run = || {
+                start.wait();
+                hits(grid.as_ref(), &rays)
+            };
+            let other = scope.spawn(run);
+            (run(), other.join().unwrap())
+        });
+        assert_eq!(a, right, "round {round}");
+        assert_eq!(b, right, "round {round}");
+    }
+}
+
+#[test]
+fn the_oracle_finds_a_grid_that_forgets() {
+    // planted fault: a grid built over fewer primitives than the set has
+    let set = mixed::<f64>(600, 41);
+    let rays = rays(4000, 42);
+    let oracle = hits(tracer(PrimsRef::Mixed(&set), "brute-force", "").unwrap().as_ref(), &rays);
+    let fewer = mixed::<f64>(590, 41);
+    assert!(fewer.bounds(0) == set.bounds(0) && Aabb::is_finite(&fewer.bounds(589)));
+    let ours = hits(tracer(PrimsRef::Mixed(&fewer), "recursive-grid", "").unwrap().as_ref(), &rays);
+    assert_ne!(ours, oracle);
+}
