@@ -24,6 +24,11 @@ pub enum BoundsRule {
 /// point of a ray that starts within 8 magnitudes (see `far_ray.rs`) is off by up to about 42.
 pub(crate) const PADDING_ULPS: f64 = 64.0;
 
+/// The side that a cell must at least have where boxes are padded by so much.
+pub(crate) fn smallest_cell<S: Scalar>(padding: S) -> f64 {
+    padding.to_f64() * 16.0
+}
+
 /// The boxes of a set of primitives under one rule.
 #[derive(Debug, Clone, Copy)]
 pub struct BoundsOf<'a, S: Scalar, P: PrimSet<S>> {
@@ -68,10 +73,15 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
         self.scene
     }
 
+    /// By how much [`BoundsRule::Padded`] grows every box; 0 for the other rule.
+    pub fn padding(&self) -> S {
+        self.padding
+    }
+
     /// The side that a cell must at least have for the padding not to drown it; 0 for the
     /// historical rule.
     pub fn smallest_cell(&self) -> f64 {
-        self.padding.to_f64() * 16.0
+        smallest_cell(self.padding)
     }
 
     /// The box of primitive `id`.

@@ -15,6 +15,7 @@ pub mod aabb;
 pub mod bounds_rule;
 pub mod cell_lists;
 pub mod cell_walk;
+pub mod clustering;
 pub mod counters;
 pub mod distance_field;
 pub mod driving_axis_walk;

@@ -9,7 +9,7 @@ use crate::mailbox::{AnyMailbox, MailboxSource, NoMailbox, Setting};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, Ray};
 use crate::scalar::Scalar;
-use crate::sink::{AnyHit, ClosestHit, ErasedSink, HistoricalCellShadow, HistoricalShadow, Sink};
+use crate::sink::{AnyHit, ClosestHit, ErasedSink, HistoricalCellShadow, HistoricalShadow};
 use crate::structures::{Shape, Structure};
 
 /// What a shadow ray of the counting pass does; the historical rules are explained in

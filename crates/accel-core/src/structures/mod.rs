@@ -3,17 +3,23 @@
 //! A structure holds ids and knows nothing of primitives but their bounds. Help, `rtbench list`,
 //! the settings parser and the test matrix are all made from the registry.
 
+pub mod adaptive_grid;
 pub mod bricked_grid;
 pub mod brute_force;
+mod cluster_bvh;
 pub mod hashed_grid;
+pub mod hug;
+pub mod kd_tree;
+mod nested_grids;
 mod obvhs_adapter;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
+pub mod octree;
 pub mod proximity_clouds;
+pub mod recursive_grid;
 pub mod regular_grid;
 #[cfg(test)]
 pub(crate) mod test_scenes;
-pub mod recursive_grid;
 pub mod uniform_grid;
 
 use crate::mailbox::Setting;
@@ -32,6 +38,10 @@ pub static REGISTRY: &[Entry] = &[
     entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
     entry!(proximity_clouds::ProximityClouds, proximity_clouds::INFO),
     entry!(recursive_grid::RecursiveGrid, recursive_grid::INFO),
+    entry!(hug::Hug, hug::INFO),
+    entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
+    entry!(octree::Octree, octree::INFO),
+    entry!(kd_tree::KdTree, kd_tree::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];

@@ -10,7 +10,7 @@ use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use crate::reproduce::published::{SCENES, figures};
 use crate::reproduce::verdict::Verdict;
-use crate::reproduce::{ReproduceError, Row, STRUCTURES, reproduce_scene};
+use crate::reproduce::{ReproduceError, Row, reproduce_scene, structures};
 
 /// Reproduces, prints a line a figure and the sums; with `--strict` an unexplained difference is a
 /// failure.
@@ -20,7 +20,7 @@ use crate::reproduce::{ReproduceError, Row, STRUCTURES, reproduce_scene};
 pub fn run(context: &mut Context<'_>, args: &ReproduceArgs) -> Result<u8, Error> {
     let Publication::Havran1999 = args.publication;
     let scenes = chosen(&args.scenes, &SCENES, ReproduceError::UnknownScene)?;
-    let structures = chosen(&args.structures, &STRUCTURES, ReproduceError::UnknownStructure)?;
+    let structures = chosen(&args.structures, &structures(), ReproduceError::UnknownStructure)?;
     let mut file = match &args.export_csv {
         Some(path) => Some((
             path,

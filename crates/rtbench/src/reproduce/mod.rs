@@ -4,10 +4,15 @@
 //! the counters mean was found by experiment; `results/published/README.md` has the rules.
 //! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
 
+mod adaptive;
+mod hug;
+mod octrees;
 pub mod published;
 mod recursive;
 mod uniform;
 pub mod verdict;
+
+use std::collections::BTreeMap;
 
 use accel_core::Hit;
 use accel_core::structures::{BuildError, Entry, Shape, find};
@@ -54,8 +59,11 @@ pub enum ReproduceError {
     #[error("the paper has no scene '{0}' that we have; it has {valid}", valid = SCENES.join(", "))]
     UnknownScene(String),
     /// No such structure among those reproduced.
-    #[error("no published figures for structure '{0}'; there are {valid}", valid = STRUCTURES.join(", "))]
+    #[error("no published figures for structure '{0}'; there are {valid}", valid = structures().join(", "))]
     UnknownStructure(String),
+    /// A published setting that has no counterpart here.
+    #[error("no counterpart for the published setting '{0}'")]
+    UnknownSetting(String),
     /// An embedded file of figures is damaged.
     #[error("results/published: {0}")]
     Figures(#[from] csv::Error),
@@ -76,8 +84,38 @@ pub enum ReproduceError {
     Missing(&'static str),
 }
 
-/// What can be reproduced so far.
-pub const STRUCTURES: [&str; 3] = ["invariants", "uniform", "recursive"];
+/// Counters in the paper's symbols.
+type Counted = Vec<(&'static str, f64)>;
+
+/// Counts one setting of a structure in a scene, given the figures published for it.
+type Count = fn(&PublishedScene, &Setting) -> Result<Counted, ReproduceError>;
+
+/// The structures of both tables as the paper names them, one line each.
+static STRUCTURES: &[(&str, Count)] = &[
+    ("invariants", |scene, _| Ok(scene.invariants(&uniform::count(scene, None)?))),
+    ("uniform", uniform::counters),
+    ("recursive", recursive::counters),
+    ("hug", hug::counters),
+    ("adaptive", adaptive::counters),
+    ("adaptive-orphan", adaptive::counters),
+    (octrees::COLUMNS[0], octrees::counters),
+    (octrees::COLUMNS[1], octrees::counters),
+    (octrees::COLUMNS[2], octrees::counters),
+    (octrees::COLUMNS[3], octrees::counters),
+    (octrees::COLUMNS[4], octrees::counters),
+];
+
+/// Names of what can be reproduced.
+pub fn structures() -> Vec<&'static str> {
+    STRUCTURES.iter().map(|(name, _)| *name).collect()
+}
+
+/// A setting as published, with its figures.
+struct Setting<'f> {
+    structure: &'static str,
+    params: &'f str,
+    figures: BTreeMap<&'f str, &'f str>,
+}
 
 /// A scene in the published setting: its rays, made once.
 pub struct PublishedScene {
@@ -143,7 +181,7 @@ impl PublishedScene {
     }
 
     /// The figures that no structure changes.
-    fn invariants(&self, work: &Work) -> Vec<(&'static str, f64)> {
+    fn invariants(&self, work: &Work) -> Counted {
         let of = |kind| self.rays.rays(kind).len() as u64;
         let secondary =
             of(RayKind::Reflected) + of(RayKind::Refracted) + self.rays.total_internal_reflections;
@@ -170,7 +208,7 @@ pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, Reproduce
 }
 
 /// The counters of a grid in the paper's symbols; those of rays per ray.
-pub(crate) fn grid_counters(scene: &PublishedScene, work: &Work) -> Vec<(&'static str, f64)> {
+pub(crate) fn grid_counters(scene: &PublishedScene, work: &Work) -> Counted {
     let per_ray = |n: u64| n as f64 / scene.all_rays() as f64;
     vec![
         ("N_IN", work.shape.inner_cells as f64),
@@ -195,47 +233,20 @@ pub fn reproduce_scene(
 ) -> Result<Vec<Row>, ReproduceError> {
     let published = PublishedScene::new(scene)?;
     let mut rows = Vec::new();
-    let settings = table(figures, "uniform", scene);
-    let mut invariants = None;
-    for (params, counters) in &settings {
-        let work = uniform::count(&published, counters.get("resolution").copied())?;
-        invariants.get_or_insert_with(|| published.invariants(&work));
-        if structures.contains(&"uniform") {
-            rows.extend(compare(
-                "uniform",
-                params,
-                scene,
-                counters,
-                &grid_counters(&published, &work),
-            ));
-        }
-    }
-    if structures.contains(&"invariants") {
-        for (params, counters) in table(figures, "invariants", scene) {
-            let ours = invariants.clone().unwrap_or_default();
-            let all = compare("invariants", params, scene, &counters, &ours);
-            rows.splice(0..0, all);
-        }
-    }
-    if structures.contains(&"recursive") {
-        for (params, counters) in table(figures, "recursive", scene) {
-            let ours = recursive::counters(&published, params)?;
-            rows.extend(compare("recursive", params, scene, &counters, &ours));
+    for (structure, count) in STRUCTURES.iter().filter(|(name, _)| structures.contains(name)) {
+        for (params, figures) in table(figures, structure, scene) {
+            let setting = Setting { structure, params, figures };
+            rows.extend(compare(&setting, scene, &count(&published, &setting)?));
         }
     }
     Ok(rows)
 }
 
-fn compare(
-    structure: &str,
-    params: &str,
-    scene: &str,
-    published: &std::collections::BTreeMap<&str, &str>,
-    ours: &[(&'static str, f64)],
-) -> Vec<Row> {
+fn compare(setting: &Setting, scene: &str, ours: &Counted) -> Vec<Row> {
+    let (structure, params) = (setting.structure, setting.params);
     ours.iter()
         .filter_map(|&(counter, ours)| {
-            let text = published.get(counter)?;
+            let text = setting.figures.get(counter)?;
             let value: f64 = text.parse().unwrap_or(f64::NAN);
             Some(Row {
                 scene: scene.to_owned(),

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 static GRIDS: &str = include_str!("../../../../results/published/havran1999_grids.csv");
+static OCTREES: &str = include_str!("../../../../results/published/havran1999_octrees.csv");
 static INVARIANTS: &str = include_str!("../../../../results/published/havran1999_invariants.csv");
 
 /// Scenes we have; the paper's ninth, `fluid`, was never part of SPD and is not available.
@@ -53,9 +54,11 @@ pub fn figures() -> Result<Vec<Figure>, csv::Error> {
         let (structure, params) = ("invariants".to_owned(), String::new());
         all.push(Figure { structure, params, scene, counter: invariant, value });
     }
-    for record in csv::Reader::from_reader(GRIDS.as_bytes()).deserialize() {
-        let GridRecord { structure, params, scene, counter, value } = record?;
-        all.push(Figure { structure, params, scene, counter, value });
+    for file in [GRIDS, OCTREES] {
+        for record in csv::Reader::from_reader(file.as_bytes()).deserialize() {
+            let GridRecord { structure, params, scene, counter, value } = record?;
+            all.push(Figure { structure, params, scene, counter, value });
+        }
     }
     all.retain(|f| SCENES.contains(&f.scene.as_str()));
     Ok(all)
@@ -96,6 +99,12 @@ mod tests {
             let params: Vec<_> = uniform.iter().map(|(p, _)| *p).collect();
             assert_eq!(params, ["woo D=1.0", "woo D=10.0", "customary"]);
             assert!(uniform.iter().all(|(_, counters)| counters.len() == 11), "{scene}");
+            for column in crate::reproduce::octrees::COLUMNS {
+                let octree = table(&all, column, scene);
+                let params: Vec<_> = octree.iter().map(|(p, _)| *p).collect();
+                assert_eq!(params, ["depth=4", "depth=5", "depth=6", "depth=7"], "{column}");
+                assert!(octree.iter().all(|(_, counters)| counters.len() == 10), "{column}");
+            }
         }
     }
 }

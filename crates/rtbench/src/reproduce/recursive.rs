@@ -4,7 +4,7 @@
 use accel_core::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
-use super::{PublishedScene, ReproduceError, grid_counters, registered};
+use super::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// Builds the grid that `params` names, as `RMD=3 RHT=+`.
 fn build<'g>(
@@ -26,12 +26,12 @@ fn build<'g>(
     Ok(entry.build(geometry.prims(), &entry.params(settings)?)?)
 }
 
-/// The counters of the setting that `params` names.
+/// The counters of one setting.
 pub(super) fn counters(
     scene: &PublishedScene,
-    params: &str,
-) -> Result<Vec<(&'static str, f64)>, ReproduceError> {
-    let tracer = build(&scene.geometry, params)?;
+    setting: &Setting,
+) -> Result<Counted, ReproduceError> {
+    let tracer = build(&scene.geometry, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::HistoricalInCell);
     Ok(grid_counters(scene, &work))
 }

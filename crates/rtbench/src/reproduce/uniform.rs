@@ -3,7 +3,7 @@
 
 use accel_core::tracer::ShadowRule;
 
-use super::{PublishedScene, ReproduceError, Work, registered};
+use super::{Counted, PublishedScene, ReproduceError, Setting, Work, grid_counters, registered};
 
 /// Builds the grid at the published resolution and counts.
 pub(super) fn count(
@@ -18,4 +18,13 @@ pub(super) fn count(
     ];
     let tracer = entry.build(scene.geometry.prims(), &entry.params(settings)?)?;
     Ok(scene.count(tracer.as_ref(), ShadowRule::Historical))
+}
+
+/// The counters of one setting.
+pub(super) fn counters(
+    scene: &PublishedScene,
+    setting: &Setting,
+) -> Result<Counted, ReproduceError> {
+    let work = count(scene, setting.figures.get("resolution").copied())?;
+    Ok(grid_counters(scene, &work))
 }

@@ -1,0 +1,310 @@
+//! Adaptive grids: clusters by wasted surface, a hierarchy of boxes over them, a grid in each, and
+//! sub-voxel grids in crowded voxels.
+//!
+//! Paper: K. Klimaszewski, T. Sederberg, "Faster Ray Tracing Using Adaptive Grids", IEEE CG&A
+//! 17(1), 1997. Clusters: see `clustering/agglomerate.rs`. Every cluster gets a grid over its box;
+//! primitives that joined no cluster are *orphans*. A voxel with several primitives gets a grid
+//! over the part of it that they fill.
+//!
+//! Deviations: the hierarchy is a binary one made by a sweep (`cluster_bvh.rs`); clusters of many
+//! primitives are found locally; sub-voxel grids nest as deep as `levels` says and are left out
+//! where most primitives would be in most cells anyway; with `orphan-grid=on` orphans share a
+//! grid, else each is a leaf of the hierarchy. `boxes=historical` is Havran and Sixta's (1999) as
+//! far as their counters tell: one level of sub-voxel grids, each over the whole boxes of its
+//! primitives, resolutions rounded as `HISTORICAL_ROUNDING` says, and an axis thinner than 0.01
+//! becomes 0.01.
+
+use std::collections::VecDeque;
+
+use super::cluster_bvh::{ClusterBvh, Item};
+use super::hug::{Boxes, boxes_of, historical_frame, too_large, useful_frame};
+use super::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::aabb::Aabb;
+use crate::cell_lists::ListOrder;
+use crate::clustering::agglomerate::{MergeRule, agglomerate, surface};
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::{Scalar, Vec3, Vector};
+use crate::sink::Sink;
+use crate::voxel_walk::GridFrame;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "adaptive-grid",
+    summary: "grids over clusters, crowded voxels divided again, a hierarchy of boxes over all",
+    paper: "Klimaszewski, Sederberg 1997",
+    deviations: "binary hierarchy; large scenes clustered locally; useless sub-voxel grids left out",
+    params: &[
+        ParamSpec {
+            name: "f",
+            summary: "clusters merge while surface / (sum of both surfaces) is below it",
+            default: "1.5",
+            kind: ParamKind::Real { min: 0.0, max: 1e6 },
+        },
+        ParamSpec {
+            name: "m",
+            summary: "largest surface of a cluster, as a fraction of the scene's",
+            default: "0.5",
+            kind: ParamKind::Real { min: 0.0, max: 1e6 },
+        },
+        ParamSpec {
+            name: "orphan-grid",
+            summary: "primitives without cluster share a grid, o=+; else they are leaves, o=-",
+            default: "off",
+            kind: ParamKind::Choice(&["on", "off"]),
+        },
+        ParamSpec {
+            name: "density",
+            summary: "voxels per primitive of a grid",
+            default: "1",
+            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
+        },
+        ParamSpec {
+            name: "split",
+            summary: "a voxel with this many primitives is divided again",
+            default: "4",
+            kind: ParamKind::Integer { min: 2, max: 1 << 32 },
+        },
+        ParamSpec {
+            name: "levels",
+            summary: "levels of sub-voxel grids",
+            default: "3",
+            kind: ParamKind::Integer { min: 0, max: 8 },
+        },
+        ParamSpec {
+            name: "exact-clusters",
+            summary: "up to this many clusters the best of all pairs is merged, beyond it locally",
+            default: "4096",
+            kind: ParamKind::Integer { min: 2, max: 1 << 16 },
+        },
+        ParamSpec {
+            name: "boxes",
+            summary: "boxes and sub-voxel grids: padded by ulps, or as in 1999",
+            default: "padded",
+            kind: ParamKind::Choice(&["padded", "historical"]),
+        },
+        ParamSpec {
+            name: "max-cells",
+            summary: "upper limit for the voxels of all grids together",
+            default: "134217728",
+            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 },
+        },
+        ParamSpec {
+            name: "max-references",
+            summary: "upper limit for the references in all voxels together",
+            default: "536870912",
+            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
+        },
+    ],
+    variants: &["", "m=0.1", "orphan-grid=on m=0.1"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// s_i (n / volume)^(1/3) plus this, truncated, is the historical resolution of a cluster's grid
+/// and of a sub-voxel grid: fitted to the published counters of all scenes together.
+const HISTORICAL_ROUNDING: [f64; 2] = [0.5, 0.4];
+
+/// Clusters under a hierarchy of boxes.
+pub struct AdaptiveGrid<S: Scalar> {
+    tree: ClusterBvh<S>,
+    grids: NestedGrids<S>,
+    orphans: u64,
+    clusters: u64,
+    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    from_origin: bool,
+}
+
+/// Primitives that shall have a grid of their own.
+struct Crowd<S: Scalar> {
+    ids: Vec<u32>,
+    bounds: Aabb<S>,
+    /// 0 for the grid of a cluster.
+    level: u64,
+}
+
+/// What all grids of a build share.
+struct Maker<'a, S: Scalar> {
+    boxes: &'a [Aabb<S>],
+    padding: S,
+    historical: bool,
+    density: f64,
+    split: usize,
+    levels: u64,
+    rules: Rules,
+}
+
+impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let historical = params.text("boxes") == "historical";
+        let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
+            .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
+        let rule = MergeRule {
+            ratio: params.real("f"),
+            max_surface: params.real("m") * surface(&scene),
+            exact_up_to: params.integer("exact-clusters") as usize,
+        };
+        let (clusters, orphans): (Vec<_>, Vec<_>) =
+            agglomerate(&boxes, &rule).into_iter().partition(|c| c.len() > 1);
+        let orphans = orphans.concat();
+        let maker = Maker {
+            boxes: &boxes,
+            padding,
+            historical,
+            density: params.real("density"),
+            split: params.integer("split") as usize,
+            levels: params.integer("levels"),
+            rules: Rules {
+                order: if historical { ListOrder::Reverse } else { ListOrder::File },
+                by_division: historical,
+                max_cells: params.integer("max-cells"),
+                max_references: params.integer("max-references"),
+            },
+        };
+        let (cluster_count, orphan_count) = (clusters.len() as u64, orphans.len() as u64);
+        let mut items = Vec::new();
+        let mut crowds = clusters;
+        if params.text("orphan-grid") == "on" && !orphans.is_empty() {
+            crowds.push(orphans);
+        } else {
+            items.extend(orphans.iter().map(|&id| (Item::Orphan(id), boxes[id as usize])));
+        }
+        let crowds: Vec<_> = crowds.into_iter().map(|ids| maker.crowd(ids)).collect();
+        items.extend(crowds.iter().zip(0..).map(|(c, grid)| (Item::Grid(grid), c.bounds)));
+        let grids = maker.make(crowds).map_err(|e| too_large(params, e))?;
+        Ok(Self {
+            tree: ClusterBvh::new(items),
+            grids,
+            orphans: orphan_count,
+            clusters: cluster_count,
+            from_origin: historical,
+        })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.walk_with(ray, sink, || {});
+    }
+
+    /// N_IN is the number of the hierarchy's inner nodes and of all grids; N_V of all cells that
+    /// are not divided again; an orphan that is a leaf is one cell with one reference.
+    fn shape(&self) -> Shape {
+        let census = self.grids.census();
+        Shape {
+            inner_cells: self.tree.inner_nodes() + self.grids.len() as u64,
+            cells: census.cells,
+            empty_cells: census.empty_cells,
+            references: census.references,
+            resolution: None,
+            bytes: self.grids.bytes() + self.tree.bytes(),
+            ..Shape::default()
+        }
+    }
+}
+
+impl<S: Scalar> AdaptiveGrid<S> {
+    /// [`Structure::walk`] that also reports every test of a box of the hierarchy (N_BIT).
+    #[inline(always)]
+    pub fn walk_with<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K, on_box: impl FnMut()) {
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        self.tree.walk(ray, t_start, sink, on_box, |item, sink| match item {
+            Item::Grid(grid) => {
+                sink.inner_step();
+                self.grids.walk(grid, ray, t_start, sink, &mut NoMailbox)
+            }
+            Item::Orphan(id) => {
+                sink.elementary_step(false);
+                sink.test(&[id])
+            }
+        });
+    }
+
+    /// N_ORP: primitives without cluster.
+    pub fn orphans(&self) -> u64 {
+        self.orphans
+    }
+
+    /// Clusters of more than one primitive.
+    pub fn clusters(&self) -> u64 {
+        self.clusters
+    }
+
+    /// Inner nodes of the hierarchy.
+    pub fn hierarchy_nodes(&self) -> u64 {
+        self.tree.inner_nodes()
+    }
+}
+
+impl<S: Scalar> Maker<'_, S> {
+    fn crowd(&self, ids: Vec<u32>) -> Crowd<S> {
+        let bounds = self.around(&ids).expanded(self.padding);
+        Crowd { ids, bounds, level: 0 }
+    }
+
+    fn around(&self, ids: &[u32]) -> Aabb<S> {
+        ids.iter().fold(Aabb::empty(), |b, &i| b.union(self.boxes[i as usize]))
+    }
+
+    /// Makes the grids of all clusters, then those within their voxels, level by level: a grid's
+    /// number is its position in the queue.
+    fn make(&self, crowds: Vec<Crowd<S>>) -> Result<NestedGrids<S>, Excess> {
+        let mut grids = NestedGrids::new();
+        let mut queue = VecDeque::from(crowds);
+        let mut queued = queue.len() as u32;
+        while let Some(crowd) = queue.pop_front() {
+            let boxes: Vec<_> = crowd.ids.iter().map(|&i| self.boxes[i as usize]).collect();
+            let frame = self.frame(&crowd, &boxes)?;
+            // a grid of one cell has not helped, another one below it would not either
+            let may_divide = crowd.level < self.levels && frame.cells() > 1;
+            grids.push_divided(frame, (&crowd.ids, &boxes), &self.rules, |cell, list| {
+                if !may_divide || list.len() < self.split {
+                    return None;
+                }
+                let ids: Vec<u32> = list.iter().map(|&i| crowd.ids[i as usize]).collect();
+                let bounds = self.within(&ids, cell);
+                let inner = Crowd { ids, bounds, level: crowd.level + 1 };
+                if self.is_hopeless(&inner) {
+                    return None;
+                }
+                queue.push_back(inner);
+                queued += 1;
+                Some(queued - 1)
+            })?;
+        }
+        Ok(grids)
+    }
+
+    fn frame(&self, crowd: &Crowd<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, Excess> {
+        let max_cells = self.rules.max_cells;
+        if self.historical {
+            let wanted = HISTORICAL_ROUNDING[usize::from(crowd.level > 0)];
+            return historical_frame(crowd.bounds, boxes.len(), wanted, max_cells);
+        }
+        Ok(useful_frame(crowd.bounds, boxes, self.density, self.padding, max_cells))
+    }
+
+    /// True when a grid of one cell is all that would come of it; asked of today's grids only.
+    fn is_hopeless(&self, crowd: &Crowd<S>) -> bool {
+        let boxes: Vec<_> = crowd.ids.iter().map(|&i| self.boxes[i as usize]).collect();
+        !self.historical && self.frame(crowd, &boxes).is_ok_and(|frame| frame.cells() == 1)
+    }
+
+    /// The part of a voxel that its primitives fill; in 1999, all that they fill.
+    fn within(&self, ids: &[u32], cell: Aabb<S>) -> Aabb<S> {
+        let all = self.around(ids);
+        if self.historical {
+            return all;
+        }
+        let (mut lo, mut hi) = (all.min.max(cell.min).to_array(), all.max.min(cell.max).to_array());
+        for k in 0..3 {
+            // a box that only touches the voxel may lie outside by rounding
+            if hi[k] < lo[k] {
+                (lo[k], hi[k]) = (hi[k], lo[k]);
+            }
+        }
+        Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
+            .expanded(self.padding)
+    }
+}

@@ -1,0 +1,373 @@
+//! HUG: a hierarchy of uniform grids over clusters of primitives of like size.
+//!
+//! Paper: F. Cazals, G. Drettakis, C. Puech, "Filtering, Clustering and Hierarchy Construction: a
+//! New Solution for Ray-Tracing Complex Scenes", Computer Graphics Forum 14(3) (Eurographics),
+//! 1995. Filtering: primitives fall into classes of equal width in the logarithm of their size
+//! (longest side of the box). Clustering: within a class, connected components of boxes nearer
+//! than a gap. Every cluster gets a grid, which is inserted like a primitive into the smallest
+//! grid of a larger class that holds it; a ray walks a grid only once, however many cells list it.
+//!
+//! Deviations: the largest class is not clustered but fills the root grid over the scene; clusters
+//! of fewer than `min-objects` primitives go to the grid around them; a grid whose primitives
+//! would cover most of its cells is made coarser; the mailbox is a small table on the stack that
+//! may forget. `boxes=historical` is Havran and Sixta's (1999) HUG as far as their counters tell
+//! (see [`HISTORY`]).
+
+use super::nested_grids::{Excess, Mailbox, NestedGrids, Rules, Visited, references_in};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::aabb::Aabb;
+use crate::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
+use crate::cell_lists::ListOrder;
+use crate::clustering::box_tree::{BoxTree, Nearness};
+use crate::clustering::components::components;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::scalar::{Scalar, Vec3, Vector};
+use crate::sink::Sink;
+use crate::voxel_walk::GridFrame;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "hug",
+    summary: "grids over clusters of primitives of like size, nested, each walked once a ray",
+    paper: "Cazals, Drettakis, Puech 1995",
+    deviations: "largest class unclustered in the root; small clusters dissolve; coarser where useless",
+    params: &[
+        ParamSpec {
+            name: "size-classes",
+            summary: "classes of equal width in log(size), HNG",
+            default: "3",
+            kind: ParamKind::Integer { min: 1, max: 16 },
+        },
+        ParamSpec {
+            name: "gap",
+            summary: "largest distance of neighbours on every axis, in world units, HCN",
+            default: "0",
+            kind: ParamKind::Real { min: -1e30, max: 1e30 },
+        },
+        ParamSpec {
+            name: "min-objects",
+            summary: "smaller clusters get no grid",
+            default: "8",
+            kind: ParamKind::Integer { min: 1, max: 1 << 30 },
+        },
+        ParamSpec {
+            name: "density",
+            summary: "voxels per primitive of a grid",
+            default: "2",
+            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
+        },
+        ParamSpec {
+            name: "boxes",
+            summary: "boxes and resolutions: padded by ulps, or as in 1999",
+            default: "padded",
+            kind: ParamKind::Choice(&["padded", "historical"]),
+        },
+        ParamSpec {
+            name: "max-cells",
+            summary: "upper limit for the voxels of all grids together",
+            default: "134217728",
+            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 },
+        },
+        ParamSpec {
+            name: "max-references",
+            summary: "upper limit for the references in all voxels together",
+            default: "536870912",
+            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
+        },
+    ],
+    variants: &["", "size-classes=2", "size-classes=4"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// The rules of `boxes=historical`, fitted to published counters (Havran and Sixta 1999).
+pub const HISTORY: &str = "an axis thinner than 0.01 becomes 0.01; neighbours overlap by more than \
+    a touch; s_i (n / volume)^(1/3) voxels an axis, rounded up, with n the primitives of the \
+    grid's own class";
+
+/// Thinnest box of the historical setting.
+const HISTORICAL_THICKNESS: f64 = 0.01;
+
+/// Rounds up all but what is a whole number already.
+const HISTORICAL_ROUNDING: f64 = 1.0 - 1e-6;
+
+/// A grid that would list its primitives more often than this on average is made coarser.
+const REFERENCES_PER_PRIMITIVE: u64 = 32;
+
+/// A hierarchy of uniform grids; number 0 is the root.
+pub struct Hug<S: Scalar> {
+    grids: NestedGrids<S>,
+    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    from_origin: bool,
+}
+
+/// What is known of a grid before it is filled.
+struct Plan<S: Scalar> {
+    bounds: Aabb<S>,
+    class: usize,
+    /// Primitives of the cluster it was made for.
+    own: usize,
+}
+
+impl<S: Scalar> Structure<S> for Hug<S> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let historical = params.text("boxes") == "historical";
+        let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
+            .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
+        let (plans, owners) = plan(&boxes, scene, padding, historical, params);
+        let grids = fill(&boxes, &plans, &owners, historical, padding, params)
+            .map_err(|e| too_large(params, e))?;
+        Ok(Self { grids, from_origin: historical })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        sink.inner_step();
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        let mut mailbox = Mailbox::new();
+        mailbox.is_first(0);
+        let _ = self.grids.walk(0, ray, t_start, sink, &mut mailbox);
+    }
+
+    /// N_IN is 1 for the root and 1 for every cell that holds a grid; N_V all other cells.
+    fn shape(&self) -> Shape {
+        let census = self.grids.census();
+        Shape {
+            inner_cells: 1 + census.dividing_cells,
+            cells: census.cells,
+            empty_cells: census.empty_cells,
+            references: census.references,
+            resolution: None,
+            bytes: self.grids.bytes(),
+            ..Shape::default()
+        }
+    }
+}
+
+/// The error for an exceeded limit of nested grids.
+pub(super) fn too_large(params: &Params, excess: Excess) -> BuildError {
+    let (what, needed, limit) = match excess {
+        Excess::Cells(n) => ("number of voxels", n, "max-cells"),
+        Excess::References(n) => ("references in voxels", n, "max-references"),
+    };
+    let limit = params.integer(limit);
+    BuildError::TooLarge {
+        structure: params.structure(),
+        what,
+        needed: u128::from(needed),
+        limit: u128::from(limit),
+    }
+}
+
+/// What a build looks at.
+pub(super) struct Boxes<S: Scalar> {
+    /// Of every primitive.
+    pub of: Vec<Aabb<S>>,
+    /// Of the scene.
+    pub scene: Aabb<S>,
+    /// By how much the boxes of grids grow.
+    pub padding: S,
+}
+
+/// All boxes. `Err(id)` names a primitive that is too far away for the scalar.
+pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    historical: bool,
+) -> Result<Boxes<S>, u32> {
+    let padded = BoundsOf::new(prims, BoundsRule::Padded)?;
+    let ids = 0..prims.len() as u32;
+    if !historical {
+        let of = ids.map(|id| padded.of(id)).collect();
+        return Ok(Boxes { of, scene: padded.scene(), padding: padded.padding() });
+    }
+    let of: Vec<_> = ids.map(|id| at_least(prims.bounds(id))).collect();
+    let scene = of.iter().fold(Aabb::empty(), |all, b| all.union(*b));
+    Ok(Boxes { of, scene, padding: S::ZERO })
+}
+
+/// The box with no side below the historical thickness.
+fn at_least<S: Scalar>(b: Aabb<S>) -> Aabb<S> {
+    let (mut lo, mut hi) = (b.min.to_array(), b.max.to_array());
+    let half = S::from_f64(0.5 * HISTORICAL_THICKNESS);
+    for k in 0..3 {
+        if hi[k] - lo[k] < half + half {
+            let middle = (lo[k] + hi[k]) * S::from_f64(0.5);
+            (lo[k], hi[k]) = (middle - half, middle + half);
+        }
+    }
+    Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
+}
+
+/// Class of every box, 0 for the smallest: equal bins in the logarithm of the longest side.
+fn classes<S: Scalar>(boxes: &[Aabb<S>], count: usize) -> Vec<usize> {
+    let size = |b: &Aabb<S>| {
+        let longest = b.size().to_array().into_iter().fold(0.0, |m, s| s.to_f64().max(m));
+        longest.clamp(f64::MIN_POSITIVE, f64::MAX).ln()
+    };
+    let sizes: Vec<f64> = boxes.iter().map(size).collect();
+    let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = sizes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if most <= least {
+        return vec![count - 1; boxes.len()];
+    }
+    let class = |s: f64| ((s - least) / (most - least) * count as f64) as usize;
+    sizes.into_iter().map(|s| class(s).min(count - 1)).collect()
+}
+
+/// Filtering, clustering and hierarchy: which grids there are, and which grid every primitive
+/// goes to.
+fn plan<S: Scalar>(
+    boxes: &[Aabb<S>],
+    scene: Aabb<S>,
+    padding: S,
+    historical: bool,
+    params: &Params,
+) -> (Vec<Plan<S>>, Vec<u32>) {
+    let count = params.integer("size-classes") as usize;
+    let near = Nearness { gap: S::from_f64(params.real("gap")), closed: !historical };
+    let min_objects = params.integer("min-objects") as usize;
+    let class_of = classes(boxes, count);
+    let own = class_of.iter().filter(|&&c| c == count - 1).count();
+    let mut plans = vec![Plan { bounds: scene, class: count - 1, own }];
+    let mut owners = vec![0u32; boxes.len()];
+    // clusters without a grid, with their boxes and classes
+    let mut loose: Vec<(Vec<u32>, Aabb<S>, usize)> = Vec::new();
+    for class in (0..count.saturating_sub(1)).rev() {
+        let ids: Vec<u32> =
+            (0..boxes.len() as u32).filter(|&i| class_of[i as usize] == class).collect();
+        let class_boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
+        for members in components(&class_boxes, &near) {
+            let members: Vec<u32> = members.into_iter().map(|i| ids[i as usize]).collect();
+            let bounds = members.iter().fold(Aabb::empty(), |b, &i| b.union(boxes[i as usize]));
+            if members.len() < min_objects {
+                loose.push((members, bounds, class));
+                continue;
+            }
+            for &i in &members {
+                owners[i as usize] = plans.len() as u32;
+            }
+            plans.push(Plan { bounds: bounds.expanded(padding), class, own: members.len() });
+        }
+    }
+    let bounds: Vec<_> = plans.iter().map(|p| p.bounds).collect();
+    let tree = BoxTree::new(&bounds);
+    for (members, bounds, class) in loose {
+        let owner = smallest_around(&tree, &plans, &bounds, class);
+        for i in members {
+            owners[i as usize] = owner;
+        }
+    }
+    (plans, owners)
+}
+
+/// The smallest grid of a class above `class` that holds the box; the root if there is none.
+fn smallest_around<S: Scalar>(
+    tree: &BoxTree<S>,
+    plans: &[Plan<S>],
+    bounds: &Aabb<S>,
+    class: usize,
+) -> u32 {
+    let mut best = (f64::INFINITY, 0);
+    tree.holding(bounds, &mut |grid| {
+        let plan = &plans[grid as usize];
+        let volume = plan.bounds.size().to_array().into_iter().map(S::to_f64).product::<f64>();
+        if grid != 0 && plan.class > class && (volume, grid) < best {
+            best = (volume, grid);
+        }
+    });
+    best.1
+}
+
+/// Makes all grids of the plan.
+fn fill<S: Scalar>(
+    boxes: &[Aabb<S>],
+    plans: &[Plan<S>],
+    owners: &[u32],
+    historical: bool,
+    padding: S,
+    params: &Params,
+) -> Result<NestedGrids<S>, Excess> {
+    let rules = Rules {
+        order: if historical { ListOrder::Reverse } else { ListOrder::File },
+        by_division: historical,
+        max_cells: params.integer("max-cells"),
+        max_references: params.integer("max-references"),
+    };
+    let mut primitives = vec![Vec::new(); plans.len()];
+    for (&owner, id) in owners.iter().zip(0u32..) {
+        primitives[owner as usize].push(id);
+    }
+    let mut inner = vec![Vec::new(); plans.len()];
+    let bounds: Vec<_> = plans.iter().map(|p| p.bounds).collect();
+    let tree = BoxTree::new(&bounds);
+    for (plan, number) in plans.iter().zip(0u32..).skip(1) {
+        let parent = smallest_around(&tree, plans, &plan.bounds, plan.class);
+        inner[parent as usize].push(number);
+    }
+    let mut grids = NestedGrids::new();
+    for ((plan, ids), inner) in plans.iter().zip(&primitives).zip(&inner) {
+        let id_boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
+        let inner_boxes: Vec<_> = inner.iter().map(|&g| bounds[g as usize]).collect();
+        let frame = if historical {
+            historical_frame(plan.bounds, plan.own, HISTORICAL_ROUNDING, rules.max_cells)?
+        } else {
+            let all: Vec<_> = id_boxes.iter().chain(&inner_boxes).copied().collect();
+            useful_frame(plan.bounds, &all, params.real("density"), padding, rules.max_cells)
+        };
+        grids.push(frame, (ids, &id_boxes), (inner, &inner_boxes), &rules)?;
+    }
+    Ok(grids)
+}
+
+/// s_i (n / volume)^(1/3) voxels an axis and at least one, plus `rounding`, truncated.
+pub(super) fn historical_frame<S: Scalar>(
+    bounds: Aabb<S>,
+    n: usize,
+    rounding: f64,
+    max_cells: u64,
+) -> Result<GridFrame<S>, Excess> {
+    let size = bounds.size().to_array().map(S::to_f64);
+    let scale = (n as f64 / size.iter().product::<f64>()).cbrt();
+    let most = f64::from(MAX_PER_AXIS);
+    let cells = size.map(|s| (s * scale + rounding).clamp(1.0, most) as u32).map(|n| n.max(1));
+    let product: u64 = cells.iter().map(|&n| u64::from(n)).product();
+    if product > max_cells {
+        return Err(Excess::Cells(product));
+    }
+    Ok(GridFrame::new(bounds, cells))
+}
+
+/// Cubic cells, `density` for each box; coarser as long as boxes would be listed too often, and
+/// one cell where most boxes would be in most cells anyway.
+pub(super) fn useful_frame<S: Scalar>(
+    bounds: Aabb<S>,
+    boxes: &[Aabb<S>],
+    density: f64,
+    padding: S,
+    max_cells: u64,
+) -> GridFrame<S> {
+    let input = ResolutionInput {
+        bounds,
+        primitives: boxes.len(),
+        density,
+        mean_longest_side: 0.0,
+        max_cells,
+        smallest_cell: smallest_cell(padding),
+    };
+    let mut cells = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);
+    loop {
+        let frame = GridFrame::new(bounds, cells);
+        let references = references_in(&frame, boxes);
+        let n = boxes.len() as u64;
+        if frame.cells() == 1
+            || 2 * references <= n * frame.cells() as u64
+                && references <= n * REFERENCES_PER_PRIMITIVE
+        {
+            return frame;
+        }
+        cells = cells.map(|n| n.div_ceil(2));
+    }
+}

@@ -1,0 +1,208 @@
+//! The k-d tree: one axis-parallel plane a cell, placed where the expected cost is least.
+//!
+//! Papers: J. D. MacDonald, K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision",
+//! The Visual Computer 6(3), 1990 (the surface-area heuristic); I. Wald, V. Havran, "On Building
+//! Fast kd-Trees for Ray Tracing, and on Doing That in O(N log N)", RT 2006 (planes at the sides
+//! of boxes, empty-space bonus); M. Shevtsov, A. Soupikov, A. Kapustin, "Highly Parallel Fast
+//! kd-Tree Construction for Interactive Ray Tracing of Dynamic Scenes", Eurographics 2007 (bins
+//! for cells with many references); V. Havran, "Heuristic Ray Shooting Algorithms", 2000 (the
+//! walk with a stack).
+//!
+//! Deviations: cells of few references are swept exactly, sorting again in each; primitives are
+//! not clipped to cells ("perfect splits"), only their boxes are; a line of descent may contain
+//! a few cuts that do not pay; intervals on the ray are rounded outwards, so that a ray within a
+//! plane, or one that only grazes a cell, visits both sides.
+
+mod subdivide;
+mod surface_area;
+
+use super::octree::ray_planes::RayPlanes;
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::aabb::Aabb;
+use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+use crate::sink::Sink;
+
+/// Deepest cell; the root has depth 0.
+const DEEPEST: usize = 48;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "kd-tree",
+    summary: "binary space subdivision by the surface-area heuristic, walked with a stack",
+    paper: "MacDonald, Booth 1990; Wald, Havran 2006; Shevtsov et al. 2007 (bins)",
+    deviations: "padded boxes; binned above, exact below a number of references; no clipping",
+    params: &[
+        ParamSpec {
+            name: "max-depth",
+            summary: "depth of the smallest cells; 0 for 8 + 1.3 log2(primitives)",
+            default: "0",
+            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
+        },
+        ParamSpec {
+            name: "max-leaf",
+            summary: "a cell with at most this many references is not cut",
+            default: "1",
+            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
+        },
+        ParamSpec {
+            name: "traversal-cost",
+            summary: "cost of going through an inner cell, in tests of primitives",
+            default: "1",
+            kind: ParamKind::Real { min: 0.0, max: 1e6 },
+        },
+        ParamSpec {
+            name: "empty-bonus",
+            summary: "part of the cost that a cut which makes an empty cell is spared",
+            default: "0.2",
+            kind: ParamKind::Real { min: 0.0, max: 0.99 },
+        },
+        ParamSpec {
+            name: "useless-splits",
+            summary: "cuts in one line of descent that may fail to lower the expected cost",
+            default: "2",
+            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
+        },
+        ParamSpec {
+            name: "exact-below",
+            summary: "cells with at most this many references try every side of every box; \
+                      larger ones 32 planes an axis",
+            default: "64",
+            kind: ParamKind::Integer { min: 0, max: 1 << 32 },
+        },
+        ParamSpec {
+            name: "max-cells",
+            summary: "upper limit for the number of cells",
+            default: "67108864",
+            kind: ParamKind::Integer { min: 1, max: 1 << 29 },
+        },
+        ParamSpec {
+            name: "max-references",
+            summary: "upper limit for the references in all cells together",
+            default: "268435456",
+            kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
+        },
+    ],
+    variants: &["", "max-leaf=4 traversal-cost=2", "empty-bonus=0", "exact-below=1024"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// A k-d tree.
+pub struct KdTree<S: Scalar> {
+    bounds: Aabb<S>,
+    cells: Cells<S>,
+}
+
+/// The cells; cell 0 is the root.
+#[derive(Debug, Clone, Default)]
+struct Cells<S> {
+    nodes: Vec<Node<S>>,
+    /// `ids[starts[leaf]..starts[leaf + 1]]` are the references of a leaf.
+    starts: Vec<u32>,
+    ids: Vec<u32>,
+}
+
+/// One cell.
+#[derive(Debug, Clone, Copy)]
+struct Node<S> {
+    /// The plane, if it is an inner cell.
+    plane: S,
+    /// Inner cell: the axis, and above two bits the lower child, which the upper one follows.
+    /// Leaf: 3, and above two bits the number of the leaf.
+    link: u32,
+}
+
+impl<S: Scalar> Node<S> {
+    const LEAF: u32 = 3;
+
+    fn leaf(number: usize) -> Self {
+        Self { plane: S::ZERO, link: (number as u32) << 2 | Self::LEAF }
+    }
+
+    fn inner(axis: usize, plane: S, lower: usize) -> Self {
+        Self { plane, link: (lower as u32) << 2 | axis as u32 }
+    }
+}
+
+impl<S: Scalar> Structure<S> for KdTree<S> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
+            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let bounds = boxes.scene();
+        let all: Vec<Aabb<S>> = (0..prims.len() as u32).map(|id| boxes.of(id)).collect();
+        Ok(Self { bounds, cells: subdivide::cells(&all, bounds, params)? })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let clipped = self.bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max);
+        let Some((mut t_in, mut t_out)) = clipped else { return };
+        let planes = RayPlanes::new(ray);
+        let mut stack = [(0u32, S::ZERO, S::ZERO); DEEPEST];
+        let mut waiting = 0;
+        let mut cell = 0;
+        loop {
+            let node = self.cells.nodes[cell as usize];
+            let axis = node.link & 3;
+            if axis != Node::<S>::LEAF {
+                sink.inner_step();
+                let lower = node.link >> 2;
+                let above_first = planes.downwards() >> axis & 1;
+                let (near, far) = (lower + above_first, lower + 1 - above_first);
+                let (early, late) = planes.crossing_interval(axis as usize, node.plane);
+                // NaN, a ray within the plane, leaves both sides to be visited
+                let far_in = early.greater(t_in);
+                let near_out = late.lesser(t_out);
+                if t_in > near_out {
+                    (cell, t_in) = (far, far_in);
+                } else {
+                    if far_in <= t_out {
+                        stack[waiting] = (far, far_in, t_out);
+                        waiting += 1;
+                    }
+                    (cell, t_out) = (near, near_out);
+                }
+                continue;
+            }
+            let leaf = (node.link >> 2) as usize;
+            let range = self.cells.starts[leaf] as usize..self.cells.starts[leaf + 1] as usize;
+            let ids = &self.cells.ids[range];
+            sink.elementary_step(ids.is_empty());
+            if !ids.is_empty() && sink.test(ids).is_break() {
+                return;
+            }
+            loop {
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                (cell, t_in, t_out) = stack[waiting];
+                if t_in <= sink.t_max() {
+                    break;
+                }
+            }
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        let c = &self.cells;
+        let bytes = size_of_val(c.nodes.as_slice())
+            + size_of_val(c.starts.as_slice())
+            + size_of_val(c.ids.as_slice());
+        let leaves = c.starts.len() as u64 - 1;
+        Shape {
+            inner_cells: c.nodes.len() as u64 - leaves,
+            cells: leaves,
+            empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
+            references: c.ids.len() as u64,
+            resolution: None,
+            bytes: bytes as u64,
+            ..Shape::default()
+        }
+    }
+}

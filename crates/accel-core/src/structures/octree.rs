@@ -1,0 +1,241 @@
+//! The octree: a cube-like cell is cut by three planes into eight, until few primitives are left.
+//!
+//! Papers: A. S. Glassner, "Space Subdivision for Fast Ray Tracing", IEEE CG&A 4(10), 1984
+//! (subdivision at the centre, `octree/point_location.rs`); H. Samet, "Implementing Ray Tracing
+//! with Octrees and Neighbor Finding", Computers & Graphics 13(4), 1989 (`octree/neighbour.rs`);
+//! I. Gargantini, H. H. Atkinson, "Ray Tracing an Octree: Numerical Evaluation of the First
+//! Intersection", Computer Graphics Forum 12(4), 1993 (`octree/top_down.rs`); K.-Y. Whang et al.,
+//! "Octree-R: An Adaptive Octree for Efficient Ray Tracing", TVCG 1(4), 1995 (subdivision where
+//! a surface-area cost is least, `octree/subdivide.rs`).
+//!
+//! Deviations: nodes stand in arrays, not behind pointers or in a hash table of names; places on
+//! the ray are ray parameters compared with those of the planes, never rounded points, so that
+//! no walk needs an epsilon; a cell that three cuts would not make cheaper stays whole
+//! (`useless-splits`); neighbours are found through a stack of ancestors, not father links; a
+//! ray from so far away that rounding outgrows the padding of boxes is walked top-down whatever
+//! the setting. `boxes=historical` (with `max-leaf=1 useless-splits=20 order=reverse`) is what
+//! Havran and Sixta (1999) measured: no padding, walks from the ray's origin, and steps of 1e-6
+//! beyond a cell's exit.
+
+mod neighbour;
+mod point_location;
+pub(super) mod ray_planes;
+mod subdivide;
+mod top_down;
+
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::aabb::Aabb;
+use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::{Scalar, Vector};
+use crate::sink::Sink;
+use ray_planes::RayPlanes;
+
+/// Deepest cell; the root has depth 0.
+const DEEPEST: usize = 20;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "octree",
+    summary: "cells cut into eight at the centre or by cost; three ways to walk them",
+    paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
+    deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay",
+    params: &[
+        ParamSpec {
+            name: "subdivision",
+            summary: "cuts at the cell's centre, or between it and the objects' by least cost",
+            default: "centre",
+            kind: ParamKind::Choice(&["centre", "adaptive"]),
+        },
+        ParamSpec {
+            name: "traversal",
+            summary: "point-location from the root (Glassner 1984), neighbour finding (Samet \
+                      1989), top-down (Gargantini, Atkinson 1993)",
+            default: "top-down",
+            kind: ParamKind::Choice(&["point-location", "neighbour", "top-down"]),
+        },
+        ParamSpec {
+            name: "max-depth",
+            summary: "depth of the smallest cells; the root has depth 0",
+            default: "16",
+            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
+        },
+        ParamSpec {
+            name: "max-leaf",
+            summary: "a cell with at most this many references is not cut",
+            default: "6",
+            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
+        },
+        ParamSpec {
+            name: "useless-splits",
+            summary: "cuts in one line of descent that may fail to lower the expected cost",
+            default: "1",
+            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
+        },
+        ParamSpec {
+            name: "boxes",
+            summary: "boxes of primitives: padded by ulps, or as in 1999",
+            default: "padded",
+            kind: ParamKind::Choice(&["padded", "historical"]),
+        },
+        ParamSpec {
+            name: "order",
+            summary: "order of ids in a cell: as in the file, or reversed as in 1999",
+            default: "file",
+            kind: ParamKind::Choice(&["file", "reverse"]),
+        },
+        ParamSpec {
+            name: "max-cells",
+            summary: "upper limit for the number of cells",
+            default: "67108864",
+            kind: ParamKind::Integer { min: 1, max: 1 << 30 },
+        },
+        ParamSpec {
+            name: "max-references",
+            summary: "upper limit for the references in all cells together",
+            default: "268435456",
+            kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
+        },
+    ],
+    variants: &[
+        "",
+        "traversal=neighbour",
+        "traversal=point-location",
+        "subdivision=adaptive",
+        "subdivision=adaptive traversal=point-location",
+    ],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// Added to every side of a cone's box, as fitted to Havran and Sixta's counters.
+const HISTORICAL_CONE_MARGIN: f64 = 0.001;
+/// How far beyond a cell's exit the next cell was looked for in 1999.
+const HISTORICAL_NUDGE: f64 = 1e-6;
+
+/// How a ray finds the cells it meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Traversal {
+    PointLocation,
+    Neighbour,
+    TopDown,
+}
+
+/// An octree.
+pub struct Octree<S: Scalar> {
+    bounds: Aabb<S>,
+    cells: Cells<S>,
+    traversal: Traversal,
+    historical: bool,
+    /// Rays that are followed beyond this distance are walked top-down: the rounding of their
+    /// parameters outgrows the padding of boxes.
+    reach: S,
+}
+
+/// The cells. Cell 0 is the root; the children of inner cell number `i` are the cells
+/// `1 + 8 i ..= 8 + 8 i`, with bit k of the offset set on the upper side of axis k.
+#[derive(Debug, Clone, Default)]
+struct Cells<S> {
+    /// For each cell the number of its leaf with [`LEAF`] set, or its number among inner cells.
+    links: Vec<u32>,
+    /// For each inner cell, the planes that cut it.
+    planes: Vec<[S; 3]>,
+    /// `ids[starts[leaf]..starts[leaf + 1]]` are the references of a leaf.
+    starts: Vec<u32>,
+    ids: Vec<u32>,
+}
+
+const LEAF: u32 = 1 << 31;
+
+/// What a cell is.
+enum Content<'a, S> {
+    /// Cut by these planes; the first of its eight children.
+    Inner(&'a [S; 3], u32),
+    /// Its references.
+    Leaf(&'a [u32]),
+}
+
+impl<S: Scalar> Cells<S> {
+    #[inline(always)]
+    fn content(&self, cell: u32) -> Content<'_, S> {
+        let link = self.links[cell as usize];
+        let number = (link & !LEAF) as usize;
+        if link & LEAF == 0 {
+            Content::Inner(&self.planes[number], 1 + 8 * link)
+        } else {
+            let range = self.starts[number] as usize..self.starts[number + 1] as usize;
+            Content::Leaf(&self.ids[range])
+        }
+    }
+}
+
+impl<S: Scalar> Structure<S> for Octree<S> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        let historical = params.text("boxes") == "historical";
+        let rule = if historical {
+            BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
+        } else {
+            BoundsRule::Padded
+        };
+        let boxes = BoundsOf::new(prims, rule)
+            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let bounds = boxes.scene();
+        let all: Vec<Aabb<S>> = (0..prims.len() as u32).map(|id| boxes.of(id)).collect();
+        let cells = subdivide::cells(&all, bounds, params)?;
+        let traversal = match params.text("traversal") {
+            "point-location" => Traversal::PointLocation,
+            "neighbour" => Traversal::Neighbour,
+            _ => Traversal::TopDown,
+        };
+        // the parameters of two planes are off by 1.5 epsilon each, boxes are padded by 8
+        let three = S::from_i32(3);
+        let reach = if historical { S::INFINITY } else { three * bounds.magnitude() };
+        Ok(Self { bounds, cells, traversal, historical, reach })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let t_start = if self.historical { S::ZERO } else { ray.t_min };
+        let clipped = self.bounds.clip(ray.origin, ray.direction, t_start, ray.t_max);
+        let Some((t_in, t_out)) = clipped else { return };
+        let planes = RayPlanes::new(ray);
+        let is_near = || {
+            let d = ray.direction.to_array();
+            let longest = d[0].abs().greater(d[1].abs()).greater(d[2].abs());
+            t_out * longest <= self.reach
+        };
+        match self.traversal {
+            Traversal::PointLocation if is_near() => self.locate_each(&planes, t_in, sink),
+            Traversal::Neighbour if is_near() => self.step_to_neighbours(&planes, t_in, sink),
+            _ => self.descend_from_root(&planes, t_in, t_out, sink),
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        let c = &self.cells;
+        let bytes = size_of_val(c.links.as_slice())
+            + size_of_val(c.planes.as_slice())
+            + size_of_val(c.starts.as_slice())
+            + size_of_val(c.ids.as_slice());
+        Shape {
+            inner_cells: c.planes.len() as u64,
+            cells: c.starts.len() as u64 - 1,
+            empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
+            references: c.ids.len() as u64,
+            resolution: None,
+            bytes: bytes as u64,
+            ..Shape::default()
+        }
+    }
+}
+
+impl<S: Scalar> Octree<S> {
+    /// How far beyond a cell's exit the next cell is looked for: nothing, but in 1999.
+    #[inline(always)]
+    fn nudge(&self) -> S {
+        if self.historical { S::from_f64(HISTORICAL_NUDGE) } else { S::ZERO }
+    }
+}

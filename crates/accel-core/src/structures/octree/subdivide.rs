@@ -1,0 +1,216 @@
+//! How an octree is built: where cells are cut, and when they are not.
+
+use super::super::BuildError;
+use super::{Cells, LEAF};
+use crate::aabb::Aabb;
+use crate::params::Params;
+use crate::scalar::{Scalar, Vec3, Vector};
+
+/// Builds the cells over boxes of primitives.
+pub(super) fn cells<S: Scalar>(
+    boxes: &[Aabb<S>],
+    bounds: Aabb<S>,
+    params: &Params,
+) -> Result<Cells<S>, BuildError> {
+    let mut builder = Builder {
+        boxes,
+        adaptive: params.text("subdivision") == "adaptive",
+        historical: params.text("boxes") == "historical",
+        max_depth: params.integer("max-depth"),
+        max_leaf: params.integer("max-leaf") as usize,
+        useless_splits: params.integer("useless-splits"),
+        max_cells: params.integer("max-cells"),
+        max_references: params.integer("max-references"),
+        structure: params.structure(),
+        cells: Cells { links: vec![LEAF], planes: Vec::new(), starts: vec![0], ids: Vec::new() },
+        waiting: (0..boxes.len() as u32).collect(),
+    };
+    if params.text("order") == "reverse" {
+        builder.waiting.reverse();
+    }
+    builder.cell(0, bounds, 0, 0, 0)?;
+    Ok(builder.cells)
+}
+
+struct Builder<'a, S: Scalar> {
+    boxes: &'a [Aabb<S>],
+    adaptive: bool,
+    /// As fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
+    /// and faces across the axis only count half.
+    historical: bool,
+    max_depth: u64,
+    max_leaf: usize,
+    useless_splits: u64,
+    max_cells: u64,
+    max_references: u64,
+    structure: &'static str,
+    cells: Cells<S>,
+    /// References of the cells on the way from the root, one list after the other.
+    waiting: Vec<u32>,
+}
+
+impl<S: Scalar> Builder<'_, S> {
+    /// Makes `cell` of the references `waiting[from..]`, which it takes away.
+    fn cell(
+        &mut self,
+        cell: usize,
+        bounds: Aabb<S>,
+        depth: u64,
+        from: usize,
+        useless: u64,
+    ) -> Result<(), BuildError> {
+        let end = self.waiting.len();
+        let n = end - from;
+        if n <= self.max_leaf || depth == self.max_depth {
+            return self.leaf(cell, from);
+        }
+        let planes = self.cuts(&bounds, &self.waiting[from..]);
+        let expected = self.expected_tests(&bounds, &planes, &self.waiting[from..]);
+        let useless = useless + u64::from(expected + TRAVERSAL_COST >= n as f64);
+        if useless > self.useless_splits {
+            return self.leaf(cell, from);
+        }
+        let inner = self.cells.planes.len();
+        self.limit("number of cells", 8 * inner as u64 + 9, self.max_cells)?;
+        self.cells.links[cell] = inner as u32;
+        self.cells.planes.push(planes);
+        self.cells.links.resize(9 + 8 * inner, LEAF);
+        for octant in 0..8 {
+            for i in from..end {
+                let id = self.waiting[i];
+                if touches(&self.boxes[id as usize], &planes, octant) {
+                    self.waiting.push(id);
+                }
+            }
+            let child = octant_of(&bounds, &planes, octant);
+            self.cell(1 + 8 * inner + octant, child, depth + 1, end, useless)?;
+        }
+        self.waiting.truncate(from);
+        Ok(())
+    }
+
+    fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
+        let references = self.cells.ids.len() + self.waiting.len() - from;
+        self.limit("references in cells", references as u64, self.max_references)?;
+        self.cells.links[cell] = LEAF | (self.cells.starts.len() - 1) as u32;
+        self.cells.ids.extend_from_slice(&self.waiting[from..]);
+        self.cells.starts.push(references as u32);
+        self.waiting.truncate(from);
+        Ok(())
+    }
+
+    fn limit(&self, what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
+        if needed <= limit {
+            return Ok(());
+        }
+        let (needed, limit) = (u128::from(needed), u128::from(limit));
+        Err(BuildError::TooLarge { structure: self.structure, what, needed, limit })
+    }
+
+    /// The planes that cut a cell.
+    fn cuts(&self, bounds: &Aabb<S>, ids: &[u32]) -> [S; 3] {
+        let half = S::from_f64(0.5);
+        let (lo, hi) = (bounds.min.to_array(), bounds.max.to_array());
+        std::array::from_fn(|k| {
+            let centre = (lo[k] + hi[k]) * half;
+            let cut = if self.adaptive { self.least_cost(bounds, ids, k, centre) } else { centre };
+            cut.greater(lo[k]).lesser(hi[k])
+        })
+    }
+
+    /// Of eleven planes from the cell's centre to the mean centre of what is in it, the one with
+    /// the least sum of area times references on both sides; of equal ones the first.
+    fn least_cost(&self, bounds: &Aabb<S>, ids: &[u32], k: usize, centre: S) -> S {
+        let rounded = |x: S| {
+            if self.historical { S::from_f64(f64::from(x.to_f64() as f32)) } else { x }
+        };
+        let (lo, hi) = (bounds.min.to_array()[k], bounds.max.to_array()[k]);
+        let interval = |&id: &u32| {
+            let b = &self.boxes[id as usize];
+            (b.min.to_array()[k], b.max.to_array()[k])
+        };
+        let sum: f64 = ids
+            .iter()
+            .map(interval)
+            .map(|(a, b)| 0.5 * (a.greater(lo).to_f64() + b.lesser(hi).to_f64()))
+            .sum();
+        let centre = rounded(centre);
+        let objects = rounded(S::from_f64(sum / ids.len().max(1) as f64));
+        let step = rounded(rounded(objects - centre) / S::from_i32(CANDIDATES as i32 - 1));
+        let mut candidates = [centre; CANDIDATES];
+        for i in 1..CANDIDATES {
+            candidates[i] = rounded(candidates[i - 1] + step);
+        }
+        let (mut below, mut above) = ([0u32; CANDIDATES], [0u32; CANDIDATES]);
+        for (a, b) in ids.iter().map(interval) {
+            for i in 0..CANDIDATES {
+                below[i] += u32::from(a < candidates[i]);
+                above[i] += u32::from(b > candidates[i]);
+            }
+        }
+        let mut best = (f64::INFINITY, centre);
+        for i in 0..CANDIDATES {
+            let x = candidates[i];
+            let cost = self.area_with_side(bounds, k, x - lo) * f64::from(below[i])
+                + self.area_with_side(bounds, k, hi - x) * f64::from(above[i]);
+            // so that planes that are alike by symmetry stay equal
+            let cost = if self.historical { f64::from(cost as f32) } else { cost };
+            if cost < best.0 {
+                best = (cost, x);
+            }
+        }
+        best.1
+    }
+
+    /// Half the surface of the cell when its side on axis `k` is replaced.
+    fn area_with_side(&self, cell: &Aabb<S>, k: usize, side: S) -> f64 {
+        let s = cell.size().to_dvec3();
+        let (u, v) = (s[(k + 1) % 3], s[(k + 2) % 3]);
+        let faces_across = if self.historical { 0.5 } else { 1.0 };
+        faces_across * u * v + (u + v) * side.to_f64()
+    }
+
+    /// References of the children, each weighted by the chance that a ray through the cell
+    /// meets the child: the ratio of their surfaces.
+    fn expected_tests(&self, bounds: &Aabb<S>, planes: &[S; 3], ids: &[u32]) -> f64 {
+        let mut counts = [0u32; 8];
+        for &id in ids {
+            for (octant, count) in counts.iter_mut().enumerate() {
+                *count += u32::from(touches(&self.boxes[id as usize], planes, octant));
+            }
+        }
+        let weighted: f64 =
+            (0..8).map(|i| f64::from(counts[i]) * area(&octant_of(bounds, planes, i))).sum();
+        weighted / area(bounds).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Number of planes tried an axis by the adaptive subdivision.
+const CANDIDATES: usize = 11;
+/// Cost of going through an inner cell, in tests of primitives.
+const TRAVERSAL_COST: f64 = 1.0;
+
+/// Does the box reach into the octant? Closed on both sides: what ends on a plane is in both.
+#[inline(always)]
+fn touches<S: Scalar>(b: &Aabb<S>, planes: &[S; 3], octant: usize) -> bool {
+    let (lo, hi) = (b.min.to_array(), b.max.to_array());
+    let mut inside = true;
+    for k in 0..3 {
+        inside &= if octant >> k & 1 == 1 { hi[k] >= planes[k] } else { lo[k] <= planes[k] };
+    }
+    inside
+}
+
+fn octant_of<S: Scalar>(bounds: &Aabb<S>, planes: &[S; 3], octant: usize) -> Aabb<S> {
+    let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
+    for k in 0..3 {
+        if octant >> k & 1 == 1 { lo[k] = planes[k] } else { hi[k] = planes[k] }
+    }
+    Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
+}
+
+/// Half the surface.
+fn area<S: Scalar>(b: &Aabb<S>) -> f64 {
+    let s = b.size().to_dvec3();
+    s.x * s.y + s.y * s.z + s.z * s.x
+}

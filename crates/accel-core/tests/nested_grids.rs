@@ -1,0 +1,220 @@
+//! HUG and the adaptive grid give the oracle's answers, bit for bit, and survive hard scenes.
+
+use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, TriangleSet, Watertight};
+use accel_core::structures::{BuildError, Buildable, PrimsRef, find};
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use glam::{DVec3, dvec3};
+
+/// Every structure and setting under test.
+const SETTINGS: &[(&str, &[(&str, &str)])] = &[
+    ("hug", &[]),
+    ("hug", &[("size-classes", "1")]),
+    ("hug", &[("size-classes", "2"), ("gap", "0.1"), ("density", "8")]),
+    ("hug", &[("size-classes", "16"), ("min-objects", "1")]),
+    ("hug", &[("size-classes", "6"), ("gap", "-0.05"), ("min-objects", "2")]),
+    ("adaptive-grid", &[]),
+    ("adaptive-grid", &[("m", "0.01"), ("split", "2"), ("levels", "8")]),
+    ("adaptive-grid", &[("m", "0.1"), ("orphan-grid", "on"), ("levels", "0")]),
+    ("adaptive-grid", &[("f", "1"), ("exact-clusters", "16"), ("density", "6"), ("split", "3")]),
+    ("adaptive-grid", &[("f", "0"), ("m", "0")]),
+];
+
+/// A small generator of numbers in [0, 1).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) as f64 / (1u64 << 31) as f64
+    }
+    fn point(&mut self) -> DVec3 {
+        dvec3(self.next(), self.next(), self.next())
+    }
+    /// In [-1, 1) on each axis, mostly small numbers of 1/4 so that ties occur.
+    fn direction(&mut self) -> DVec3 {
+        let d = 2.0 * self.point() - 1.0;
+        match (self.next() * 6.0) as u32 {
+            0 => (d * 1.99).trunc(),
+            1 => (d * 4.0).round() / 4.0,
+            2 => dvec3(d.x, 0.0, d.z),
+            3 => dvec3(-0.0, -1.0, 0.0) * d.y.signum(),
+            _ => d,
+        }
+    }
+}
+
+fn rays<S: Scalar>(lo: DVec3, hi: DVec3, count: usize, seed: u64) -> Vec<Ray<S>> {
+    let mut random = Random(seed);
+    let size = hi - lo;
+    (0..count)
+        .map(|i| {
+            let direction = random.direction();
+            let target = lo + size * random.point();
+            let origin = match i % 3 {
+                0 => target,
+                1 => target - direction * size.length(),
+                _ => ((lo + size * random.point()) * 4.0).round() / 4.0,
+            };
+            let mut ray =
+                Ray::<S>::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction));
+            if i % 5 == 0 {
+                ray.t_min = S::from_f64(0.1);
+                ray.t_max = S::from_f64(random.next() * size.length());
+            }
+            ray
+        })
+        .collect()
+}
+
+/// Compares closest hits and occlusions of all settings with brute force.
+fn agree<'a, S: Buildable>(scene: &str, prims: PrimsRef<'a, S>, rays: &[Ray<S>]) {
+    let oracle = find("brute-force").unwrap();
+    let oracle = oracle.build(prims, &oracle.params([]).unwrap()).unwrap();
+    let (mut expected, mut hits) = (vec![Hit::NONE; rays.len()], vec![Hit::NONE; rays.len()]);
+    let (mut expected_blocked, mut blocked) = (vec![false; rays.len()], vec![false; rays.len()]);
+    oracle.closest_hits(rays, &mut expected);
+    oracle.occlusions(rays, &mut expected_blocked);
+    assert!(expected.iter().any(Hit::is_hit), "{scene}: no ray hits");
+    for &(name, settings) in SETTINGS {
+        let entry = find(name).unwrap();
+        let params = entry.params(settings.iter().copied()).unwrap();
+        let tracer = entry.build(prims, &params).unwrap();
+        tracer.closest_hits(rays, &mut hits);
+        tracer.occlusions(rays, &mut blocked);
+        for i in 0..rays.len() {
+            assert_eq!(hits[i], expected[i], "{scene}: {name} {params}: {:?}", rays[i]);
+            assert_eq!(blocked[i], expected_blocked[i], "{scene}: {name} {params}: {:?}", rays[i]);
+        }
+    }
+}
+
+/// Spheres, triangles, quads and cones of very different sizes, some twice, some glass.
+fn mixed<S: Scalar>(count: usize, seed: u64) -> MixedSet<S> {
+    let mut random = Random(seed);
+    let mut set = MixedSetBuilder::<S>::default();
+    for i in 0..count {
+        let p = random.point() * 8.0;
+        let side = 0.02 * 100f64.powf(random.next());
+        match i % 4 {
+            0 => set.sphere(p, side).unwrap(),
+            1 => {
+                let v = [p, p + random.direction() * side, p + random.direction() * side];
+                set.triangle(v).unwrap();
+                set.triangle(v).unwrap();
+            }
+            2 => {
+                let (a, b) = (dvec3(side, 0.0, 0.0), dvec3(0.0, side, 0.0));
+                let p = (p * 4.0).round() / 4.0;
+                set.polygon(&[p, p + a, p + a + b, p + b]).unwrap();
+            }
+            _ => {
+                let top = p + (2.0 * random.point() - 1.0) * side;
+                set.cone(Cone::new(p, 0.2 * side, top, 0.1 * side)).unwrap();
+            }
+        }
+        if i % 7 == 0 {
+            set.last_is_transmissive();
+        }
+    }
+    set.finish()
+}
+
+#[test]
+fn mixed_scenes_agree_with_brute_force() {
+    for (count, seed) in [(1, 1), (7, 2), (300, 3), (1500, 4)] {
+        let (lo, hi) = (DVec3::ZERO, DVec3::splat(8.0));
+        let set = mixed::<f64>(count, seed);
+        let b = set.scene_bounds();
+        agree("mixed f64", PrimsRef::Mixed(&set), &rays(b.min, b.max, 3000, seed));
+        let set = mixed::<f32>(count, seed);
+        agree("mixed f32", PrimsRef::Mixed(&set), &rays(lo, hi, 3000, seed + 100));
+    }
+}
+
+fn triangles<S: Scalar>(all: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
+    let narrow = |p: DVec3| Vec3::<S>::from_dvec3(p).to_array();
+    TriangleSet::new(all.iter().map(|v| v.map(narrow)).collect(), |_| false).unwrap()
+}
+
+/// A heightfield of 2 n n triangles over the unit square times `size`.
+fn field(n: usize, size: f64, height: impl Fn(f64, f64) -> f64) -> Vec<[DVec3; 3]> {
+    let at = |i: usize, j: usize| {
+        let (x, z) = (i as f64 / n as f64 * size, j as f64 / n as f64 * size);
+        dvec3(x, height(x, z), z)
+    };
+    (0..n * n)
+        .flat_map(|k| {
+            let (i, j) = (k % n, k / n);
+            let q = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
+        })
+        .collect()
+}
+
+#[test]
+fn flat_scenes_agree_with_brute_force() {
+    let flat = triangles::<f32>(&field(22, 10.0, |_, _| 0.0));
+    let (lo, hi) = (dvec3(0.0, -1.0, 0.0), dvec3(10.0, 1.0, 10.0));
+    agree("flat", PrimsRef::Watertight(&flat), &rays(lo, hi, 2000, 5));
+    let point = triangles::<f32>(&[[dvec3(1.0, 1.0, 1.0); 3], [DVec3::X, DVec3::Y, DVec3::Z]]);
+    agree("points", PrimsRef::Watertight(&point), &rays(DVec3::ZERO, DVec3::ONE, 500, 6));
+}
+
+#[test]
+fn a_teapot_in_a_stadium_agrees_with_brute_force() {
+    let mut all = vec![
+        [dvec3(-5e3, 0.0, -5e3), dvec3(5e3, 0.0, -5e3), dvec3(5e3, 0.0, 5e3)],
+        [dvec3(-5e3, 0.0, -5e3), dvec3(5e3, 0.0, 5e3), dvec3(-5e3, 0.0, 5e3)],
+    ];
+    all.extend(field(40, 0.5, |x, z| 0.2 + 0.1 * (20.0 * x).sin() * (17.0 * z).cos()));
+    let set = triangles::<f64>(&all);
+    let rays: Vec<_> = rays(DVec3::ZERO, dvec3(0.5, 0.4, 0.5), 2000, 7);
+    agree("stadium", PrimsRef::Watertight(&set), &rays);
+    // few rays may test more than a few of the teapot's 3,200 triangles
+    for name in ["hug", "adaptive-grid"] {
+        let entry = find(name).unwrap();
+        let tracer = entry.build(PrimsRef::Watertight(&set), &entry.params([]).unwrap()).unwrap();
+        let work = tracer.count_closest_hits(&rays, &mut vec![Hit::NONE; rays.len()]);
+        let tests = work.intersection_tests as f64 / rays.len() as f64;
+        assert!(tests < 60.0, "{name}: {tests} tests a ray");
+    }
+}
+
+#[test]
+fn ten_thousand_copies_of_a_triangle_stay_within_memory() {
+    let set = triangles::<f32>(&vec![[DVec3::X, DVec3::Y, DVec3::Z]; 10_000]);
+    let rays = rays(DVec3::ZERO, DVec3::ONE, 20, 8);
+    agree("copies", PrimsRef::Watertight(&set), &rays);
+    for &(name, settings) in SETTINGS {
+        let entry = find(name).unwrap();
+        let params = entry.params(settings.iter().copied()).unwrap();
+        let tracer = entry.build(PrimsRef::Watertight(&set), &params).unwrap();
+        let bytes = tracer.shape().bytes;
+        assert!(bytes < 16 << 20, "{name} {params}: {bytes} bytes");
+    }
+}
+
+#[test]
+fn limits_are_typed_errors() {
+    let set = mixed::<f64>(1000, 9);
+    for name in ["hug", "adaptive-grid"] {
+        for limit in ["max-cells", "max-references"] {
+            let entry = find(name).unwrap();
+            let params = entry.params([(limit, "20"), ("boxes", "historical")]).unwrap();
+            let error = entry.build(PrimsRef::Mixed(&set), &params).err();
+            assert!(matches!(error, Some(BuildError::TooLarge { .. })), "{name} {limit}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "takes a minute without optimisation"]
+fn a_million_triangles_build() {
+    let set = triangles::<f32>(&field(708, 1.0, |x, z| (9.0 * x).sin() * (8.0 * z).cos()));
+    for name in ["hug", "adaptive-grid"] {
+        let entry = find(name).unwrap();
+        let start = std::time::Instant::now();
+        let tracer = entry.build(PrimsRef::Watertight(&set), &entry.params([]).unwrap()).unwrap();
+        eprintln!("{name}: {:?} in {:?}", tracer.shape(), start.elapsed());
+    }
+}
