@@ -4,6 +4,6 @@ pub mod csv;
 pub mod files;
 pub mod json;
 pub mod markdown;
-mod numbers;
-mod table;
+pub mod numbers;
+pub mod table;
 pub mod text;

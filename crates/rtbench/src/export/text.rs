@@ -30,7 +30,11 @@ pub fn write_summary(out: &mut dyn Write, run: &RunRecord, colors: bool) -> io::
     Ok(())
 }
 
-fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
+/// Prints any table.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
     let widths: Vec<usize> = (0..table.header.len())
         .map(|c| {
             let cells = table.rows.iter().filter_map(|r| r.get(c)).map(|c| c.text.chars().count());

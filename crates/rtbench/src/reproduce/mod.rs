@@ -7,6 +7,7 @@
 mod adaptive;
 mod best;
 mod hug;
+pub mod lecture;
 mod octrees;
 pub mod published;
 mod recursive;
@@ -60,6 +61,12 @@ pub enum ReproduceError {
     /// No such scene in the paper.
     #[error("the paper has no scene '{0}' that we have; it has {valid}", valid = SCENES.join(", "))]
     UnknownScene(String),
+    /// No such scene in the lecture.
+    #[error("the lecture has no scene '{0}'; it has {valid}", valid = lecture::SCENES.join(", "))]
+    NotInLecture(String),
+    /// The lecture's ratios have one reference.
+    #[error("--reference: ratios of the lecture are taken to {0}")]
+    FixedReference(&'static str),
     /// No such structure among those reproduced.
     #[error("no published figures for structure '{0}'; there are {valid}", valid = structures().join(", "))]
     UnknownStructure(String),
