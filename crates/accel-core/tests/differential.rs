@@ -4,63 +4,8 @@
 mod common;
 
 use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
-use accel_core::tracer::{ShadowCount, ShadowRule};
 use accel_core::{Hit, Ray};
-use common::{Random, all_scenes, rays_for};
-
-/// Mismatches of every variant of every structure on one scene.
-fn mismatches<S: Buildable>(name: &str, prims: PrimsRef<S>, rays: &[Ray<S>]) -> Vec<String> {
-    let entry = find("brute-force").unwrap();
-    let oracle = entry.build(prims, &entry.params([]).unwrap()).unwrap();
-    let mut expected = vec![Hit::NONE; rays.len()];
-    oracle.closest_hits(rays, &mut expected);
-    let mut expected_blocked = vec![false; rays.len()];
-    oracle.occlusions(rays, &mut expected_blocked);
-    let mut wrong = Vec::new();
-    for entry in REGISTRY {
-        for variant in entry.info.variants.iter().chain(entry.info.also_tested) {
-            let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
-            let params = entry.params(settings).unwrap();
-            if (entry.info.known_defect)(&params).is_some() {
-                continue;
-            }
-            let label = format!("{name} {} {} {variant}", S::NAME, entry.info.name);
-            let tracer = match entry.build(prims, &params) {
-                Ok(tracer) => tracer,
-                Err(e) => {
-                    wrong.push(format!("{label}: {e}"));
-                    continue;
-                }
-            };
-            let mut hits = vec![Hit::NONE; rays.len()];
-            tracer.closest_hits(rays, &mut hits);
-            let mut blocked = vec![false; rays.len()];
-            tracer.occlusions(rays, &mut blocked);
-            let mut counted = vec![Hit::NONE; rays.len()];
-            tracer.count_closest_hits(rays, &mut counted);
-            let mut shadows = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
-            tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut shadows);
-            for (i, ray) in rays.iter().enumerate() {
-                if hits[i] != expected[i]
-                    || counted[i] != expected[i]
-                    || blocked[i] != expected_blocked[i]
-                    || shadows[i].blocked != expected_blocked[i]
-                {
-                    wrong.push(format!(
-                        "{label}: ray {i} {ray:?}: expected {:?} {}, got {:?} {:?} {} {}",
-                        expected[i],
-                        expected_blocked[i],
-                        hits[i],
-                        counted[i],
-                        blocked[i],
-                        shadows[i].blocked
-                    ));
-                }
-            }
-        }
-    }
-    wrong
-}
+use common::{Random, all_scenes, mismatches, rays_for};
 
 fn check<S: Buildable>() {
     let mut wrong = Vec::new();
@@ -72,7 +17,7 @@ fn check<S: Buildable>() {
         let mut hits = vec![Hit::NONE; rays.len()];
         oracle.closest_hits(&rays, &mut hits);
         hit_anything += hits.iter().filter(|h| h.is_hit()).count();
-        wrong.extend(mismatches(name, set.prims(), &rays));
+        wrong.extend(mismatches(REGISTRY, name, set.prims(), &rays));
     }
     assert!(hit_anything > 1000, "the rays hit next to nothing: {hit_anything}");
     let shown: Vec<_> = wrong.iter().take(10).collect();

@@ -29,7 +29,11 @@ pub fn mebibytes(bytes: u64) -> String {
 /// A ratio with its interval; `=` where the interval holds 1: no difference was measured.
 pub fn ratio(estimate: &Estimate) -> String {
     let mark = if estimate.holds(1.0) { " =" } else { "  " };
-    format!("{:.2} [{:.2}, {:.2}]{mark}", estimate.median, estimate.low, estimate.high)
+    let Estimate { median, low, high } = *estimate;
+    if median < 0.0995 {
+        return format!("{} [{}, {}]{mark}", short(median), short(low), short(high));
+    }
+    format!("{median:.2} [{low:.2}, {high:.2}]{mark}")
 }
 
 /// Voxels an axis.
@@ -65,5 +69,7 @@ mod tests {
         let e = Estimate { median: 1.02, low: 0.98, high: 1.05 };
         assert_eq!(ratio(&e), "1.02 [0.98, 1.05] =");
         assert_eq!(ratio(&Estimate { low: 1.01, ..e }), "1.02 [1.01, 1.05]  ");
+        let small = Estimate { median: 0.02, low: 0.019, high: 0.12 };
+        assert_eq!(ratio(&small), "0.0200 [0.0190, 0.12]  ");
     }
 }

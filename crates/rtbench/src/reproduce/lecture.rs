@@ -7,6 +7,7 @@
 
 use serde::Deserialize;
 
+use crate::export::numbers::short;
 use crate::record::{RowRecord, SceneRecord, Verdict};
 use crate::statistics::{Estimate, rank_correlation};
 
@@ -152,11 +153,11 @@ impl Comparison {
             .filter_map(|l| l.lecture)
             .collect();
         let mut text = format!(
-            "{}: then {then} won, {:.1} times as fast as uniform D=1; now {now} {}, {:.1} times",
+            "{}: then {then} won, {} times as fast as uniform D=1; now {now} {}, {} times",
             self.scene,
-            1.0 / by,
+            short(1.0 / by),
             if now == then { "still wins" } else { "wins" },
-            1.0 / ratio.median,
+            short(1.0 / ratio.median),
         );
         if !ties.is_empty() {
             text += &format!(" (not told apart from {})", ties.join(", "));
@@ -165,8 +166,8 @@ impl Comparison {
         if let Some((line, modern)) = modern.and_then(|l| Some((l, l.run.now?))) {
             let factor = ratio.median / modern.median;
             text += &match factor >= 1.0 {
-                true => format!("; {} is {factor:.1} times faster still", line.ours),
-                false => format!("; {} is {:.1} times slower", line.ours, 1.0 / factor),
+                true => format!("; {} is {} times faster still", line.ours, short(factor)),
+                false => format!("; {} is {} times slower", line.ours, short(1.0 / factor)),
             };
         }
         text + "."
@@ -211,7 +212,7 @@ mod tests {
         assert_eq!(
             comparison.sentence(),
             "tree: then recursive won, 50.0 times as fast as uniform D=1; now hug wins, 40.0 times \
-             (not told apart from recursive); ours is 2.0 times faster still."
+             (not told apart from recursive); ours is 2.00 times faster still."
         );
         assert_eq!(comparison.correlation(|l| l.run), Some(0.5));
         lines[2].run.now = None;

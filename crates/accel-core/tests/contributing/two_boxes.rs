@@ -1,0 +1,78 @@
+//! Two boxes: the primitives, halved along the longest axis of the scene, each half in its box.
+//!
+//! Paper: none; the smallest structure that is worth its walk, as an example.
+//! Deviations: none.
+
+use accel_core::Aabb;
+use accel_core::bounds_rule::{BoundsOf, BoundsRule};
+use accel_core::params::{ParamKind, ParamSpec, Params};
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::{Ray, Scalar, Vector};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "two-boxes",
+    summary: "two lists of primitives, each skipped by rays that miss its box",
+    paper: "none",
+    deviations: "none",
+    params: &[ParamSpec {
+        name: "share",
+        summary: "part of the primitives that goes into the first box",
+        default: "0.5",
+        kind: ParamKind::Real { min: 0.0, max: 1.0 },
+    }],
+    variants: &[""],
+    also_tested: &["share=0", "share=0.9"],
+    known_defect: no_defect,
+    sampled: true,
+};
+
+/// Both halves.
+pub struct TwoBoxes<S: Scalar> {
+    halves: [(Aabb<S>, Vec<u32>); 2],
+}
+
+impl<S: Scalar> Structure<S> for TwoBoxes<S> {
+    // no id is in both lists: mailboxes have nothing to spare
+    const DUPLICATES: bool = false;
+
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        // padded boxes: rounding must not lose a hit
+        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
+            .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
+        let size = boxes.scene().size().to_array();
+        let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
+        let mut ids: Vec<u32> = (0..prims.len() as u32).collect();
+        let low = |id: &u32| boxes.of(*id).min.to_array()[axis].to_f64();
+        ids.sort_by(|a, b| low(a).total_cmp(&low(b)));
+        let first = (params.real("share") * ids.len() as f64) as usize;
+        let second = ids.split_off(first);
+        let around =
+            |ids: Vec<u32>| (ids.iter().fold(Aabb::empty(), |b, &id| b.union(boxes.of(id))), ids);
+        Ok(Self { halves: [around(ids), around(second)] })
+    }
+
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        for (bounds, ids) in &self.halves {
+            sink.elementary_step(ids.is_empty());
+            // no further than the best hit so far: the sink knows it
+            let enters = bounds.clip(ray.origin, ray.direction, ray.t_min, sink.t_max());
+            if enters.is_some() && sink.test(ids).is_break() {
+                return;
+            }
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        let lengths = self.halves.each_ref().map(|(_, ids)| ids.len() as u64);
+        Shape {
+            cells: 2,
+            empty_cells: lengths.iter().filter(|&&n| n == 0).count() as u64,
+            references: lengths.iter().sum(),
+            bytes: size_of::<Self>() as u64 + 4 * lengths.iter().sum::<u64>(),
+            ..Shape::default()
+        }
+    }
+}
