@@ -123,8 +123,8 @@ fn lattice_rays<S: Buildable>(size: f64) -> Vec<Ray<S>> {
 
 #[test]
 fn rays_along_and_onto_planes_of_slabs() {
-    // powers of two, so that the planes stay exact
-    for exponent in [-60, -10, 0, 10, 60] {
+    // powers of two, so that the planes stay exact; the products of the triangle test must fit f32
+    for exponent in [-30, -10, 0, 10, 30] {
         let size = 2f64.powi(exponent);
         compare(octahedra::<f32>(size).prims(), &lattice_rays(size), "octahedra");
         compare(octahedra::<f64>(size).prims(), &lattice_rays(size), "octahedra");
