@@ -68,6 +68,11 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
         Ok(this)
     }
 
+    /// The primitives.
+    pub fn prims(&self) -> &'a P {
+        self.prims
+    }
+
     /// The box of the whole scene.
     pub fn scene(&self) -> Aabb<S> {
         self.scene

@@ -8,6 +8,8 @@
 //! (The quadratic is standard; see e.g. A. Glassner (ed.), An Introduction to Ray Tracing, 1989,
 //! chapter 2. The choice of root is ours.)
 
+use glam::DVec3;
+
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
@@ -87,6 +89,35 @@ impl<S: Scalar> Cone<S> {
         (inside && t >= ray.t_min && t <= t_max).then_some(t)
     }
 
+    /// Smallest and largest dot product of `direction` with a point of the two discs at the ends.
+    pub(super) fn extent(&self, direction: DVec3) -> (f64, f64) {
+        let axis = self.axis.to_dvec3();
+        let across = (direction - axis * direction.dot(axis)).length();
+        let [base, apex] = self.discs().map(|(centre, radius)| {
+            let (along, reach) = (centre.dot(direction), radius * across);
+            (along - reach, along + reach)
+        });
+        (base.0.min(apex.0), base.1.max(apex.1))
+    }
+
+    /// Largest distance from `from` to a point of the two discs, world units.
+    pub(super) fn farthest(&self, from: DVec3) -> f64 {
+        let axis = self.axis.to_dvec3();
+        let [base, apex] = self.discs().map(|(centre, radius)| {
+            let along = (centre - from).dot(axis);
+            let across = (centre - from - axis * along).length();
+            along.hypot(across + radius)
+        });
+        base.max(apex)
+    }
+
+    /// Centre and radius of the discs at both ends.
+    fn discs(&self) -> [(DVec3, f64); 2] {
+        let (base, axis) = (self.base.to_dvec3(), self.axis.to_dvec3());
+        let apex = base + axis * self.length.to_f64();
+        [(base, self.base_radius.to_f64()), (apex, self.apex_radius.to_f64())]
+    }
+
     /// Bounds of the two rim circles, rounded outwards.
     pub fn bounds(&self) -> Aabb<S> {
         let w = self.axis.to_array();
@@ -108,7 +139,6 @@ impl<S: Scalar> Cone<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     fn ray(from: [f64; 3], to: [f64; 3]) -> Ray<f64> {
         Ray::new(DVec3::from(from), DVec3::from(to) - DVec3::from(from))

@@ -1,6 +1,9 @@
 //! Triangles, polygons, spheres and cones under one id space, in file order.
 
+use glam::DVec3;
+
 use super::polygon::Polygon;
+use super::support::{distance_to_points, extent_of_points};
 use super::triangle::{Shear, TriangleTest, Watertight};
 use super::{Cone, PrimSet, PrimitiveError, Sphere, TransmissiveSet};
 use crate::aabb::Aabb;
@@ -186,6 +189,28 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Polygon => self.polygons[i].bounds(),
             PrimitiveKind::Sphere => self.spheres[i].bounds(),
             PrimitiveKind::Cone => self.cones[i].bounds(),
+        }
+    }
+
+    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        match tagged.kind() {
+            PrimitiveKind::Triangle => extent_of_points(&self.triangles[i], direction),
+            PrimitiveKind::Polygon => self.polygons[i].extent(&self.polygon_vertices, direction),
+            PrimitiveKind::Sphere => self.spheres[i].extent(direction),
+            PrimitiveKind::Cone => self.cones[i].extent(direction),
+        }
+    }
+
+    fn farthest(&self, id: u32, from: DVec3) -> f64 {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        match tagged.kind() {
+            PrimitiveKind::Triangle => distance_to_points(&self.triangles[i], from),
+            PrimitiveKind::Polygon => self.polygons[i].farthest(&self.polygon_vertices, from),
+            PrimitiveKind::Sphere => self.spheres[i].farthest(from),
+            PrimitiveKind::Cone => self.cones[i].farthest(from),
         }
     }
 

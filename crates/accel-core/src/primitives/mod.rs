@@ -7,6 +7,7 @@ mod cone;
 mod mixed;
 mod polygon;
 mod sphere;
+mod support;
 mod triangle;
 
 pub use cone::Cone;
@@ -14,6 +15,8 @@ pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
 pub use polygon::Polygon;
 pub use sphere::Sphere;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
+
+use glam::DVec3;
 
 use crate::aabb::Aabb;
 use crate::ray::Ray;
@@ -58,6 +61,12 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// Bounds that hold every point at which the primitive can be hit, up to the rounding of the
     /// hit itself.
     fn bounds(&self, id: u32) -> Aabb<S>;
+    /// Smallest and largest dot product of `direction` (of any length) with a point at which the
+    /// primitive can be hit, up to the rounding of the hit itself: its support, which bounding
+    /// planes at a slant need. No looser than that of its vertices or discs.
+    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64);
+    /// The largest distance from `from` to such a point, world units.
+    fn farthest(&self, id: u32, from: DVec3) -> f64;
     /// What kind of primitive it is.
     fn kind(&self, id: u32) -> PrimitiveKind;
     /// Prepares a ray.

@@ -5,6 +5,9 @@
 //! vertices alone, so polygons that share an edge leave no gap. Inside is even-odd (M. Shimrat,
 //! "Algorithm 112: Position of point relative to polygon", CACM 5(8), 1962).
 
+use glam::DVec3;
+
+use super::support::{distance_to_points, extent_of_points};
 use super::triangle::{Shear, edge_function};
 use crate::aabb::Aabb;
 use crate::ray::Ray;
@@ -66,8 +69,33 @@ impl<S: Scalar> Polygon<S> {
         if !(t >= ray.t_min && t <= t_max && t.is_finite()) {
             return None;
         }
-        let outline = &store[self.first as usize..][..self.count as usize];
-        encloses_axis(outline, shear).then_some(t)
+        encloses_axis(self.outline(store), shear).then_some(t)
+    }
+
+    /// Smallest and largest dot product of `direction` with a point of the outline, or with one of
+    /// the plane as far off the outline as a vertex is off the plane.
+    pub(super) fn extent(&self, store: &[[S; 3]], direction: DVec3) -> (f64, f64) {
+        let (lo, hi) = extent_of_points(self.outline(store), direction);
+        let off = self.off_plane(store) * direction.length();
+        (lo - off, hi + off)
+    }
+
+    /// Largest distance from `from` to such a point, world units.
+    pub(super) fn farthest(&self, store: &[[S; 3]], from: DVec3) -> f64 {
+        distance_to_points(self.outline(store), from) + self.off_plane(store)
+    }
+
+    /// How far vertices lie off the plane: 0 but for rounding if the polygon is planar.
+    fn off_plane(&self, store: &[[S; 3]]) -> f64 {
+        let normal = self.normal.to_dvec3();
+        let (lo, hi) = extent_of_points(self.outline(store), normal);
+        let plane = self.anchor.to_dvec3().dot(normal);
+        (hi - plane).max(plane - lo)
+    }
+
+    #[inline(always)]
+    fn outline<'a>(&self, store: &'a [[S; 3]]) -> &'a [[S; 3]] {
+        &store[self.first as usize..][..self.count as usize]
     }
 
     /// Bounds of the vertices.
@@ -111,7 +139,7 @@ pub(super) fn newell_normal(vertices: &[glam::DVec3]) -> glam::DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DVec3, dvec3};
+    use glam::dvec3;
 
     fn hits(vertices: &[DVec3], x: f64, y: f64) -> bool {
         let mut store = Vec::new();

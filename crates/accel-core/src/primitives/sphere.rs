@@ -4,6 +4,8 @@
 //! J. Guenther, T. Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray
 //! Tracing Gems, chapter 7, 2019. Deviation: directions of any length.
 
+use glam::DVec3;
+
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
@@ -42,6 +44,18 @@ impl<S: Scalar> Sphere<S> {
         let (t0, t1) = if q == S::ZERO { (S::ZERO, S::ZERO) } else { (c / q, q / a) };
         let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
         [near, far].into_iter().find(|&t| t >= ray.t_min).filter(|&t| t <= t_max)
+    }
+
+    /// Smallest and largest dot product of `direction` with a point of the surface.
+    pub(super) fn extent(&self, direction: DVec3) -> (f64, f64) {
+        let along = self.center.to_dvec3().dot(direction);
+        let reach = self.radius.to_f64() * direction.length();
+        (along - reach, along + reach)
+    }
+
+    /// Largest distance from `from` to a point of the surface, world units.
+    pub(super) fn farthest(&self, from: DVec3) -> f64 {
+        self.center.to_dvec3().distance(from) + self.radius.to_f64()
     }
 
     /// Bounds, rounded outwards.

@@ -9,6 +9,9 @@
 
 use std::marker::PhantomData;
 
+use glam::DVec3;
+
+use super::support::{distance_to_points, extent_of_points};
 use super::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
 use crate::aabb::Aabb;
 use crate::ray::Ray;
@@ -233,6 +236,12 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
             Vec3::<S>::from_array(b),
             Vec3::<S>::from_array(c),
         ])
+    }
+    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
+        extent_of_points(&self.triangles[id as usize], direction)
+    }
+    fn farthest(&self, id: u32, from: DVec3) -> f64 {
+        distance_to_points(&self.triangles[id as usize], from)
     }
     fn kind(&self, _: u32) -> PrimitiveKind {
         PrimitiveKind::Triangle

@@ -4,11 +4,13 @@
 //! the settings parser and the test matrix are all made from the registry.
 
 pub mod adaptive_grid;
+pub mod bounding_volumes;
 pub mod bricked_grid;
 pub mod brute_force;
 mod cluster_bvh;
 pub mod hashed_grid;
 pub mod hug;
+pub mod kay_kajiya;
 pub mod kd_tree;
 mod nested_grids;
 mod obvhs_adapter;
@@ -42,6 +44,8 @@ pub static REGISTRY: &[Entry] = &[
     entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
     entry!(octree::Octree, octree::INFO),
     entry!(kd_tree::KdTree, kd_tree::INFO),
+    entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
+    entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
 ];

@@ -1,0 +1,200 @@
+//! Bounding volumes without a hierarchy: a filter before the test of primitives.
+//!
+//! Papers: T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980
+//! (spheres around objects); S. M. Rubin, T. Whitted, "A 3-Dimensional Representation for Fast
+//! Rendering of Complex Scenes", SIGGRAPH 1980 (boxes); H. Weghorst, G. Hooper, D. P. Greenberg,
+//! "Improved Computational Methods for Ray Tracing", ACM TOG 3(1), 1984 (which volume: its cost
+//! against the space it leaves void); T. L. Kay, J. T. Kajiya, "Ray Tracing Complex Scenes",
+//! SIGGRAPH 1986 (slabs).
+//!
+//! A ray tests every volume in turn, so it takes time in proportion to their number; what a
+//! volume saves is the test of primitives that the ray passes at a distance, or that lie behind
+//! what it has hit already.
+//!
+//! Deviations: boxes are axis-parallel in world space; volumes are padded by ulps; the kind of
+//! volume is one for the whole scene, not the cheapest for each object; "objects" are primitives,
+//! or groups of neighbours cut at medians of their centres, and never objects of a modeller.
+//!
+//! Counters: a volume met is an elementary step, a volume missed only a traversal step. So N_TS
+//! is the number of volumes tested, N_ETS of those met, and N_EETS is 0, as none is empty.
+
+mod ball;
+pub(super) mod median_cut;
+pub(super) mod slabs;
+pub(super) mod volume;
+
+use self::ball::Ball;
+use self::median_cut::Centres;
+use self::slabs::Slabs;
+use self::volume::Volume;
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::aabb::Aabb;
+use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+use crate::sink::Sink;
+
+/// How many plane directions slabs have.
+pub(super) const DIRECTIONS: ParamSpec = ParamSpec {
+    name: "directions",
+    summary: "plane directions of slabs: 3 axes, 4 diagonals of the cube, or all 7",
+    default: "7",
+    kind: ParamKind::Choice(&["3", "4", "7"]),
+};
+
+/// Limit for volumes.
+pub(super) const MAX_CELLS: ParamSpec = ParamSpec {
+    name: "max-cells",
+    summary: "upper limit for the number of volumes",
+    default: "67108864",
+    kind: ParamKind::Integer { min: 1, max: 1 << 31 },
+};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "bounding-volumes",
+    summary: "boxes, spheres or slabs around primitives or groups, each tested in turn",
+    paper: "Whitted 1980; Rubin, Whitted 1980; Weghorst, Hooper, Greenberg 1984; \
+            Kay, Kajiya 1986 (slabs)",
+    deviations: "one kind of volume a scene; padded; groups cut at medians of centres",
+    params: &[
+        ParamSpec {
+            name: "volume",
+            summary: "kind of volume; slabs have the directions given",
+            default: "box",
+            kind: ParamKind::Choice(&["box", "sphere", "slabs"]),
+        },
+        DIRECTIONS,
+        ParamSpec {
+            name: "group",
+            summary: "primitives in a volume: 1 for one around each, more for neighbours",
+            default: "1",
+            kind: ParamKind::Integer { min: 1, max: 1 << 20 },
+        },
+        MAX_CELLS,
+    ],
+    variants: &["volume=sphere", "volume=slabs group=16"],
+    known_defect: no_defect,
+    sampled: true,
+};
+
+/// A list of volumes.
+pub struct BoundingVolumes<S: Scalar> {
+    volumes: Volumes<S>,
+    /// Group by group.
+    ids: Vec<u32>,
+    /// Primitives in a volume; the last one may hold fewer.
+    group: usize,
+}
+
+/// The volumes, one for each group.
+enum Volumes<S: Scalar> {
+    Boxes(Vec<Aabb<S>>),
+    Spheres(Vec<Ball>),
+    Slabs3(Vec<Slabs<S, 3>>),
+    Slabs4(Vec<Slabs<S, 4>>),
+    Slabs7(Vec<Slabs<S, 7>>),
+}
+
+impl<S: Scalar> Volumes<S> {
+    fn new<P: PrimSet<S>>(groups: &Groups<S, P>, params: &Params) -> Self {
+        match (params.text("volume"), params.text(DIRECTIONS.name)) {
+            ("box", _) => Self::Boxes(groups.volumes()),
+            ("sphere", _) => Self::Spheres(groups.volumes()),
+            (_, "3") => Self::Slabs3(groups.volumes()),
+            (_, "4") => Self::Slabs4(groups.volumes()),
+            _ => Self::Slabs7(groups.volumes()),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Boxes(all) => size_of_val(all.as_slice()),
+            Self::Spheres(all) => size_of_val(all.as_slice()),
+            Self::Slabs3(all) => size_of_val(all.as_slice()),
+            Self::Slabs4(all) => size_of_val(all.as_slice()),
+            Self::Slabs7(all) => size_of_val(all.as_slice()),
+        }
+    }
+}
+
+/// Groups of ids, and where they lie.
+struct Groups<'a, S: Scalar, P: PrimSet<S>> {
+    ids: &'a [u32],
+    size: usize,
+    boxes: BoundsOf<'a, S, P>,
+}
+
+impl<S: Scalar, P: PrimSet<S>> Groups<'_, S, P> {
+    fn volumes<V: Volume<S>>(&self) -> Vec<V> {
+        self.ids.chunks(self.size).map(|ids| V::around(ids, &self.boxes)).collect()
+    }
+}
+
+impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
+    const DUPLICATES: bool = false;
+
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
+            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let group = params.integer("group") as usize;
+        check_cells(prims.len().div_ceil(group), params)?;
+        let mut ids: Vec<u32> = (0..prims.len() as u32).collect();
+        if group > 1 {
+            Centres::of(prims).group(&mut ids, group);
+        }
+        let volumes = Volumes::new(&Groups { ids: &ids, size: group, boxes }, params);
+        Ok(Self { volumes, ids, group })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        match &self.volumes {
+            Volumes::Boxes(volumes) => self.filter(volumes, ray, sink),
+            Volumes::Spheres(volumes) => self.filter(volumes, ray, sink),
+            Volumes::Slabs3(volumes) => self.filter(volumes, ray, sink),
+            Volumes::Slabs4(volumes) => self.filter(volumes, ray, sink),
+            Volumes::Slabs7(volumes) => self.filter(volumes, ray, sink),
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape {
+            cells: self.ids.len().div_ceil(self.group) as u64,
+            references: self.ids.len() as u64,
+            bytes: (self.volumes.bytes() + size_of_val(self.ids.as_slice())) as u64,
+            ..Shape::default()
+        }
+    }
+}
+
+impl<S: Scalar> BoundingVolumes<S> {
+    /// Tests the primitives of every volume that the ray meets no later than its nearest hit.
+    fn filter<V: Volume<S>, K: Sink<S>>(&self, volumes: &[V], ray: &Ray<S>, sink: &mut K) {
+        let setup = V::setup(ray);
+        for (volume, ids) in volumes.iter().zip(self.ids.chunks(self.group)) {
+            if volume.entry(&setup, ray.t_min, sink.t_max()).is_none() {
+                sink.inner_step();
+                continue;
+            }
+            sink.elementary_step(false);
+            if sink.test(ids).is_break() {
+                return;
+            }
+        }
+    }
+}
+
+/// Refuses more volumes than [`MAX_CELLS`].
+pub(super) fn check_cells(needed: usize, params: &Params) -> Result<(), BuildError> {
+    let limit = u128::from(params.integer(MAX_CELLS.name));
+    let needed = needed as u128;
+    if needed <= limit {
+        return Ok(());
+    }
+    let what = "number of volumes";
+    Err(BuildError::TooLarge { structure: params.structure(), what, needed, limit })
+}

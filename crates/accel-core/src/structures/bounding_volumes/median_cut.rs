@@ -1,0 +1,93 @@
+//! Neighbouring primitives: sets of them, halved at the median of their centres.
+
+use crate::primitives::PrimSet;
+use crate::scalar::{Scalar, Vector};
+
+/// The centres of the boxes of all primitives.
+pub(in crate::structures) struct Centres<S>(Vec<[S; 3]>);
+
+impl<S: Scalar> Centres<S> {
+    /// Looks at all primitives once.
+    pub(in crate::structures) fn of<P: PrimSet<S>>(prims: &P) -> Self {
+        let half = S::from_f64(0.5);
+        let centre = |id| {
+            let b = prims.bounds(id);
+            (b.min * half + b.max * half).to_array()
+        };
+        Self((0..prims.len() as u32).map(centre).collect())
+    }
+
+    /// Brings the `lower` ids with the lowest centres to the front, on the axis on which the
+    /// centres spread most; equal centres are taken in the order of ids.
+    pub(in crate::structures) fn cut(&self, ids: &mut [u32], lower: usize) {
+        if lower >= ids.len() {
+            return;
+        }
+        let axis = self.widest_axis(ids);
+        let centre = |id: u32| self.0[id as usize][axis].to_f64();
+        ids.select_nth_unstable_by(lower, |&a, &b| {
+            centre(a).total_cmp(&centre(b)).then_with(|| a.cmp(&b))
+        });
+    }
+
+    /// Puts neighbours next to each other: every `size` ids in a row are a group, the last one
+    /// what is left. Ids are halved, by whole groups, until a group remains.
+    pub(super) fn group(&self, ids: &mut [u32], size: usize) {
+        let mut waiting = vec![ids];
+        while let Some(part) = waiting.pop() {
+            let groups = part.len().div_ceil(size);
+            if groups < 2 {
+                continue;
+            }
+            let lower = groups.div_ceil(2) * size;
+            self.cut(part, lower);
+            let (left, right) = part.split_at_mut(lower);
+            waiting.push(right);
+            waiting.push(left);
+        }
+    }
+
+    fn widest_axis(&self, ids: &[u32]) -> usize {
+        let (mut lo, mut hi) = ([S::INFINITY; 3], [-S::INFINITY; 3]);
+        for &id in ids {
+            let centre = self.0[id as usize];
+            for k in 0..3 {
+                lo[k] = centre[k].lesser(lo[k]);
+                hi[k] = centre[k].greater(hi[k]);
+            }
+        }
+        let spread = |k: usize| hi[k] - lo[k];
+        (1..3).fold(0, |widest, k| if spread(k) > spread(widest) { k } else { widest })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_full_and_next_to_each_other() {
+        // 100 centres on a line, in a scrambled order
+        let centres = Centres((0..100).map(|i| [f64::from(i * 37 % 100), 0.0, 0.0]).collect());
+        for size in [1, 3, 7, 64, 100, 1000] {
+            let mut ids: Vec<u32> = (0..100).collect();
+            centres.group(&mut ids, size);
+            let mut end = -1.0;
+            for group in ids.chunks(size) {
+                let mut at: Vec<f64> = group.iter().map(|&id| centres.0[id as usize][0]).collect();
+                at.sort_by(f64::total_cmp);
+                assert_eq!(at[0], end + 1.0, "size {size}");
+                end = at[at.len() - 1];
+            }
+            assert_eq!(end, 99.0);
+        }
+    }
+
+    #[test]
+    fn equal_centres_are_cut_by_id() {
+        let centres = Centres(vec![[1.0f32; 3]; 9]);
+        let mut ids: Vec<u32> = (0..9).rev().collect();
+        centres.cut(&mut ids, 4);
+        assert!(ids[..4].iter().all(|&id| id < 4), "{ids:?}");
+    }
+}

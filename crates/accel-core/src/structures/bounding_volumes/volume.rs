@@ -1,0 +1,50 @@
+//! What a bounding volume is to the structures that use one; boxes as the simplest kind.
+
+use crate::aabb::Aabb;
+use crate::bounds_rule::BoundsOf;
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::{Scalar, Vec3};
+
+/// A closed volume around primitives.
+pub(in crate::structures) trait Volume<S: Scalar>:
+    Copy + Send + Sync
+{
+    /// What its test needs to know of a ray, computed once a ray.
+    type RaySetup;
+
+    /// The volume around the primitives, padded so that no rounding, of the test or of a hit
+    /// point, loses a hit. The boxes are [`crate::bounds_rule::BoundsRule::Padded`] ones.
+    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self;
+
+    /// Prepares a ray.
+    fn setup(ray: &Ray<S>) -> Self::RaySetup;
+
+    /// The first parameter in `[t_min, t_max]` at which the ray is within the volume, or a smaller
+    /// one by the padding; `None` when it is nowhere.
+    fn entry(&self, ray: &Self::RaySetup, t_min: S, t_max: S) -> Option<S>;
+}
+
+/// The smallest box around the padded boxes of the primitives.
+pub(super) fn box_around<S: Scalar, P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Aabb<S> {
+    ids.iter().fold(Aabb::empty(), |all, &id| all.union(boxes.of(id)))
+}
+
+impl<S: Scalar> Volume<S> for Aabb<S> {
+    /// Origin and direction.
+    type RaySetup = (Vec3<S>, Vec3<S>);
+
+    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {
+        box_around(ids, boxes)
+    }
+
+    #[inline(always)]
+    fn setup(ray: &Ray<S>) -> Self::RaySetup {
+        (ray.origin, ray.direction)
+    }
+
+    #[inline(always)]
+    fn entry(&self, ray: &Self::RaySetup, t_min: S, t_max: S) -> Option<S> {
+        self.clip(ray.0, ray.1, t_min, t_max).map(|(t_in, _)| t_in)
+    }
+}

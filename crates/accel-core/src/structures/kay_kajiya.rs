@@ -1,0 +1,99 @@
+//! A hierarchy of slab volumes, walked with a priority queue.
+//!
+//! Paper: T. L. Kay, J. T. Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986: volumes between
+//! parallel planes of a few fixed directions, a hierarchy made by median cuts, and a walk that
+//! always goes on with the volume the ray enters first, so that it may stop as soon as the next
+//! entry lies beyond the nearest hit. A ray's dot products with the directions are computed once.
+//!
+//! Deviations: a cut halves along the axis on which the centres of boxes spread most; leaves may
+//! hold several primitives and nodes have up to 2, 4 or 8 children (cuts of cuts); the diagonals
+//! are not of unit length, and volumes are padded (see `bounding_volumes/slabs.rs`); the queue
+//! lives on the stack until it outgrows its room.
+//!
+//! Counters: a node taken from the queue is a step, an elementary one if it is a leaf; nodes that
+//! were tested and missed, or were left in the queue, are none.
+
+mod entry_queue;
+mod hierarchy;
+
+use self::hierarchy::Hierarchy;
+use super::bounding_volumes::{DIRECTIONS, MAX_CELLS};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+use crate::sink::Sink;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "kay-kajiya",
+    summary: "hierarchy of slab volumes, nearest entry first by a priority queue",
+    paper: "Kay, Kajiya 1986",
+    deviations: "cuts on the axis of widest spread; leaves and branching of any size; padded",
+    params: &[
+        DIRECTIONS,
+        ParamSpec {
+            name: "leaf-size",
+            summary: "primitives that a leaf may hold",
+            default: "1",
+            kind: ParamKind::Integer { min: 1, max: 1 << 20 },
+        },
+        ParamSpec {
+            name: "branching",
+            summary: "children that a node may have",
+            default: "2",
+            kind: ParamKind::Choice(&["2", "4", "8"]),
+        },
+        MAX_CELLS,
+    ],
+    variants: &["", "leaf-size=4 branching=4"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// A hierarchy of slab volumes.
+pub struct KayKajiya<S: Scalar> {
+    hierarchy: ByDirections<S>,
+}
+
+/// By the number of directions.
+enum ByDirections<S: Scalar> {
+    Three(Hierarchy<S, 3>),
+    Four(Hierarchy<S, 4>),
+    Seven(Hierarchy<S, 7>),
+}
+
+impl<S: Scalar> Structure<S> for KayKajiya<S> {
+    const DUPLICATES: bool = false;
+
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
+            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let hierarchy = match params.text(DIRECTIONS.name) {
+            "3" => ByDirections::Three(Hierarchy::new(&boxes, params)?),
+            "4" => ByDirections::Four(Hierarchy::new(&boxes, params)?),
+            _ => ByDirections::Seven(Hierarchy::new(&boxes, params)?),
+        };
+        Ok(Self { hierarchy })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        match &self.hierarchy {
+            ByDirections::Three(hierarchy) => hierarchy.walk(ray, sink),
+            ByDirections::Four(hierarchy) => hierarchy.walk(ray, sink),
+            ByDirections::Seven(hierarchy) => hierarchy.walk(ray, sink),
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        match &self.hierarchy {
+            ByDirections::Three(hierarchy) => hierarchy.shape(),
+            ByDirections::Four(hierarchy) => hierarchy.shape(),
+            ByDirections::Seven(hierarchy) => hierarchy.shape(),
+        }
+    }
+}
