@@ -1,13 +1,15 @@
 //! The worked example of CONTRIBUTING.md: it compiles, it gives the right answers, and the text
 //! shows this very file.
 
+mod agreement;
 mod common;
 #[path = "contributing/two_boxes.rs"]
 mod two_boxes;
 
 use accel_core::entry;
 use accel_core::structures::{Buildable, Entry};
-use common::{Random, all_scenes, mismatches, rays_for};
+use agreement::mismatches;
+use common::{Random, all_scenes, rays_for};
 
 static REGISTRY: &[Entry] = &[entry!(two_boxes::TwoBoxes, two_boxes::INFO)];
 

@@ -1,11 +1,13 @@
 //! Every structure of the registry, in every variant, against brute force: same primitive, same
 //! parameter bits, same occlusion, on random and on awkward scenes and rays, in f32 and f64.
 
+mod agreement;
 mod common;
 
 use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
 use accel_core::{Hit, Ray};
-use common::{Random, all_scenes, mismatches, rays_for};
+use agreement::mismatches;
+use common::{Random, all_scenes, rays_for};
 
 fn check<S: Buildable>() {
     let mut wrong = Vec::new();

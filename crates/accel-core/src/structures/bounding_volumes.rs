@@ -76,6 +76,7 @@ pub static INFO: StructureInfo = StructureInfo {
         MAX_CELLS,
     ],
     variants: &["volume=sphere", "volume=slabs group=16"],
+    also_tested: &["", "volume=slabs directions=3", "volume=slabs directions=4 group=8"],
     known_defect: no_defect,
     sampled: true,
 };

@@ -11,7 +11,7 @@
 //! Deviations: nodes stand in arrays, not behind pointers or in a hash table of names; places on
 //! the ray are ray parameters compared with those of the planes, never rounded points, so that
 //! no walk needs an epsilon; a cell that three cuts would not make cheaper stays whole
-//! (`useless-splits`); neighbours are found through a stack of ancestors, not father links; a
+//! (`useless-splits`); a thin axis of the root grows to the longest; neighbours are found through a stack of ancestors, not father links; a
 //! ray from so far away that rounding outgrows the padding of boxes is walked top-down whatever
 //! the setting. `boxes=historical` (with `max-leaf=1 useless-splits=20 order=reverse`) is what
 //! Havran and Sixta (1999) measured: no padding, walks from the ray's origin, and steps of 1e-6
@@ -30,7 +30,7 @@ use crate::mailbox;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
+use crate::scalar::{Scalar, Vec3, Vector};
 use crate::sink::Sink;
 use ray_planes::RayPlanes;
 
@@ -174,6 +174,23 @@ impl<S: Scalar> Cells<S> {
     }
 }
 
+/// A side below this part of the longest one is thin.
+const THIN: f64 = 1.0 / 64.0;
+
+/// The root's box: a thin axis grows upwards to the longest one. Otherwise every cut across it
+/// would put what is flat into both halves, level after level.
+fn without_thin_axes<S: Scalar>(scene: Aabb<S>) -> Aabb<S> {
+    let size = scene.size().to_array();
+    let longest = size[0].greater(size[1]).greater(size[2]);
+    let (lo, mut hi) = (scene.min.to_array(), scene.max.to_array());
+    for k in 0..3 {
+        if size[k] < longest * S::from_f64(THIN) {
+            hi[k] = lo[k] + longest;
+        }
+    }
+    Aabb { min: scene.min, max: Vec3::<S>::from_array(hi) }
+}
+
 impl<S: Scalar> Structure<S> for Octree<S> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
@@ -185,7 +202,7 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         };
         let boxes = BoundsOf::new(prims, rule)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-        let bounds = boxes.scene();
+        let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
         let all: Vec<Aabb<S>> = (0..prims.len() as u32).map(|id| boxes.of(id)).collect();
         let cells = subdivide::cells(&all, bounds, params)?;
         let traversal = match params.text("traversal") {

@@ -11,7 +11,7 @@
 //! The direction-aware variant keeps eight distances a voxel, each to the nearest occupied voxel in
 //! one octant of directions; it is ours, after the paper's remark on directional clouds.
 
-use super::regular_grid::{CellStorage, contents_of, specs, too_many_references};
+use super::regular_grid::{CellStorage, specs, stored};
 use super::uniform_grid::DenseCells;
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::cell_walk::{CellPosition, CellWalk};
@@ -78,10 +78,8 @@ pub struct ProximityClouds<S: Scalar> {
 
 impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let contents = contents_of(prims, params)?;
+        let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
         let frame = contents.frame;
-        let lists = <DenseCells as CellStorage>::build(&contents, params)
-            .map_err(|e| too_many_references(e, params))?;
         let occupied: Vec<bool> = (0..frame.cells()).map(|i| !lists.at(i).is_empty()).collect();
         let metric = match params.text("metric") {
             "city-block" => Metric::CityBlock,
