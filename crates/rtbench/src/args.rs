@@ -63,6 +63,26 @@ pub struct RunArgs {
     /// Overrides a default of a structure: uniform-grid.density=4
     #[arg(long = "set", value_name = "STRUCTURE.PARAM=VALUE")]
     pub overrides: Vec<String>,
+    /// How to measure.
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    /// Write one CSV row a scene, structure and setting
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Write the tables in Markdown
+    #[arg(long, value_name = "FILE")]
+    pub export_markdown: Option<PathBuf>,
+    /// Write everything, raw samples too, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
+    /// Write results.csv, results.md and results.json there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// What all commands that measure have in common.
+#[derive(Debug, Clone, Args)]
+pub struct MeasuringArgs {
     /// Kinds of rays [default: all]
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
@@ -83,7 +103,7 @@ pub struct RunArgs {
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The row that ratios are taken to [default: obvhs-cwbvh, or the first row]
+    /// The row that ratios are taken to [default: obvhs-cwbvh, or the first row there is]
     #[arg(long, value_name = "STRUCTURE")]
     pub reference: Option<String>,
     /// Arithmetic of primitives and rays
@@ -92,18 +112,6 @@ pub struct RunArgs {
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=8192))]
     pub size: Option<u32>,
-    /// Write one CSV row a scene, structure and setting
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
-    /// Write the tables in Markdown
-    #[arg(long, value_name = "FILE")]
-    pub export_markdown: Option<PathBuf>,
-    /// Write everything, raw samples too, as JSON
-    #[arg(long, value_name = "FILE")]
-    pub export_json: Option<PathBuf>,
-    /// Write results.csv, results.md and results.json there
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
 }
 
 /// Arithmetic of primitives and rays.

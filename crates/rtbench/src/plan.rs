@@ -8,7 +8,7 @@ use std::time::Duration;
 use accel_core::params::ParamError;
 use accel_core::structures::Entry;
 
-use crate::args::{Precision, RunArgs};
+use crate::args::{MeasuringArgs, Precision, RunArgs};
 use crate::rows::{self, Row};
 use crate::scene_source::{KnownScene, LoadError, SceneSource};
 use crate::suggest;
@@ -162,7 +162,7 @@ pub struct Plan<'r> {
 }
 
 impl<'r> Plan<'r> {
-    /// Validates the command line.
+    /// Validates the command line of a run.
     ///
     /// # Errors
     /// [`PlanError`] naming what is valid.
@@ -174,7 +174,21 @@ impl<'r> Plan<'r> {
         let default = [DEFAULT_SET.to_owned()];
         let names = if args.scenes.is_empty() { &default } else { args.scenes.as_slice() };
         let mut rows = rows::select(registry, &args.structures, &args.overrides)?;
-        let baseline = baseline(registry, &mut rows, args.reference.as_deref())?;
+        let baseline = baseline(registry, &mut rows, args.measuring.reference.as_deref())?;
+        Self::over(scenes.resolve(names)?, rows, baseline, &args.measuring, registry)
+    }
+
+    /// A plan over those scenes and rows; ratios are taken to the row at the index `baseline`.
+    ///
+    /// # Errors
+    /// [`PlanError`] naming what is valid.
+    pub fn over(
+        scenes: Vec<Box<dyn KnownScene>>,
+        rows: Vec<Row<'r>>,
+        baseline: usize,
+        args: &MeasuringArgs,
+        registry: &'r [Entry],
+    ) -> Result<Self, PlanError> {
         let kinds = kinds(&args.rays)?;
         let at_least = if args.quick { 3 } else { 5 };
         let rounds = match (args.rounds, args.time_budget) {
@@ -190,7 +204,7 @@ impl<'r> Plan<'r> {
             ..RaySettings::default()
         };
         Ok(Self {
-            scenes: scenes.resolve(names)?,
+            scenes,
             answers: answers(registry)?,
             rows,
             baseline,
@@ -213,7 +227,10 @@ const QUICK_SIZE: u32 = 64;
 
 /// Index of the row that ratios are taken to; a row that was asked for and is not there yet is
 /// added.
-fn baseline<'r>(
+///
+/// # Errors
+/// [`PlanError`] naming what is valid.
+pub fn baseline<'r>(
     registry: &'r [Entry],
     rows: &mut Vec<Row<'r>>,
     reference: Option<&str>,

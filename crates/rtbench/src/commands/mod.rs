@@ -1,6 +1,7 @@
 //! The subcommands, one a file.
 
 pub mod list;
+pub mod measuring;
 pub mod render;
 pub mod reproduce;
 pub mod run;

@@ -10,54 +10,57 @@ use crate::error::Error;
 use crate::export::{csv, json, markdown};
 use crate::record::RunRecord;
 
-/// What a file holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Csv,
-    Markdown,
-    Json,
-}
+/// Makes a file's text of what is finished so far.
+type Formatter<'a> = Box<dyn Fn(&RunRecord) -> Result<String, Error> + 'a>;
 
 /// One output file.
-#[derive(Debug)]
-struct Output {
+struct Output<'a> {
     path: PathBuf,
-    format: Format,
+    format: Formatter<'a>,
     /// A pipe or a device: written once, when the run is over.
     stream: Option<File>,
 }
 
 /// All output files of a run.
-#[derive(Debug, Default)]
-pub struct Outputs {
-    outputs: Vec<Output>,
+#[derive(Default)]
+pub struct Outputs<'a> {
+    outputs: Vec<Output<'a>>,
 }
 
-impl Outputs {
-    /// Creates the files that the command line names.
+impl<'a> Outputs<'a> {
+    /// Creates the files that the command line of a run names.
     ///
     /// # Errors
     /// [`Error::Write`] naming the file or folder.
-    pub fn create(args: &RunArgs) -> Result<Self, Error> {
-        let mut named: Vec<(PathBuf, Format)> = Vec::new();
+    pub fn of_run(args: &RunArgs) -> Result<Self, Error> {
+        let mut outputs = Self::default();
         if let Some(folder) = &args.output {
             fs::create_dir_all(folder)
                 .map_err(|source| Error::Write { path: folder.clone(), source })?;
-            named.push((folder.join("results.csv"), Format::Csv));
-            named.push((folder.join("results.md"), Format::Markdown));
-            named.push((folder.join("results.json"), Format::Json));
+            outputs.add(Some(&folder.join("results.csv")), csv::to_string)?;
+            outputs.add(Some(&folder.join("results.md")), |run| Ok(markdown::to_string(run)))?;
+            outputs.add(Some(&folder.join("results.json")), json::to_string)?;
         }
-        let single = [
-            (&args.export_csv, Format::Csv),
-            (&args.export_markdown, Format::Markdown),
-            (&args.export_json, Format::Json),
-        ];
-        named.extend(single.into_iter().filter_map(|(p, f)| Some((p.clone()?, f))));
-        let outputs = named
-            .into_iter()
-            .map(|(path, format)| open(path, format))
-            .collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { outputs })
+        outputs.add(args.export_csv.as_ref(), csv::to_string)?;
+        outputs.add(args.export_markdown.as_ref(), |run| Ok(markdown::to_string(run)))?;
+        outputs.add(args.export_json.as_ref(), json::to_string)?;
+        Ok(outputs)
+    }
+
+    /// Creates one more file, if one is named.
+    ///
+    /// # Errors
+    /// [`Error::Write`] naming the file.
+    pub fn add(
+        &mut self,
+        path: Option<&PathBuf>,
+        format: impl Fn(&RunRecord) -> Result<String, Error> + 'a,
+    ) -> Result<(), Error> {
+        if let Some(path) = path {
+            let stream = open(path)?;
+            self.outputs.push(Output { path: path.clone(), format: Box::new(format), stream });
+        }
+        Ok(())
     }
 
     /// Writes what is finished so far; streams only when the run is `over`.
@@ -66,11 +69,7 @@ impl Outputs {
     /// [`Error::Write`] naming the file, [`Error::Format`].
     pub fn write(&mut self, run: &RunRecord, over: bool) -> Result<(), Error> {
         for output in &mut self.outputs {
-            let text = match output.format {
-                Format::Csv => csv::to_string(run)?,
-                Format::Markdown => markdown::to_string(run),
-                Format::Json => json::to_string(run)?,
-            };
+            let text = (output.format)(run)?;
             let written = match &mut output.stream {
                 None => replace(&output.path, text.as_bytes()),
                 Some(stream) if over => stream.write_all(text.as_bytes()),
@@ -87,12 +86,13 @@ impl Outputs {
     }
 }
 
-fn open(path: PathBuf, format: Format) -> Result<Output, Error> {
-    let error = |source| Error::Write { path: path.clone(), source };
+/// Creates the file; what is no file, but a pipe or a device, stays open.
+fn open(path: &Path) -> Result<Option<File>, Error> {
+    let error = |source| Error::Write { path: path.to_owned(), source };
     let file =
-        OpenOptions::new().create(true).write(true).truncate(false).open(&path).map_err(error)?;
+        OpenOptions::new().create(true).write(true).truncate(false).open(path).map_err(error)?;
     let is_file = file.metadata().map_err(error)?.is_file();
-    Ok(Output { path, format, stream: (!is_file).then_some(file) })
+    Ok((!is_file).then_some(file))
 }
 
 /// Replaces a file's content in one step, so that a killed run never leaves half a file; in place
