@@ -30,6 +30,7 @@ pub mod schedule;
 pub mod statistics;
 mod suggest;
 pub mod summary;
+pub mod sweep;
 
 use std::ffi::OsString;
 use std::io;
@@ -79,6 +80,7 @@ pub fn run(
     };
     let ended = match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color),
+        Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args).map(|()| SUCCESS),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),

@@ -24,13 +24,25 @@ pub fn write_scene(
 /// Those of the writer.
 pub fn write_summary(out: &mut dyn Write, run: &RunRecord, colors: bool) -> io::Result<()> {
     write_table(out, &table::summary_table(run, true), colors)?;
-    for line in GLOSSARY {
+    write_notes(out, GLOSSARY, colors)
+}
+
+/// Prints lines of little weight.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Result<()> {
+    for line in lines {
         writeln!(out, "{}", painted(line, Style::Dim, colors))?;
     }
     Ok(())
 }
 
-fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
+/// Prints a table.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
     let widths: Vec<usize> = (0..table.header.len())
         .map(|c| {
             let cells = table.rows.iter().filter_map(|r| r.get(c)).map(|c| c.text.chars().count());
