@@ -1,6 +1,6 @@
 //! A sweep as a plot: tracing time over the values, rules of thumb beside them.
 
-use crate::export::svg_plot::{Axis, Level, Mark, Plot, Point, Scale, Series, figure};
+use crate::export::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 use crate::record::{RunRecord, SceneRecord, Verdict};
 use crate::statistics::Estimate;
 use crate::sweep::judgement::{Judgement, Standing, costs, judge};
@@ -80,7 +80,7 @@ fn subtitle(scene: &SceneRecord, rays: u64, sweep: &Sweep<'_>, judgements: &[Jud
     }
     let has_equals = judgements.iter().any(|j| j.standing == Some(Standing::NotToldApart));
     if has_equals {
-        text.push_str("; ~best: no difference to the best was measured");
+        text.push_str("; dashed rings: no difference to the best was measured");
     }
     text
 }
@@ -133,17 +133,22 @@ fn vertical(placed: &[Placed<'_>]) -> Scale {
     if fastest > 0.0 && slowest / fastest >= WIDE { Scale::Log } else { Scale::FromZero }
 }
 
-/// A label for what has a mark: the best value, the default, the rules of thumb.
+/// What is pointed out: the best value and those as good, the default, the rules of thumb.
 fn mark(placed: &Placed<'_>) -> Option<Mark> {
-    let Judgement { standing, marks, .. } = placed.judgement;
-    let marks: Vec<&str> = marks.iter().map(String::as_str).filter(|m| *m != "reference").collect();
-    if marks.is_empty() {
-        return None;
-    }
+    let ring = match placed.judgement.standing {
+        Some(Standing::Best) => Ring::Best,
+        Some(Standing::NotToldApart) => Ring::AsGood,
+        Some(Standing::Slower) | None => Ring::None,
+    };
+    let marks = placed.judgement.marks.iter().map(String::as_str);
+    // The dashed ring says the one, the other is a row of its own kind.
+    let marks: Vec<&str> = marks.filter(|m| !["~best", "reference"].contains(m)).collect();
     let mut label = marks.join(", ");
-    if let (true, Some(value)) = (placed.line.is_swept, &placed.line.value) {
+    if let (true, true, Some(value)) = (placed.line.is_swept, !label.is_empty(), &placed.line.value)
+    {
         label = format!("{label}: {value}");
     }
-    let is_best = *standing == Some(Standing::Best);
-    Some(Mark { point: placed.point, label, is_best, is_in_series: placed.line.is_swept })
+    let is_in_series = placed.line.is_swept;
+    let is_marked = !label.is_empty() || ring != Ring::None;
+    is_marked.then_some(Mark { point: placed.point, label, ring, is_in_series })
 }

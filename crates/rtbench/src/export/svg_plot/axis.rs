@@ -89,7 +89,7 @@ fn linear_ticks(low: f64, high: f64) -> Vec<Tick> {
     let rough = (high - low) / TICKS;
     let power = 10.0_f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power);
-    let step = step.into_iter().find(|s| *s >= rough * 0.999).unwrap_or(rough);
+    let step = step.into_iter().find(|s| *s >= 0.8 * rough).unwrap_or(rough);
     let decimals = (-step.log10().floor()).clamp(0.0, 17.0) as usize;
     let (first, last) = ((low / step).ceil(), (high / step).floor());
     if !(step > 0.0 && (last - first).abs() < 100.0) {
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn linear_ticks_are_round() {
-        assert_eq!(labels(&Scale::FromZero, &[1.0, 3.0]), ["0", "1", "2", "3"]);
+        assert_eq!(labels(&Scale::FromZero, &[1.0, 8.0]), ["0", "2", "4", "6", "8"]);
         assert_eq!(
             labels(&Scale::FromZero, &[2.5]),
             ["0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"]

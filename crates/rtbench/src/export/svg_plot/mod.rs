@@ -81,17 +81,28 @@ pub struct Point {
     pub high: f64,
 }
 
-/// A point with a label.
+/// A point that is pointed out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// The point.
     pub point: Point,
-    /// The label.
+    /// The label; may be empty.
     pub label: String,
-    /// Shown as the best.
-    pub is_best: bool,
+    /// The ring around it.
+    pub ring: Ring,
     /// The point is one of a series and drawn with it.
     pub is_in_series: bool,
+}
+
+/// A ring around a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ring {
+    /// None.
+    None,
+    /// Full: the best.
+    Best,
+    /// Dashed: as good as the best.
+    AsGood,
 }
 
 /// A horizontal line.
@@ -144,13 +155,13 @@ mod tests {
                 Mark {
                     point: point(1.0, 2.0),
                     label: "best: 1".into(),
-                    is_best: true,
+                    ring: Ring::Best,
                     is_in_series: true,
                 },
                 Mark {
                     point: point(1.0, 2.5),
                     label: "rule: <woo>".into(),
-                    is_best: false,
+                    ring: Ring::None,
                     is_in_series: false,
                 },
             ],

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::export::svg_plot::axis::Fitted;
 use crate::export::svg_plot::flags::spread;
 use crate::export::svg_plot::xml::escaped;
-use crate::export::svg_plot::{Mark, Plot, Point, Scale, WIDTH};
+use crate::export::svg_plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
 
 /// Room left of the frame, below it, and its height.
 const LEFT: f64 = 78.0;
@@ -186,6 +186,7 @@ impl Canvas {
         let mut flags: Vec<(f64, f64, &Mark)> = plot
             .marks
             .iter()
+            .filter(|mark| !mark.label.is_empty())
             .filter_map(|mark| self.place(&mark.point).map(|(x, y)| (x, y, mark)))
             .collect();
         flags.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -195,7 +196,7 @@ impl Canvas {
             let color = color_of(mark);
             let line = [(x, y), (x, self.top), (place, self.top - BEND)];
             self.path(&line, color, 0.8, " stroke-opacity=\"0.55\"");
-            let font = Font { color, is_bold: mark.is_best, turned: -45.0, ..PLAIN };
+            let font = Font { color, is_bold: mark.ring == Ring::Best, turned: -45.0, ..PLAIN };
             self.text(place + 4.0, self.top - BEND - 3.0, font, &mark.label);
         }
     }
@@ -245,15 +246,22 @@ impl Canvas {
                 self.error_bar(&mark.point, MARK);
                 self.diamond(x, y, MARK);
             }
-            if mark.is_best {
-                let _ = writeln!(
-                    self.out,
-                    "<path d=\"M{:.1} {y:.1}a8 8 0 1 0 16 0a8 8 0 1 0 -16 0z\" fill=\"none\" \
-                     stroke=\"{BEST}\" stroke-width=\"2\"/>",
-                    x - 8.0
-                );
-            }
+            self.ring(x, y, mark.ring);
         }
+    }
+
+    fn ring(&mut self, x: f64, y: f64, ring: Ring) {
+        let style = match ring {
+            Ring::None => return,
+            Ring::Best => "stroke-width=\"2\"",
+            Ring::AsGood => "stroke-width=\"1.2\" stroke-dasharray=\"3 2\"",
+        };
+        let left = x - 8.0;
+        let _ = writeln!(
+            self.out,
+            "<path d=\"M{left:.1} {y:.1}a8 8 0 1 0 16 0a8 8 0 1 0 -16 0z\" fill=\"none\" \
+             stroke=\"{BEST}\" {style}/>"
+        );
     }
 
     fn legend(&mut self, plot: &Plot) {
@@ -272,9 +280,9 @@ impl Canvas {
 }
 
 fn color_of(mark: &Mark) -> &'static str {
-    match (mark.is_best, mark.is_in_series) {
-        (true, _) => BEST,
-        (false, true) => SERIES[0],
-        (false, false) => MARK,
+    match mark.ring {
+        Ring::Best => BEST,
+        _ if mark.is_in_series => SERIES[0],
+        _ => MARK,
     }
 }
