@@ -2,7 +2,8 @@
 //!
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
-//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`].
+//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`]. A [`sweep`] is such a run
+//! whose rows are the values of one parameter.
 
 pub mod args;
 pub mod batches;
