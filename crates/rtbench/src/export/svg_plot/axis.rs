@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(labels(&Scale::FromZero, &[1.0, 8.0]), ["0", "2", "4", "6", "8"]);
         assert_eq!(
             labels(&Scale::FromZero, &[2.5]),
-            ["0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"]
+            ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"]
         );
         assert_eq!(labels(&Scale::Linear, &[-1.0, 1.0]), ["-1.0", "-0.5", "0.0", "0.5", "1.0"]);
         assert_eq!(labels(&Scale::Linear, &[1e7, 3e7]), ["1e7", "1.5e7", "2e7", "2.5e7", "3e7"]);
