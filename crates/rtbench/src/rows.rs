@@ -99,6 +99,9 @@ impl<'r> Row<'r> {
     }
 }
 
+/// Settings as typed: names and values.
+pub type Assignments<'t> = Vec<(&'t str, &'t str)>;
+
 /// Reads `uniform-grid:resolution=woo:density=1`; the settings are not validated.
 ///
 /// # Errors
@@ -106,7 +109,7 @@ impl<'r> Row<'r> {
 pub fn parse_settings<'r, 't>(
     registry: &'r [Entry],
     text: &'t str,
-) -> Result<(&'r Entry, Vec<(&'t str, &'t str)>), PlanError> {
+) -> Result<(&'r Entry, Assignments<'t>), PlanError> {
     let mut parts = text.split([':', ' ']).filter(|p| !p.is_empty());
     let entry = find(registry, parts.next().unwrap_or_default())?;
     let settings = parts.map(|p| assignment(p, text)).collect::<Result<Vec<_>, _>>()?;

@@ -14,7 +14,7 @@ use accel_core::structures::Entry;
 
 use crate::args::SweepArgs;
 use crate::plan::{DEFAULT_BASELINE, Plan, PlanError, baseline};
-use crate::rows::{self, Row};
+use crate::rows::{self, Assignments, Row};
 use crate::scene_source::SceneSource;
 use crate::sweep::values::Range;
 
@@ -150,7 +150,7 @@ struct Swept<'r, 't> {
     entry: &'r Entry,
     parameter: &'static ParamSpec,
     /// Of the other parameters.
-    settings: Vec<(&'t str, &'t str)>,
+    settings: Assignments<'t>,
 }
 
 impl<'r, 't> Swept<'r, 't> {

@@ -4,6 +4,8 @@ use accel_core::params::{ParamKind, ParamSpec};
 use accel_core::resolution::ResolutionRule;
 use accel_core::structures::Entry;
 
+use crate::rows::Assignments;
+
 /// The rules that are formulas for N voxels: they are measured at one voxel per primitive. The
 /// others know their density, or have the structure's default.
 const ONE_PER_PRIMITIVE: [&str; 3] = ["regular", "woo", "heterogeneous"];
@@ -17,7 +19,7 @@ pub fn apply_to(entry: &Entry, parameter: &ParamSpec) -> bool {
 
 /// Each rule with its settings, over settings of other parameters. The rule `density` is the
 /// structure's default and stands there as such.
-pub fn settings<'t>(others: &[(&'t str, &'t str)]) -> Vec<(&'static str, Vec<(&'t str, &'t str)>)> {
+pub fn settings<'t>(others: &[(&'t str, &'t str)]) -> Vec<(&'static str, Assignments<'t>)> {
     let others = others.iter().copied().filter(|(n, _)| !["resolution", "density"].contains(n));
     let of = |rule: &'static str| {
         let density = ONE_PER_PRIMITIVE.contains(&rule).then_some(("density", "1"));
