@@ -40,6 +40,7 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
     let mut swept: Vec<Point> =
         placed.iter().filter(|p| p.line.is_swept).map(|p| p.point).collect();
     swept.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let reference_level = has_ratios.then(|| Level { y: 1.0, label: format!("{reference} = 1") });
     Plot {
         title: format!("{}: {} of {}", scene.name, sweep.parameter.name, settings.trim_end()),
         subtitle: subtitle(scene, rays, sweep, &judgements),
@@ -57,12 +58,20 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
             is_joined: sweep.abscissa != Abscissa::Words,
         }],
         marks: placed.iter().filter_map(mark).collect(),
-        marks_name: "for comparison: default and rules of thumb".to_owned(),
-        levels: match has_ratios {
-            true => vec![Level { y: 1.0, label: format!("{reference} = 1") }],
-            false => Vec::new(),
+        marks_name: match sweep.abscissa {
+            Abscissa::CellsPerPrimitive => "for comparison: default and rules of thumb".to_owned(),
+            Abscissa::Number { .. } | Abscissa::Words => "for comparison: default".to_owned(),
         },
+        levels: reference_level.into_iter().chain(default_level(sweep, &placed)).collect(),
     }
+}
+
+/// The default as a level where its value has no place: 0 on a logarithmic axis.
+fn default_level(sweep: &Sweep<'_>, placed: &[Placed<'_>]) -> Option<Level> {
+    let is_log = sweep.abscissa == Abscissa::Number { is_log: true };
+    let default = placed.iter().find(|p| is_log && p.line.is_default && p.point.x <= 0.0)?;
+    let value = default.line.value.as_deref().unwrap_or_default();
+    Some(Level { y: default.point.y, label: format!("default: {value}") })
 }
 
 fn subtitle(scene: &SceneRecord, rays: u64, sweep: &Sweep<'_>, judgements: &[Judgement]) -> String {

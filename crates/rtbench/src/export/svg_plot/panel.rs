@@ -272,7 +272,8 @@ impl Canvas {
             self.text(x + 12.0, y, PLAIN, &series.name);
             x += 44.0 + series.name.chars().count() as f64 * LETTER;
         }
-        if plot.marks.iter().any(|m| !m.is_in_series) {
+        let is_drawn = |m: &Mark| !m.is_in_series && self.place(&m.point).is_some();
+        if plot.marks.iter().any(is_drawn) {
             self.diamond(x, y - 4.0, MARK);
             self.text(x + 12.0, y, PLAIN, &plot.marks_name);
         }
