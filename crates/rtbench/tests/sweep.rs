@@ -239,7 +239,7 @@ fn a_wrong_value_is_shown_as_wrong_and_never_best() {
 }
 
 #[test]
-fn without_a_reference_that_is_right_no_value_is_best() {
+fn a_wrong_reference_leaves_times_per_ray_to_compare() {
     let ended = run_with(
         WRONG_ONLY,
         &Installed,
