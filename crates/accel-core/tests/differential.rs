@@ -18,7 +18,7 @@ fn mismatches<S: Buildable>(name: &str, prims: PrimsRef<S>, rays: &[Ray<S>]) -> 
     oracle.occlusions(rays, &mut expected_blocked);
     let mut wrong = Vec::new();
     for entry in REGISTRY {
-        for variant in entry.info.variants {
+        for variant in entry.info.variants.iter().chain(entry.info.also_tested) {
             let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
             let params = entry.params(settings).unwrap();
             if (entry.info.known_defect)(&params).is_some() {

@@ -268,9 +268,23 @@ pub struct SceneNames {
 /// `rtbench reproduce`.
 #[derive(Debug, Clone, Args)]
 pub struct ReproduceArgs {
-    /// The publication
-    #[arg(value_enum)]
+    /// The publication.
+    #[command(subcommand)]
     pub publication: Publication,
+}
+
+/// What can be reproduced.
+#[derive(Debug, Clone, Subcommand)]
+pub enum Publication {
+    /// Havran and Sixta, Comparison of Hierarchical Grids, 1999, and Havran's octrees: all counters
+    Havran1999(HavranArgs),
+    /// Zachmann's lecture, 2007: build and run times as ratios, who won then and who wins now
+    Zachmann2007(ZachmannArgs),
+}
+
+/// `rtbench reproduce havran1999`.
+#[derive(Debug, Clone, Args)]
+pub struct HavranArgs {
     /// Scenes [default: all that the publication has]
     #[arg(long, value_name = "SCENE", value_delimiter = ',')]
     pub scenes: Vec<String>,
@@ -285,10 +299,16 @@ pub struct ReproduceArgs {
     pub strict: bool,
 }
 
-/// What can be reproduced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Publication {
-    /// Havran and Sixta, Comparison of Hierarchical Grids, 1999
-    #[value(name = "havran1999")]
-    Havran1999,
+/// `rtbench reproduce zachmann2007`.
+#[derive(Debug, Clone, Args)]
+pub struct ZachmannArgs {
+    /// Scenes [default: all seven of the lecture]
+    #[arg(long, value_name = "SCENE", value_delimiter = ',')]
+    pub scenes: Vec<String>,
+    /// How to measure; ratios are always taken to the lecture's uniform D=1.
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    /// Write one CSV row a scene and structure
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
 }

@@ -85,6 +85,7 @@ pub fn check<S: Buildable>(scope: &Scope<'_, '_, S>, row: &Row<'_>) -> Result<Ch
             traversal_steps: work.traversal_steps,
             elementary_steps: work.elementary_steps,
             empty_elementary_steps: work.empty_elementary_steps,
+            tests_saved: work.tests_saved,
         },
         checked_rays,
         mismatches,
@@ -198,6 +199,7 @@ fn shape<S: Buildable>(tracer: &dyn Tracer<S>) -> ShapeRecord {
         n_oiv: shape.references,
         resolution: shape.resolution,
         memory_bytes: shape.bytes,
+        pending_cells: shape.pending_cells,
     }
 }
 

@@ -99,7 +99,10 @@ impl Error {
             }
             Self::Plan(_) => USAGE,
             Self::Reproduce(
-                ReproduceError::UnknownScene(_) | ReproduceError::UnknownStructure(_),
+                ReproduceError::UnknownScene(_)
+                | ReproduceError::UnknownStructure(_)
+                | ReproduceError::NotInLecture(_)
+                | ReproduceError::FixedReference(_),
             ) => USAGE,
             _ => FAILURE,
         }

@@ -185,6 +185,9 @@ pub struct ShapeRecord {
     pub resolution: Option<[u32; 3]>,
     /// Bytes of the structure.
     pub memory_bytes: u64,
+    /// Structures that build on demand: cells that no ray of the counting pass had divided.
+    #[serde(default)]
+    pub pending_cells: Option<u64>,
 }
 
 /// Work of all counted rays together.
@@ -200,9 +203,18 @@ pub struct WorkRecord {
     pub elementary_steps: u64,
     /// N_EETS: empty elementary steps.
     pub empty_elementary_steps: u64,
+    /// Tests that a mailbox spared.
+    #[serde(default)]
+    pub tests_saved: u64,
 }
 
 impl WorkRecord {
+    /// The part of all tests that a mailbox spared; none where it spared none.
+    pub fn saved_part(&self) -> Option<f64> {
+        let all = self.tests_saved + self.intersection_tests;
+        (self.tests_saved > 0).then(|| self.tests_saved as f64 / all as f64)
+    }
+
     /// N_IT, N_TS, N_ETS, N_EETS per ray.
     pub fn per_ray(&self) -> [f64; 4] {
         let rays = self.rays.max(1) as f64;
@@ -289,6 +301,11 @@ impl RowRecord {
     /// Structure and settings.
     pub fn label(&self) -> String {
         format!("{} {}", self.structure, self.settings).trim_end().to_owned()
+    }
+
+    /// Seconds from the primitives to the first whole image: the build and the image.
+    pub fn first_image_s(&self) -> Option<f64> {
+        Some(self.build_s?.median + self.render_s?)
     }
 }
 

@@ -85,6 +85,31 @@ pub fn geometric_mean(values: &[f64]) -> Option<f64> {
     Some((values.iter().map(|v| v.ln()).sum::<f64>() / values.len() as f64).exp())
 }
 
+/// Spearman's rank correlation of pairs, equal values sharing their mean rank; none with fewer
+/// than three pairs or where one side is all equal.
+pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
+    if pairs.len() < 3 {
+        return None;
+    }
+    let (x, y): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
+    let (x, y) = (ranks(&x), ranks(&y));
+    let mean = (pairs.len() as f64 + 1.0) / 2.0;
+    let product =
+        |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
+    let spread = (product(&x, &x) * product(&y, &y)).sqrt();
+    (spread > 0.0).then(|| product(&x, &y) / spread)
+}
+
+/// Ranks from 1; equal values get the mean of theirs.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let rank = |v: &f64| {
+        let below = values.iter().filter(|o| *o < v).count() as f64;
+        let equal = values.iter().filter(|o| *o == v).count() as f64;
+        below + (equal + 1.0) / 2.0
+    };
+    values.iter().map(rank).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,5 +168,16 @@ mod tests {
     fn groups_are_joined_by_the_geometric_mean() {
         let e = geometric_mean_of_medians(&[&[1.0, 1.0], &[4.0, 4.0]], 1).unwrap();
         assert!((e.median - 2.0).abs() < 1e-12 && (e.low - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rank_correlations() {
+        let of =
+            |y: [f64; 4]| rank_correlation(&[(1.0, y[0]), (2.0, y[1]), (3.0, y[2]), (4.0, y[3])]);
+        assert_eq!(of([1.0, 20.0, 21.0, 500.0]), Some(1.0));
+        assert_eq!(of([4.0, 3.0, 2.0, 1.0]), Some(-1.0));
+        assert!((of([1.0, 1.0, 3.0, 2.0]).unwrap() - 0.737_864_8).abs() < 1e-6);
+        assert_eq!(of([1.0; 4]), None);
+        assert_eq!(rank_correlation(&[(1.0, 1.0), (2.0, 2.0)]), None);
     }
 }

@@ -203,6 +203,7 @@ static PLANTED_INFO: accel_core::structures::StructureInfo =
             kind: accel_core::params::ParamKind::Integer { min: 0, max: 9 },
         }],
         variants: &[""],
+        also_tested: &[],
         known_defect: accel_core::structures::no_defect,
         sampled: false,
     };

@@ -68,8 +68,9 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, 
 }
 
 /// The shadow ray of Havran and Sixta's (1999) recursive grid: every primitive stops it, glass
-/// too. A hit within the current cell ends the query at once; a farther one is kept, and ends the
-/// walk when its cell is reached. Only used for counting.
+/// too. A hit within the current cell ends the query at once. A farther one is kept and ends the
+/// walk in its cell, after all of that cell's list: found again, it is no new hit. Only used for
+/// counting.
 pub struct HistoricalCellShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
     prims: &'a P,
     ray: &'a Ray<S>,
@@ -106,7 +107,9 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalCellShadow<'_,
     fn test_in_cell(&mut self, ids: &[u32], t_exit: S) -> ControlFlow<()> {
         for &id in ids {
             count!(self.counters.intersection_tests(1));
-            if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t) {
+            if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
+                && t < self.best.t
+            {
                 self.best = Hit { t, id };
                 if t <= t_exit {
                     return ControlFlow::Break(());

@@ -23,6 +23,7 @@ use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::aabb::Aabb;
 use crate::cell_lists::ListOrder;
 use crate::clustering::agglomerate::{MergeRule, agglomerate, surface};
+use crate::mailbox;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -97,8 +98,11 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "536870912",
             kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
         },
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "m=0.1", "orphan-grid=on m=0.1"],
+    variants: &[""],
+    also_tested: &["m=0.1", "orphan-grid=on m=0.1", "mailbox=hash"],
     known_defect: no_defect,
     sampled: false,
 };

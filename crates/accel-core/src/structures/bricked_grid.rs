@@ -52,7 +52,13 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "density=20", "block-bytes=4 macro-block-bytes=4", "traversal=driving-axis"],
+    variants: &[""],
+    also_tested: &[
+        "density=20",
+        "block-bytes=4 macro-block-bytes=4",
+        "traversal=driving-axis",
+        "mailbox=hash",
+    ],
     known_defect: no_defect,
     sampled: false,
 };

@@ -15,6 +15,7 @@ pub static INFO: StructureInfo = StructureInfo {
     deviations: "none",
     params: &[],
     variants: &[""],
+    also_tested: &[],
     known_defect: no_defect,
     sampled: true,
 };

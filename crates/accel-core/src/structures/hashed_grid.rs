@@ -52,7 +52,8 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "density=20", "load-factor=0.9", "traversal=driving-axis"],
+    variants: &[""],
+    also_tested: &["density=20", "load-factor=0.9", "traversal=driving-axis", "mailbox=array"],
     known_defect: no_defect,
     sampled: false,
 };

@@ -20,6 +20,7 @@ use crate::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
 use crate::cell_lists::ListOrder;
 use crate::clustering::box_tree::{BoxTree, Nearness};
 use crate::clustering::components::components;
+use crate::mailbox;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -77,8 +78,11 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "536870912",
             kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
         },
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "size-classes=2", "size-classes=4"],
+    variants: &[""],
+    also_tested: &["size-classes=2", "size-classes=4", "mailbox=primitive"],
     known_defect: no_defect,
     sampled: false,
 };

@@ -20,6 +20,7 @@ use super::octree::ray_planes::RayPlanes;
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::mailbox;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -85,8 +86,16 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "268435456",
             kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
         },
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "max-leaf=4 traversal-cost=2", "empty-bonus=0", "exact-below=1024"],
+    variants: &[""],
+    also_tested: &[
+        "max-leaf=4 traversal-cost=2",
+        "empty-bonus=0",
+        "exact-below=1024",
+        "mailbox=hash",
+    ],
     known_defect: no_defect,
     sampled: false,
 };

@@ -137,6 +137,8 @@ pub struct StructureInfo {
     pub params: &'static [ParamSpec],
     /// The settings that a run over "all structures" measures, each as `name=value ...`.
     pub variants: &'static [&'static str],
+    /// Further settings that only the tests go through, written likewise.
+    pub also_tested: &'static [&'static str],
     /// A defect that these settings keep on purpose (a library as shipped): its wrong hits are
     /// shown but are not a failure of this harness.
     pub known_defect: fn(&Params) -> Option<&'static str>,

@@ -13,7 +13,7 @@ use obvhs::fast_stack;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 
 use super::obvhs_adapter::{
-    BoxRay, Groups, PARAMS, VARIANTS, build_params, is_robust, items, known_defect,
+    ALSO_TESTED, BoxRay, Groups, PARAMS, VARIANTS, build_params, is_robust, items, known_defect,
 };
 use super::{BuildError, Shape, Structure, StructureInfo};
 use crate::params::Params;
@@ -30,6 +30,7 @@ pub static INFO: StructureInfo = StructureInfo {
     deviations: "library code; our primitive tests, our robust ray setup",
     params: PARAMS,
     variants: VARIANTS,
+    also_tested: ALSO_TESTED,
     known_defect,
     sampled: false,
 };

@@ -10,7 +10,7 @@ use glam::UVec2;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 
 use super::obvhs_adapter::{
-    BoxRay, Groups, PARAMS, VARIANTS, build_params, is_robust, items, known_defect,
+    ALSO_TESTED, BoxRay, Groups, PARAMS, VARIANTS, build_params, is_robust, items, known_defect,
 };
 use super::{BuildError, Shape, Structure, StructureInfo};
 use crate::params::Params;
@@ -27,6 +27,7 @@ pub static INFO: StructureInfo = StructureInfo {
     deviations: "library code; our primitive tests, our robust ray setup",
     params: PARAMS,
     variants: VARIANTS,
+    also_tested: ALSO_TESTED,
     known_defect,
     sampled: false,
 };

@@ -26,6 +26,7 @@ mod top_down;
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::mailbox;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -98,13 +99,15 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "268435456",
             kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
         },
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
     ],
-    variants: &[
-        "",
+    variants: &["", "subdivision=adaptive"],
+    also_tested: &[
         "traversal=neighbour",
         "traversal=point-location",
-        "subdivision=adaptive",
         "subdivision=adaptive traversal=point-location",
+        "mailbox=array",
     ],
     known_defect: no_defect,
     sampled: false,

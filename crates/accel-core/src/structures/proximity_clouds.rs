@@ -52,12 +52,13 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &[
+    variants: &["density=20"],
+    also_tested: &[
         "",
-        "density=20",
         "metric=city-block density=20",
         "metric=euclidean density=20",
         "directions=octants density=20",
+        "mailbox=array",
     ],
     known_defect: no_defect,
     sampled: false,

@@ -104,7 +104,14 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "max-depth=2", "max-depth=3", "resolution=cube-root", "build=lazy"],
+    variants: &["", "build=lazy"],
+    also_tested: &[
+        "max-depth=2",
+        "max-depth=3",
+        "resolution=cube-root",
+        "mailbox=array",
+        "build=lazy mailbox=hash",
+    ],
     known_defect: no_defect,
     sampled: false,
 };

@@ -4,11 +4,11 @@ use csv::Writer;
 
 use crate::error::Error;
 use crate::export::{numbers, table};
-use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict};
+use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict, WorkRecord};
 use crate::statistics::Estimate;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 31] = [
+pub const COLUMNS: [&str; 34] = [
     "scene",
     "primitives",
     "structure",
@@ -22,8 +22,10 @@ pub const COLUMNS: [&str; 31] = [
     "n_ts",
     "n_ets",
     "n_eets",
+    "saved_part",
     "rays",
     "memory_bytes",
+    "pending_cells",
     "build_s",
     "build_s_low",
     "build_s_high",
@@ -31,6 +33,7 @@ pub const COLUMNS: [&str; 31] = [
     "trace_s_low",
     "trace_s_high",
     "render_s",
+    "first_image_s",
     "ratio_to_reference",
     "ratio_low",
     "ratio_high",
@@ -78,11 +81,15 @@ pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
         Some(work) => fields.extend(work.per_ray().map(|n| format!("{n:.6}"))),
         None => fields.extend(blanks(4)),
     }
+    fields.push(number(row.work.as_ref().and_then(WorkRecord::saved_part)));
     fields.push(row.rays.to_string());
     fields.push(row.shape.as_ref().map(|s| s.memory_bytes.to_string()).unwrap_or_default());
+    let pending = row.shape.as_ref().and_then(|s| s.pending_cells);
+    fields.push(pending.map(|n| n.to_string()).unwrap_or_default());
     fields.extend(estimate(row.build_s));
     fields.extend(estimate(row.trace_s));
     fields.push(number(row.render_s));
+    fields.push(number(row.first_image_s()));
     fields.extend(estimate(row.ratio));
     fields.extend(table::rates(row).map(number));
     let judged = row.verdict != Verdict::NotBuilt;

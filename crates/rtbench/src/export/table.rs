@@ -198,6 +198,8 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
     notes.extend(oracle.refused.iter().map(|r| format!("Refused as reference: {r}")));
     for row in &scene.rows {
         let label = row.label();
+        notes.extend(saved_note(row));
+        notes.extend(on_demand_note(row));
         let reasons = [&row.error, &row.example, &row.known_defect];
         match row.verdict {
             Verdict::Ok => {}
@@ -211,6 +213,22 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
         }
     }
     notes
+}
+
+/// What a mailbox was good for.
+fn saved_note(row: &RowRecord) -> Option<String> {
+    let part = row.work.as_ref()?.saved_part()?;
+    Some(format!("{}: the mailbox spared {:.1}% of the tests", row.label(), part * 100.0))
+}
+
+/// What a structure that builds on demand never built, and when its first image was done.
+fn on_demand_note(row: &RowRecord) -> Option<String> {
+    let pending = row.shape.as_ref()?.pending_cells?;
+    let first = match row.first_image_s() {
+        Some(s) => format!("; first image {} ms after the start", numbers::milliseconds(s)),
+        None => String::new(),
+    };
+    Some(format!("{}: {pending} cells were never asked to divide{first}", row.label()))
 }
 
 /// The summary over all scenes.

@@ -38,7 +38,7 @@ pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Res
     Ok(())
 }
 
-/// Prints a table.
+/// Prints any table.
 ///
 /// # Errors
 /// Those of the writer.

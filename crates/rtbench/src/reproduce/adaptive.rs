@@ -2,7 +2,7 @@
 
 use accel_core::counters::NoCounters;
 use accel_core::params::Params;
-use accel_core::primitives::MixedSet;
+use accel_core::primitives::PrimSet;
 use accel_core::sink::{ClosestHit, HistoricalShadow};
 use accel_core::structures::adaptive_grid::AdaptiveGrid;
 use accel_core::structures::{PrimsRef, Structure};
@@ -35,14 +35,14 @@ pub(super) fn counters(
     let params = registered("adaptive-grid")?.params(settings(setting.params)?)?;
     match scene.geometry.prims() {
         PrimsRef::Mixed(prims) => count_over(scene, prims, &params),
-        // scenes of 1999 are of mixed primitives
-        _ => Err(ReproduceError::Missing("mixed primitives")),
+        PrimsRef::Watertight(prims) => count_over(scene, prims, &params),
+        PrimsRef::MoellerTrumbore(prims) => count_over(scene, prims, &params),
     }
 }
 
-fn count_over(
+fn count_over<P: PrimSet<f64>>(
     scene: &PublishedScene,
-    prims: &MixedSet<f64>,
+    prims: &P,
     params: &Params,
 ) -> Result<Counted, ReproduceError> {
     let grid = AdaptiveGrid::<f64>::build(prims, params)?;

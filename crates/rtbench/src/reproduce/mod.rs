@@ -5,7 +5,9 @@
 //! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
 
 mod adaptive;
+mod best;
 mod hug;
+pub mod lecture;
 mod octrees;
 pub mod published;
 mod recursive;
@@ -18,6 +20,7 @@ use accel_core::Hit;
 use accel_core::structures::{BuildError, Entry, Shape, find};
 use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::{counters::WorkCounters, params::ParamError};
+use rayon::prelude::*;
 use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;
 use scene_loading::procedural::{SpecError, generate_as_printed};
@@ -58,6 +61,12 @@ pub enum ReproduceError {
     /// No such scene in the paper.
     #[error("the paper has no scene '{0}' that we have; it has {valid}", valid = SCENES.join(", "))]
     UnknownScene(String),
+    /// No such scene in the lecture.
+    #[error("the lecture has no scene '{0}'; it has {valid}", valid = lecture::SCENES.join(", "))]
+    NotInLecture(String),
+    /// The lecture's ratios have one reference.
+    #[error("--reference: ratios of the lecture are taken to {0}")]
+    FixedReference(&'static str),
     /// No such structure among those reproduced.
     #[error("no published figures for structure '{0}'; there are {valid}", valid = structures().join(", "))]
     UnknownStructure(String),
@@ -98,6 +107,7 @@ static STRUCTURES: &[(&str, Count)] = &[
     ("hug", hug::counters),
     ("adaptive", adaptive::counters),
     ("adaptive-orphan", adaptive::counters),
+    ("best", best::counters),
     (octrees::COLUMNS[0], octrees::counters),
     (octrees::COLUMNS[1], octrees::counters),
     (octrees::COLUMNS[2], octrees::counters),
@@ -114,6 +124,7 @@ pub fn structures() -> Vec<&'static str> {
 struct Setting<'f> {
     structure: &'static str,
     params: &'f str,
+    scene: &'f str,
     figures: BTreeMap<&'f str, &'f str>,
 }
 
@@ -232,18 +243,21 @@ pub fn reproduce_scene(
     figures: &[Figure],
 ) -> Result<Vec<Row>, ReproduceError> {
     let published = PublishedScene::new(scene)?;
-    let mut rows = Vec::new();
+    let mut settings = Vec::new();
     for (structure, count) in STRUCTURES.iter().filter(|(name, _)| structures.contains(name)) {
         for (params, figures) in table(figures, structure, scene) {
-            let setting = Setting { structure, params, figures };
-            rows.extend(compare(&setting, scene, &count(&published, &setting)?));
+            settings.push((count, Setting { structure, params, scene, figures }));
         }
     }
-    Ok(rows)
+    let rows = settings
+        .par_iter()
+        .map(|(count, setting)| Ok(compare(setting, &count(&published, setting)?)))
+        .collect::<Result<Vec<_>, ReproduceError>>()?;
+    Ok(rows.concat())
 }
 
-fn compare(setting: &Setting, scene: &str, ours: &Counted) -> Vec<Row> {
-    let (structure, params) = (setting.structure, setting.params);
+fn compare(setting: &Setting, ours: &Counted) -> Vec<Row> {
+    let Setting { structure, params, scene, .. } = *setting;
     ours.iter()
         .filter_map(|&(counter, ours)| {
             let text = setting.figures.get(counter)?;

@@ -63,7 +63,10 @@ struct KnownReason {
 
 const CELLS: &[&str] = &["N_IN", "N_V", "N_EV", "N_OIV"];
 const STEPS: &[&str] = &["N_TS", "N_ETS", "N_EETS"];
+const ALL: &[&str] = &["N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"];
 const CONE_BOX: &str = "the original's box of cones and cylinders is not known";
+const GLASS: &str = "the original's rule for shadow rays that meet glass is not fully known";
+const EQUAL_COSTS: &str = "cuts of equal cost; the original's rounding there is not known";
 
 static KNOWN: &[KnownReason] = &[
     KnownReason {
@@ -80,18 +83,27 @@ static KNOWN: &[KnownReason] = &[
     },
     KnownReason { of: ["recursive", "", "rings"], counters: CELLS, up_to: 0.04, why: CONE_BOX },
     KnownReason { of: ["recursive", "", "tree"], counters: CELLS, up_to: 0.04, why: CONE_BOX },
+    KnownReason { of: ["recursive", "", "gears"], counters: STEPS, up_to: 0.04, why: GLASS },
+    KnownReason { of: ["recursive", "", "gears"], counters: &["N_IT"], up_to: 0.06, why: GLASS },
+    KnownReason { of: ["Octree84-C", "", "gears"], counters: &["N_IT"], up_to: 0.03, why: GLASS },
+    KnownReason { of: ["Octree89-C", "", "gears"], counters: &["N_IT"], up_to: 0.03, why: GLASS },
+    KnownReason { of: ["Octree84-A", "", "lattice"], counters: ALL, up_to: 0.4, why: EQUAL_COSTS },
     KnownReason {
-        of: ["recursive", "", "gears"],
-        counters: STEPS,
-        up_to: 0.04,
-        why: "the original's rule for shadow rays that meet glass is not fully known",
+        of: ["Octree93-A", "", "lattice"],
+        counters: CELLS,
+        up_to: 0.4,
+        why: EQUAL_COSTS,
     },
-    KnownReason {
-        of: ["recursive", "", "gears"],
-        counters: &["N_IT"],
-        up_to: 0.06,
-        why: "the original's rule for shadow rays that meet glass is not fully known",
-    },
+    KnownReason { of: ["Octree84-A", "", "tetra"], counters: ALL, up_to: 0.25, why: EQUAL_COSTS },
+    KnownReason { of: ["Octree84-A", "", ""], counters: ALL, up_to: 0.08, why: EQUAL_COSTS },
+    KnownReason { of: ["Octree93-A", "", ""], counters: CELLS, up_to: 0.09, why: EQUAL_COSTS },
+    KnownReason { of: ["Octree", "", "lattice"], counters: CELLS, up_to: 0.08, why: CONE_BOX },
+    KnownReason { of: ["Octree", "", "rings"], counters: CELLS, up_to: 0.04, why: CONE_BOX },
+    KnownReason { of: ["Octree84-C", "", "rings"], counters: STEPS, up_to: 0.03, why: CONE_BOX },
+    KnownReason { of: ["Octree89-C", "", "rings"], counters: STEPS, up_to: 0.03, why: CONE_BOX },
+    KnownReason { of: ["Octree", "", "tree"], counters: CELLS, up_to: 0.04, why: CONE_BOX },
+    KnownReason { of: ["Octree84-C", "", "tree"], counters: &["N_IT"], up_to: 0.04, why: CONE_BOX },
+    KnownReason { of: ["Octree89-C", "", "tree"], counters: &["N_IT"], up_to: 0.04, why: CONE_BOX },
 ];
 
 /// Judges one figure. `published` is the text as printed, which tells its number of decimals.

@@ -47,6 +47,7 @@ const INFO: StructureInfo = StructureInfo {
     deviations: "none",
     params: &[],
     variants: &[""],
+    also_tested: &[],
     known_defect: no_defect,
     sampled: false,
 };

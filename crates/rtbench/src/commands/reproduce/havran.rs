@@ -1,11 +1,12 @@
-//! `rtbench reproduce`: published figures beside ours.
+//! `rtbench reproduce havran1999`: counters, published and ours.
 
 use std::fs::File;
 use std::io::Write;
 
 use rayon::prelude::*;
 
-use crate::args::{Publication, ReproduceArgs};
+use super::chosen;
+use crate::args::HavranArgs;
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use crate::reproduce::published::{SCENES, figures};
@@ -17,8 +18,7 @@ use crate::reproduce::{ReproduceError, Row, reproduce_scene, structures};
 ///
 /// # Errors
 /// [`Error`] for unknown names, unwritable files and scenes that cannot be traced.
-pub fn run(context: &mut Context<'_>, args: &ReproduceArgs) -> Result<u8, Error> {
-    let Publication::Havran1999 = args.publication;
+pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     let scenes = chosen(&args.scenes, &SCENES, ReproduceError::UnknownScene)?;
     let structures = chosen(&args.structures, &structures(), ReproduceError::UnknownStructure)?;
     let mut file = match &args.export_csv {
@@ -43,22 +43,6 @@ pub fn run(context: &mut Context<'_>, args: &ReproduceArgs) -> Result<u8, Error>
     }
     let unexplained = rows.iter().any(|r| r.verdict == Verdict::Unexplained);
     Ok(if args.strict && unexplained { FAILURE } else { SUCCESS })
-}
-
-/// The names asked for, in the paper's order; all when none is.
-fn chosen(
-    asked: &[String],
-    valid: &[&'static str],
-    unknown: fn(String) -> ReproduceError,
-) -> Result<Vec<&'static str>, Error> {
-    if let Some(name) = asked.iter().find(|name| !valid.contains(&name.as_str())) {
-        return Err(unknown(name.clone()).into());
-    }
-    Ok(valid
-        .iter()
-        .copied()
-        .filter(|v| asked.is_empty() || asked.iter().any(|name| name == v))
-        .collect())
 }
 
 fn write_table(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {

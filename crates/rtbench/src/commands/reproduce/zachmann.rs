@@ -1,0 +1,143 @@
+//! `rtbench reproduce zachmann2007`: the lecture's two tables as ratios, then and now.
+
+use super::chosen;
+use crate::args::{MeasuringArgs, ZachmannArgs};
+use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::context::Context;
+use crate::error::Error;
+use crate::export::files::Outputs;
+use crate::export::numbers;
+use crate::export::table::{Cell, Style, Table};
+use crate::export::text::write_table;
+use crate::plan::Plan;
+use crate::record::{RunRecord, Verdict};
+use crate::reproduce::ReproduceError;
+use crate::reproduce::lecture::{
+    Comparison, Line, MODERN, Published, Ratios, SCENES, STRUCTURES, published,
+};
+use crate::rows::Row;
+use renderer::RayKind;
+
+/// Measures the lecture's structures, prints a table a scene and all verdicts at the end.
+///
+/// # Errors
+/// [`Error`] for unknown names, unwritable files and scenes that cannot be measured.
+pub fn run(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> {
+    let scenes = chosen(&args.scenes, &SCENES, ReproduceError::NotInLecture)?;
+    let plan = plan(context, &args.measuring, &scenes)?;
+    let published = published().map_err(ReproduceError::from)?;
+    let mut outputs = Outputs::default();
+    outputs.add(args.export_csv.as_ref(), |run| csv_text(&comparisons(run, &published)))?;
+    let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
+        warn_of(context, scene);
+        write_table(context.out, &table(&Comparison::new(scene, &published)), false)?;
+        Ok(context.out.flush()?)
+    })?;
+    for comparison in comparisons(&measured.record, &published) {
+        writeln!(context.out, "{}", comparison.sentence())?;
+    }
+    Ok(exit_code(&measured))
+}
+
+/// The lecture's structures and the modern one, on the kinds of rays that the lecture's images
+/// needed unless others are asked for.
+fn plan<'r>(
+    context: &Context<'r>,
+    args: &MeasuringArgs,
+    scenes: &[&str],
+) -> Result<Plan<'r>, Error> {
+    if args.reference.is_some() {
+        return Err(ReproduceError::FixedReference(STRUCTURES[0].0).into());
+    }
+    let mut args = args.clone();
+    if args.rays.is_empty() {
+        let kinds = RayKind::ALL.into_iter().filter(|k| *k != RayKind::Diffuse);
+        args.rays = kinds.map(|k| k.name().to_owned()).collect();
+    }
+    let names: Vec<String> = scenes.iter().map(|&s| s.to_owned()).collect();
+    let rows = STRUCTURES
+        .iter()
+        .map(|(_, row)| *row)
+        .chain([MODERN])
+        .map(|row| Row::parse(context.registry, row))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(Plan::over(context.scenes.resolve(&names)?, rows, 0, &args, context.registry)?)
+}
+
+fn comparisons(run: &RunRecord, published: &[Published]) -> Vec<Comparison> {
+    run.scenes.iter().map(|scene| Comparison::new(scene, published)).collect()
+}
+
+fn table(comparison: &Comparison) -> Table {
+    let header =
+        vec!["lecture", "build then", "build now [95%]", "run then", "run now [95%]", "ours"];
+    let rows = comparison.lines.iter().map(|line| {
+        let mut cells: Vec<Cell> = vec![line.lecture.unwrap_or("-").to_owned().into()];
+        for ratios in [line.build, line.run] {
+            cells.push(ratios.then.map_or("-".to_owned(), numbers::short).into());
+            cells.push(now_cell(line, ratios));
+        }
+        cells.push(line.ours.clone().into());
+        cells
+    });
+    let correlation = |of: fn(&Line) -> Ratios| {
+        comparison.correlation(of).map_or("-".to_owned(), |r| format!("{r:.2}"))
+    };
+    Table {
+        title: format!("{}: times divided by those of uniform D=1", comparison.scene),
+        header,
+        rows: rows.collect(),
+        notes: vec![format!(
+            "Rank correlation of then and now: build {}, run {}.",
+            correlation(|l| l.build),
+            correlation(|l| l.run)
+        )],
+    }
+}
+
+fn now_cell(line: &Line, ratios: Ratios) -> Cell {
+    match (line.verdict, ratios.now) {
+        (Verdict::Ok, Some(now)) => numbers::ratio(&now).into(),
+        (Verdict::Ok, None) => "-".to_owned().into(),
+        (bad, _) => Cell { text: bad.name().into(), style: Style::Bad },
+    }
+}
+
+fn csv_text(comparisons: &[Comparison]) -> Result<String, Error> {
+    let format = |message: String| Error::Format { format: "CSV", message };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let header = [
+        "scene",
+        "lecture",
+        "ours",
+        "verdict",
+        "build_then",
+        "build_now",
+        "build_low",
+        "build_high",
+        "run_then",
+        "run_now",
+        "run_low",
+        "run_high",
+    ];
+    writer.write_record(header).map_err(|e| format(e.to_string()))?;
+    for comparison in comparisons {
+        for line in &comparison.lines {
+            let mut fields = vec![
+                comparison.scene.clone(),
+                line.lecture.unwrap_or_default().to_owned(),
+                line.ours.clone(),
+                line.verdict.name().to_owned(),
+            ];
+            for ratios in [line.build, line.run] {
+                let now = ratios.now;
+                let all =
+                    [ratios.then, now.map(|e| e.median), now.map(|e| e.low), now.map(|e| e.high)];
+                fields.extend(all.map(|x| x.map(|x| format!("{x:.6}")).unwrap_or_default()));
+            }
+            writer.write_record(fields).map_err(|e| format(e.to_string()))?;
+        }
+    }
+    let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
+    String::from_utf8(bytes).map_err(|e| format(e.to_string()))
+}
