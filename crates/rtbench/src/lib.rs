@@ -2,7 +2,8 @@
 //!
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
-//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`].
+//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`]. A [`sweep`] is such a run
+//! whose rows are the values of one parameter.
 
 pub mod args;
 pub mod batches;
@@ -30,6 +31,7 @@ pub mod schedule;
 pub mod statistics;
 mod suggest;
 pub mod summary;
+pub mod sweep;
 
 use std::ffi::OsString;
 use std::io;
@@ -79,6 +81,7 @@ pub fn run(
     };
     let ended = match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color),
+        Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args).map(|()| SUCCESS),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),

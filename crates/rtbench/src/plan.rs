@@ -12,6 +12,7 @@ use crate::args::{MeasuringArgs, Precision, RunArgs};
 use crate::rows::{self, Row};
 use crate::scene_source::{KnownScene, LoadError, SceneSource};
 use crate::suggest;
+use crate::sweep::SweepError;
 use renderer::{RayKind, RaySettings};
 
 /// The set that runs when no scene is named.
@@ -71,6 +72,9 @@ pub enum PlanError {
     /// There are no structures at all.
     #[error("there are no structures to measure")]
     NoRows,
+    /// Nothing that can be swept.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
     /// No such scene or set.
     #[error(transparent)]
     Scene(#[from] LoadError),

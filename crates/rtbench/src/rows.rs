@@ -1,6 +1,6 @@
 //! Which structures with which settings: the rows of the tables.
 
-use accel_core::params::{ParamError, Params};
+use accel_core::params::{ParamError, ParamSpec, Params};
 use accel_core::structures::Entry;
 
 use crate::plan::PlanError;
@@ -61,6 +61,14 @@ impl<'r> Row<'r> {
         Self::with(entry, &[], &[])
     }
 
+    /// The structure with these settings, later ones before earlier ones.
+    ///
+    /// # Errors
+    /// [`PlanError::Param`] naming what is valid.
+    pub fn of(entry: &'r Entry, settings: &[(&str, &str)]) -> Result<Self, PlanError> {
+        Self::with(entry, &[], settings)
+    }
+
     fn with(
         entry: &'r Entry,
         overrides: &[Override<'r, '_>],
@@ -86,11 +94,26 @@ impl<'r> Row<'r> {
         text: &str,
         overrides: &[Override<'r, '_>],
     ) -> Result<Self, PlanError> {
-        let mut parts = text.split([':', ' ']).filter(|p| !p.is_empty());
-        let entry = find(registry, parts.next().unwrap_or_default())?;
-        let settings = parts.map(|p| assignment(p, text)).collect::<Result<Vec<_>, _>>()?;
+        let (entry, settings) = parse_settings(registry, text)?;
         Self::with(entry, overrides, &settings)
     }
+}
+
+/// Settings as typed: names and values.
+pub type Assignments<'t> = Vec<(&'t str, &'t str)>;
+
+/// Reads `uniform-grid:resolution=woo:density=1`; the settings are not validated.
+///
+/// # Errors
+/// [`PlanError`] naming the structures there are, or the form.
+pub fn parse_settings<'r, 't>(
+    registry: &'r [Entry],
+    text: &'t str,
+) -> Result<(&'r Entry, Assignments<'t>), PlanError> {
+    let mut parts = text.split([':', ' ']).filter(|p| !p.is_empty());
+    let entry = find(registry, parts.next().unwrap_or_default())?;
+    let settings = parts.map(|p| assignment(p, text)).collect::<Result<Vec<_>, _>>()?;
+    Ok((entry, settings))
 }
 
 /// `--set structure.name=value`.
@@ -184,6 +207,19 @@ pub fn find<'r>(registry: &'r [Entry], name: &str) -> Result<&'r Entry, PlanErro
             name: name.to_owned(),
             valid: names.join(", "),
         }
+    })
+}
+
+/// The parameter of that name.
+///
+/// # Errors
+/// [`PlanError::Param`] naming those there are.
+pub fn find_param(entry: &Entry, name: &str) -> Result<&'static ParamSpec, PlanError> {
+    let params = entry.info.params;
+    params.iter().find(|p| p.name == name).ok_or_else(|| {
+        let valid = params.iter().map(|p| p.name).collect();
+        let structure = entry.info.name;
+        param_error(ParamError::Unknown { structure, name: name.to_owned(), valid }, entry)
     })
 }
 

@@ -6,3 +6,4 @@ pub mod render;
 pub mod reproduce;
 pub mod run;
 pub mod scenes;
+pub mod sweep;

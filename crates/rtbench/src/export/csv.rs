@@ -62,7 +62,8 @@ pub fn to_string(run: &RunRecord) -> Result<String, Error> {
     String::from_utf8(bytes).map_err(|e| format(e.to_string()))
 }
 
-fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
+/// The fields of a row, one for each of [`COLUMNS`].
+pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
     let mut fields = vec![
         scene.name.clone(),
         scene.primitives.to_string(),
@@ -101,7 +102,8 @@ fn blanks(n: usize) -> impl Iterator<Item = String> {
     std::iter::repeat_n(String::new(), n)
 }
 
-fn number(x: Option<f64>) -> String {
+/// A number as the columns have it; empty when there is none.
+pub fn number(x: Option<f64>) -> String {
     x.map(|x| format!("{x:.9}")).unwrap_or_default()
 }
 

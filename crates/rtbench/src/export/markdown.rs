@@ -7,18 +7,25 @@ use crate::record::RunRecord;
 
 /// The whole run: where and how it was measured, a table a scene, the summary, the symbols.
 pub fn to_string(run: &RunRecord) -> String {
-    let mut text = String::from("# rtbench results\n\n");
+    let mut tables: Vec<Table> =
+        run.scenes.iter().map(|scene| table::scene_table(run, scene, false)).collect();
+    if !run.summary.is_empty() {
+        tables.push(table::summary_table(run, false));
+    }
+    document("rtbench results", run, &tables, GLOSSARY)
+}
+
+/// Where and how a run was measured, tables, and what their symbols mean.
+pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str]) -> String {
+    let mut text = format!("# {title}\n\n");
     for line in facts(run) {
         let _ = writeln!(text, "- {line}");
     }
     text.push('\n');
-    for scene in &run.scenes {
-        push_table(&mut text, &table::scene_table(run, scene, false));
+    for table in tables {
+        push_table(&mut text, table);
     }
-    if !run.summary.is_empty() {
-        push_table(&mut text, &table::summary_table(run, false));
-    }
-    for line in GLOSSARY {
+    for line in glossary {
         let _ = writeln!(text, "{line}\n");
     }
     text

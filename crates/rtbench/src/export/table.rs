@@ -82,7 +82,8 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
     Table { title: scene_title(scene), header, rows, notes: scene_notes(scene) }
 }
 
-const RATES: [&str; 4] = ["primary", "shadow", "second.", "diffuse"];
+/// Column heads of [`rates`].
+pub const RATES: [&str; 4] = ["primary", "shadow", "second.", "diffuse"];
 
 /// Millions of rays a second: primary, shadow, secondary, diffuse.
 pub fn rates(row: &RowRecord) -> [Option<f64>; 4] {

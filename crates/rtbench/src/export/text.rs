@@ -24,7 +24,15 @@ pub fn write_scene(
 /// Those of the writer.
 pub fn write_summary(out: &mut dyn Write, run: &RunRecord, colors: bool) -> io::Result<()> {
     write_table(out, &table::summary_table(run, true), colors)?;
-    for line in GLOSSARY {
+    write_notes(out, GLOSSARY, colors)
+}
+
+/// Prints lines of little weight.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Result<()> {
+    for line in lines {
         writeln!(out, "{}", painted(line, Style::Dim, colors))?;
     }
     Ok(())

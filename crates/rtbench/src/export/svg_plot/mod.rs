@@ -1,0 +1,240 @@
+//! Plots as SVG, without a plotting library: curves with error bars, labelled marks, linear,
+//! logarithmic and word axes. The same plots always give the same text.
+//!
+//! (The library that is in our dependency tree, `plotters` 0.3.7, has no marks with labels that
+//! keep clear of each other, and saw its last release in 2024.)
+
+mod axis;
+mod flags;
+mod panel;
+mod xml;
+
+use std::fmt::Write;
+
+/// Width of a figure, in pixels.
+const WIDTH: f64 = 900.0;
+
+/// A panel of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    /// Above it, large.
+    pub title: String,
+    /// Below the title, small.
+    pub subtitle: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Curves.
+    pub series: Vec<Series>,
+    /// Points with labels.
+    pub marks: Vec<Mark>,
+    /// What marks that belong to no series are, for the legend.
+    pub marks_name: String,
+    /// Horizontal lines to compare with.
+    pub levels: Vec<Level>,
+}
+
+/// An axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What it shows, with its unit.
+    pub label: String,
+    /// How it shows it.
+    pub scale: Scale,
+}
+
+/// How an axis maps numbers to places. Its ends follow from what is plotted.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scale {
+    /// Equal differences, equal lengths.
+    Linear,
+    /// The same, from zero.
+    FromZero,
+    /// Equal ratios, equal lengths; what is not above zero has no place.
+    Log,
+    /// Words at 0, 1, 2...
+    Words(Vec<String>),
+}
+
+/// A curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// For the legend.
+    pub name: String,
+    /// Its points, in the order in which they are joined.
+    pub points: Vec<Point>,
+    /// Lines between the points.
+    pub is_joined: bool,
+}
+
+/// A point with an error bar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Place on the horizontal axis.
+    pub x: f64,
+    /// Place on the vertical axis.
+    pub y: f64,
+    /// Lower end of the error bar.
+    pub low: f64,
+    /// Upper end of the error bar.
+    pub high: f64,
+}
+
+/// A point that is pointed out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// The point.
+    pub point: Point,
+    /// The label; may be empty.
+    pub label: String,
+    /// The ring around it.
+    pub ring: Ring,
+    /// The point is one of a series and drawn with it.
+    pub is_in_series: bool,
+}
+
+/// A ring around a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ring {
+    /// None.
+    None,
+    /// Full: the best.
+    Best,
+    /// Dashed: as good as the best.
+    AsGood,
+}
+
+/// A horizontal line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Place on the vertical axis.
+    pub y: f64,
+    /// The label.
+    pub label: String,
+}
+
+/// The plots, one below the other.
+pub fn figure(plots: &[Plot]) -> String {
+    let mut body = String::new();
+    let mut top = 0.0;
+    for plot in plots {
+        let drawn = panel::draw(plot);
+        let _ = write!(body, "<g transform=\"translate(0 {top:.1})\">\n{}</g>\n", drawn.elements);
+        top += drawn.height;
+    }
+    let height = f64::max(top, 1.0);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH:.0}\" height=\"{height:.0}\" \
+         viewBox=\"0 0 {WIDTH:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\">\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(x: f64, y: f64) -> Point {
+        Point { x, y, low: 0.9 * y, high: 1.1 * y }
+    }
+
+    fn plot(x: Scale, y: Scale) -> Plot {
+        let axis = |label: &str, scale| Axis { label: label.into(), scale };
+        Plot {
+            title: "a < b & \"c\" > 'd' \u{1}".into(),
+            subtitle: "all of it".into(),
+            x: axis("cells", x),
+            y: axis("time (s)", y),
+            series: vec![Series {
+                name: "values".into(),
+                points: vec![point(0.0, 3.0), point(1.0, 2.0), point(2.0, 4.0)],
+                is_joined: true,
+            }],
+            marks: vec![
+                Mark {
+                    point: point(1.0, 2.0),
+                    label: "best: 1".into(),
+                    ring: Ring::Best,
+                    is_in_series: true,
+                },
+                Mark {
+                    point: point(1.0, 2.5),
+                    label: "rule: <woo>".into(),
+                    ring: Ring::None,
+                    is_in_series: false,
+                },
+            ],
+            marks_name: "rules of thumb".into(),
+            levels: vec![Level { y: 1.0, label: "reference = 1".into() }],
+        }
+    }
+
+    /// The texts of a figure, which must be well-formed.
+    fn texts(svg: &str) -> Vec<String> {
+        let tree = roxmltree::Document::parse(svg).expect("well-formed XML");
+        let texts = tree.descendants().filter(|n| n.has_tag_name("text"));
+        texts.map(|n| n.text().unwrap_or_default().to_owned()).collect()
+    }
+
+    #[test]
+    fn texts_are_escaped_and_all_there() {
+        let svg = figure(&[plot(Scale::Linear, Scale::FromZero)]);
+        let texts = texts(&svg);
+        for text in [
+            "a < b & \"c\" > 'd' \u{fffd}",
+            "all of it",
+            "cells",
+            "time (s)",
+            "values",
+            "best: 1",
+            "rule: <woo>",
+            "rules of thumb",
+            "reference = 1",
+        ] {
+            assert!(texts.iter().any(|t| t == text), "{text}: {texts:?}");
+        }
+    }
+
+    #[test]
+    fn words_stand_at_their_places() {
+        let words = ["none", "array", "hash"].map(String::from).to_vec();
+        let texts = texts(&figure(&[plot(Scale::Words(words), Scale::Log)]));
+        for word in ["none", "array", "hash"] {
+            assert!(texts.iter().any(|t| t == word), "{texts:?}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_place_is_left_out() {
+        let svg = figure(&[plot(Scale::Log, Scale::Log)]);
+        let tree = roxmltree::Document::parse(&svg).unwrap();
+        let circles = tree.descendants().filter(|n| n.has_tag_name("circle")).count();
+        assert_eq!(circles, 2 + 1, "not the point at x = 0; one in the legend");
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn odd_numbers_and_nothing_at_all_can_be_drawn() {
+        for scale in [Scale::Linear, Scale::FromZero, Scale::Log, Scale::Words(Vec::new())] {
+            let mut odd = plot(scale.clone(), scale.clone());
+            for p in &mut odd.series[0].points {
+                *p = Point { x: f64::NAN, y: f64::INFINITY, low: -1.0, high: f64::MAX };
+            }
+            let mut none = plot(scale.clone(), scale);
+            none.series.clear();
+            none.marks.clear();
+            none.levels.clear();
+            let svg = figure(&[odd, none]);
+            texts(&svg);
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        }
+        texts(&figure(&[]));
+    }
+
+    #[test]
+    fn the_same_plots_give_the_same_text() {
+        let one = || figure(&[plot(Scale::Linear, Scale::Log), plot(Scale::Log, Scale::Linear)]);
+        assert_eq!(one(), one());
+    }
+}
