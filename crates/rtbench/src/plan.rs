@@ -227,7 +227,7 @@ impl<'r> Plan<'r> {
 /// Width and height of the image of a full run.
 const DEFAULT_SIZE: u32 = 128;
 /// Width and height of the image of a quick run.
-const QUICK_SIZE: u32 = 64;
+const QUICK_SIZE: u32 = 48;
 
 /// Index of the row that ratios are taken to; a row that was asked for and is not there yet is
 /// added.

@@ -77,7 +77,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "exact-clusters",
             summary: "up to this many clusters the best of all pairs is merged, beyond it locally",
-            default: "4096",
+            default: "256",
             kind: ParamKind::Integer { min: 2, max: 1 << 16 },
         },
         ParamSpec {
@@ -102,7 +102,7 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
-    also_tested: &["m=0.1", "orphan-grid=on m=0.1", "mailbox=hash"],
+    also_tested: &["exact-clusters=4096", "m=0.1", "orphan-grid=on m=0.1", "mailbox=hash"],
     known_defect: no_defect,
     sampled: false,
 };

@@ -48,8 +48,13 @@ pub static INFO: StructureInfo = StructureInfo {
         },
         MAX_CELLS,
     ],
-    variants: &["", "leaf-size=4 branching=4"],
-    also_tested: &["directions=3", "directions=4 branching=8", "leaf-size=16"],
+    variants: &[""],
+    also_tested: &[
+        "leaf-size=4 branching=4",
+        "directions=3",
+        "directions=4 branching=8",
+        "leaf-size=16",
+    ],
     known_defect: no_defect,
     sampled: false,
 };

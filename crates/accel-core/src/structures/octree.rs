@@ -102,8 +102,9 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "subdivision=adaptive"],
+    variants: &[""],
     also_tested: &[
+        "subdivision=adaptive",
         "traversal=neighbour",
         "traversal=point-location",
         "subdivision=adaptive traversal=point-location",
