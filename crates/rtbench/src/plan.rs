@@ -117,9 +117,9 @@ impl Limits {
         if quick {
             Self {
                 sampled_pass: 0.01,
-                timed_pass: 0.04,
-                render_pass: 0.04,
-                checked_pass: 0.5,
+                timed_pass: 0.03,
+                render_pass: 0.03,
+                checked_pass: 0.3,
                 oracle_rays: 128,
                 oracle_tests: 50_000_000,
             }

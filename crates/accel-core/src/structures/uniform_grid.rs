@@ -38,7 +38,6 @@ pub static INFO: StructureInfo = StructureInfo {
     ],
     variants: &[
         "",
-        "resolution=woo density=1",
         "resolution=heterogeneous density=1",
         "resolution=heterogeneous density=20",
         "resolution=auto",
@@ -46,6 +45,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "mailbox=hash",
     ],
     also_tested: &[
+        "resolution=woo density=1",
         "resolution=regular density=1",
         "resolution=average-edge",
         "resolution=cubic",
