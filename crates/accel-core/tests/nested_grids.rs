@@ -206,15 +206,3 @@ fn limits_are_typed_errors() {
         }
     }
 }
-
-#[test]
-#[ignore = "takes a minute without optimisation"]
-fn a_million_triangles_build() {
-    let set = triangles::<f32>(&field(708, 1.0, |x, z| (9.0 * x).sin() * (8.0 * z).cos()));
-    for name in ["hug", "adaptive-grid"] {
-        let entry = find(name).unwrap();
-        let start = std::time::Instant::now();
-        let tracer = entry.build(PrimsRef::Watertight(&set), &entry.params([]).unwrap()).unwrap();
-        eprintln!("{name}: {:?} in {:?}", tracer.shape(), start.elapsed());
-    }
-}
