@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let entry = find(&name).ok_or("no such structure")?;
     let tracer = entry.build(geometry.prims(), &entry.params([])?)?;
     let settings = RaySettings { resolution: [96, 96], ..RaySettings::default() };
-    let batch = generate_rays(&scene, &geometry, tracer.as_ref(), &settings);
+    let batch = generate_rays(&scene, tracer.as_ref(), &settings);
     println!("{name}: {} rays, {} answers", batch.total(), timed_pass(tracer.as_ref(), &batch));
     Ok(())
 }

@@ -6,7 +6,6 @@ use accel_core::tracer::Tracer;
 use rayon::prelude::*;
 use scene_loading::Scene;
 
-use crate::geometry::Geometry;
 use crate::tracers::whitted::{Row, Whitted};
 
 /// What a ray is for.
@@ -121,11 +120,10 @@ impl<S: Buildable> RayBatches<S> {
 /// the rays do not depend on the number of threads.
 pub fn generate_rays<S: Buildable>(
     scene: &Scene,
-    geometry: &Geometry<S>,
     tracer: &dyn Tracer<S>,
     settings: &RaySettings,
 ) -> RayBatches<S> {
-    let whitted = Whitted::new(scene, geometry, settings);
+    let whitted = Whitted::new::<S>(scene, settings);
     let rows: Vec<Row<S>> =
         (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
     let mut all = RayBatches::default();

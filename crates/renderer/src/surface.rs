@@ -1,5 +1,6 @@
 //! What a hit point looks like: normals, and the directions of reflected and refracted rays.
 
+use accel_core::primitives::newell_normal;
 use glam::DVec3;
 use scene_loading::{Material, Scene, Shape};
 
@@ -90,10 +91,7 @@ impl<'a> Surfaces<'a> {
 
 fn newell(scene: &Scene, shape: Shape) -> DVec3 {
     let Shape::Polygon { first, count } = shape else { return DVec3::ZERO };
-    let v = &scene.vertices[first as usize..][..count as usize];
-    let sum: DVec3 =
-        v.iter().zip(v.iter().cycle().skip(1)).map(|(&p, &q)| (p - v[0]).cross(q - v[0])).sum();
-    sum.normalize_or_zero()
+    newell_normal(&scene.vertices[first as usize..][..count as usize])
 }
 
 /// Mirror direction of `d` at a surface with unit normal `n` (either side).

@@ -223,7 +223,7 @@ fn render_once<S: Buildable>(scope: &Scope<'_, '_, S>, row: &Row<'_>) -> Option<
     scope.pools.measured.install(|| {
         let tracer = row.entry.build(stage.geometry.prims(), &row.params).ok()?;
         let start = scope.clock.now();
-        let image = render(stage.scene, stage.geometry, &*tracer, &scope.plan.settings);
+        let image = render(stage.scene, &*tracer, &scope.plan.settings);
         let seconds = scope.clock.seconds_since(start);
         std::hint::black_box(image);
         Some(seconds)

@@ -78,7 +78,7 @@ impl<S: Buildable> Stage<'_, S> {
         plan: &Plan<'_>,
     ) -> Result<(Reference<S>, Option<String>), BuildError> {
         let tracer = row.entry.build(self.geometry.prims(), &row.params)?;
-        let rays = generate_rays(self.scene, self.geometry, &*tracer, &plan.settings);
+        let rays = generate_rays(self.scene, &*tracer, &plan.settings);
         let answers = answer(&rays, &plan.kinds, &*tracer);
         let mut record = OracleRecord::default();
         let mut example = None;

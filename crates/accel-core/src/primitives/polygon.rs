@@ -126,9 +126,9 @@ fn encloses_axis<S: Scalar>(outline: &[[S; 3]], shear: &Shear<S>) -> bool {
 }
 
 /// The unit normal by Newell's method (sum of cross products); zero when there is no area.
-pub(super) fn newell_normal(vertices: &[glam::DVec3]) -> glam::DVec3 {
-    let origin = vertices[0];
+pub fn newell_normal(vertices: &[glam::DVec3]) -> glam::DVec3 {
     let mut normal = glam::DVec3::ZERO;
+    let Some(&origin) = vertices.first() else { return normal };
     for (i, &p) in vertices.iter().enumerate() {
         let q = vertices[(i + 1) % vertices.len()];
         normal += (p - origin).cross(q - origin);

@@ -16,7 +16,6 @@ use scene_loading::{Light, Rgb, Scene};
 
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
-use crate::geometry::Geometry;
 use crate::rays::{RayBatches, RayKind, RaySettings};
 use crate::surface::{SurfacePoint, Surfaces, reflect, refract};
 
@@ -59,12 +58,8 @@ struct Shadow {
 }
 
 impl<'a> Whitted<'a> {
-    /// Prepares tracing in the precision of `geometry`.
-    pub fn new<S: Buildable>(
-        scene: &'a Scene,
-        _geometry: &Geometry<S>,
-        settings: &RaySettings,
-    ) -> Self {
+    /// Prepares tracing in the precision `S`.
+    pub fn new<S: Buildable>(scene: &'a Scene, settings: &RaySettings) -> Self {
         let sampling =
             if settings.historical { Sampling::PixelCorners } else { Sampling::PixelCentres };
         let bounds = scene.bounds();
@@ -278,12 +273,11 @@ fn uniform(state: &mut u64) -> f64 {
 /// threads and any right structure.
 pub fn render<S: Buildable>(
     scene: &Scene,
-    geometry: &Geometry<S>,
     tracer: &dyn Tracer<S>,
     settings: &RaySettings,
 ) -> Image {
     let settings = RaySettings { diffuse: false, ..*settings };
-    let whitted = Whitted::new(scene, geometry, &settings);
+    let whitted = Whitted::new::<S>(scene, &settings);
     let rows: Vec<Vec<Rgb>> =
         (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y).colors).collect();
     let [width, height] = whitted.eye.grid();

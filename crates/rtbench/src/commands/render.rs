@@ -54,7 +54,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<(), Error> {
     let image = pool(threads)?
         .install(|| {
             let tracer = row.entry.build(geometry.prims(), &row.params)?;
-            Ok(render(&loaded.scene, &geometry, &*tracer, &settings))
+            Ok(render(&loaded.scene, &*tracer, &settings))
         })
         .map_err(|source| Error::Build { scene: name.to_owned(), source })?;
     image

@@ -158,7 +158,7 @@ impl PublishedScene {
             // any right structure gives the same rays; a fast one is taken
             let entry = registered("uniform-grid")?;
             let tracer = entry.build(geometry.prims(), &entry.params([("density", "8")])?)?;
-            generate_rays(&scene, &geometry, tracer.as_ref(), &RaySettings::published())
+            generate_rays(&scene, tracer.as_ref(), &RaySettings::published())
         };
         Ok(Self { geometry, rays, lights: scene.lights.len() })
     }
