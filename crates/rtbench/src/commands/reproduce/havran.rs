@@ -3,8 +3,6 @@
 use std::fs::File;
 use std::io::Write;
 
-use rayon::prelude::*;
-
 use super::chosen;
 use crate::args::HavranArgs;
 use crate::context::Context;
@@ -13,8 +11,8 @@ use crate::reproduce::published::{SCENES, figures};
 use crate::reproduce::verdict::Verdict;
 use crate::reproduce::{ReproduceError, Row, reproduce_scene, structures};
 
-/// Reproduces, prints a line a figure and the sums; with `--strict` an unexplained difference is a
-/// failure.
+/// Reproduces scene after scene, prints a line a figure as soon as a scene is done, and the sums;
+/// with `--strict` an unexplained difference is a failure.
 ///
 /// # Errors
 /// [`Error`] for unknown names, unwritable files and scenes that cannot be traced.
@@ -29,13 +27,16 @@ pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
         None => None,
     };
     let figures = figures().map_err(ReproduceError::from)?;
-    let rows: Vec<Row> = scenes
-        .par_iter()
-        .map(|scene| reproduce_scene(scene, &structures, &figures))
-        .collect::<Result<Vec<_>, _>>()?
-        .concat();
-    write_table(context.out, &rows)?;
-    context.out.flush()?;
+    let mut rows = Vec::new();
+    write_header(context.out)?;
+    for scene in scenes {
+        context.say(format_args!("{scene}: counting"));
+        let of_scene = reproduce_scene(scene, &structures, &figures)?;
+        write_rows(context.out, &of_scene)?;
+        context.out.flush()?;
+        rows.extend(of_scene);
+    }
+    write_sums(context.out, &rows)?;
     if let Some((path, file)) = &mut file {
         let text = csv_text(&rows)?;
         file.write_all(text.as_bytes())
@@ -45,17 +46,20 @@ pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     Ok(if args.strict && unexplained { FAILURE } else { SUCCESS })
 }
 
-fn write_table(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
+fn write_header(out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(
         out,
-        "{:<8} {:<11} {:<12} {:<15} {:>11} {:>13} {:>7}  verdict",
+        "{:<8} {:<15} {:<17} {:<15} {:>11} {:>13} {:>8}  verdict",
         "scene", "structure", "params", "counter", "published", "ours", "ratio"
-    )?;
+    )
+}
+
+fn write_rows(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
     for row in rows {
         let decimals = if row.ours.fract() == 0.0 { 0 } else { 3 };
         writeln!(
             out,
-            "{:<8} {:<11} {:<12} {:<15} {:>11} {:>13.decimals$} {:>7.4}  {}",
+            "{:<8} {:<15} {:<17} {:<15} {:>11} {:>13.decimals$} {:>8.4}  {}",
             row.scene,
             row.structure,
             row.params,
@@ -66,6 +70,10 @@ fn write_table(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
             row.verdict
         )?;
     }
+    Ok(())
+}
+
+fn write_sums(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
     let count = |of: fn(&Verdict) -> bool| rows.iter().filter(|r| of(&r.verdict)).count();
     writeln!(
         out,
