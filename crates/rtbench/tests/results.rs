@@ -5,15 +5,16 @@ mod common;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use common::{Folder, PLANTED, row, run_stepping, run_with};
+use accel_core::structures::REGISTRY;
+use common::{Ended, Folder, PLANTED, row, run_stepping, run_with};
 use rtbench::clock::SystemClock;
 use rtbench::record::SCHEMA_VERSION;
 use rtbench::scene_source::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};
 
 const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
-    n_ts,n_ets,n_eets,rays,memory_bytes,build_s,build_s_low,build_s_high,trace_s,trace_s_low,\
-    trace_s_high,render_s,ratio_to_reference,ratio_low,ratio_high,primary_mrays,shadow_mrays,\
-    secondary_mrays,diffuse_mrays,mismatches,verdict";
+    n_ts,n_ets,n_eets,saved_part,rays,memory_bytes,pending_cells,build_s,build_s_low,build_s_high,\
+    trace_s,trace_s_low,trace_s_high,render_s,first_image_s,ratio_to_reference,ratio_low,\
+    ratio_high,primary_mrays,shadow_mrays,secondary_mrays,diffuse_mrays,mismatches,verdict";
 
 #[test]
 fn the_csv_has_exactly_these_columns_and_a_row_for_each_scene_structure_and_setting() {
@@ -40,6 +41,49 @@ fn the_csv_has_exactly_these_columns_and_a_row_for_each_scene_structure_and_sett
     let cwbvh = &rows[2];
     assert_eq!(cwbvh["ratio_to_reference"].parse::<f64>(), Ok(1.0));
     assert!(folder.text("results.md").contains("| uniform-grid density=1 |"));
+}
+
+/// Over the real registry alone.
+fn run_real(arguments: &str) -> Ended {
+    run_with(REGISTRY, &Installed, &SystemClock::default(), arguments)
+}
+
+#[test]
+fn mailboxes_and_building_on_demand_are_reported() {
+    let folder = Folder::new();
+    let ended = run_real(&format!(
+        "run tetra:4 --size 24 -s uniform-grid:density=8:mailbox=hash,recursive-grid:build=lazy -o {}",
+        folder.path()
+    ));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let rows = folder.csv();
+    let number = |row: usize, column: &str| rows[row][column].parse::<f64>();
+    assert!(number(0, "saved_part").is_ok_and(|x| x > 0.0 && x < 1.0));
+    assert_eq!(rows[0]["pending_cells"], "");
+    assert!(number(1, "pending_cells").is_ok() && number(1, "first_image_s").is_ok());
+    assert_eq!(rows[1]["saved_part"], "");
+    assert!(ended.out.contains("uniform-grid density=8 mailbox=hash: the mailbox spared"));
+    assert!(ended.out.contains("recursive-grid build=lazy:") && ended.out.contains("first image"));
+}
+
+#[test]
+fn the_lecture_is_put_beside_today() {
+    let folder = Folder::new();
+    let file = format!("{}/lecture.csv", folder.path());
+    let ended = run_real(&format!(
+        "reproduce zachmann2007 --scenes tetra --quick --size 16 --export-csv {file}"
+    ));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.out.contains("tetra: then uniform D=20.0 won, 1.44 times"), "{}", ended.out);
+    let text = folder.text("lecture.csv");
+    assert_eq!(text.lines().count(), 7);
+    assert!(text.contains("tetra,recursive,recursive-grid,ok,3.615385,"), "{text}");
+    for refused in ["--scenes lattice", "--reference hug", "--structures hug"] {
+        let ended = run_real(&format!("reproduce zachmann2007 {refused}"));
+        assert_eq!(ended.code, 2, "{refused}: {}", ended.err);
+    }
+    let ended = run_real("reproduce havran1999 --scenes tetra --structures hugs");
+    assert!(ended.code == 2 && ended.err.contains("Octree84-C"), "{}", ended.err);
 }
 
 #[test]
