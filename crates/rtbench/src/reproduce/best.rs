@@ -1,22 +1,14 @@
 //! The table of the best setting of each structure. It repeats figures of the other tables (one
 //! was left out there, one printed differently), so the setting is the one that it repeats.
 
-use super::published::{Figure, figures, table};
-use super::{Count, Counted, PublishedScene, ReproduceError, STRUCTURES, Setting};
+use super::published::{Figure, table};
+use super::{Count, STRUCTURES, Setting};
 
-/// The counters of the setting that is repeated.
-pub(super) fn counters(
-    scene: &PublishedScene,
-    setting: &Setting,
-) -> Result<Counted, ReproduceError> {
-    let all = figures()?;
-    let (count, repeated) = repeated(&all, setting)
-        .ok_or_else(|| ReproduceError::UnknownSetting(format!("best {}", setting.params)))?;
-    count(scene, &repeated)
-}
+/// The name of the table.
+pub(super) const TABLE: &str = "best";
 
-/// The setting with the most figures in common; all but one must be.
-fn repeated<'f>(all: &'f [Figure], best: &Setting<'f>) -> Option<(Count, Setting<'f>)> {
+/// The setting with the most figures in common, and how it is counted; all but one must be.
+pub(super) fn repeated<'f>(all: &'f [Figure], best: &Setting<'f>) -> Option<(Count, Setting<'f>)> {
     let name = best.params.split_whitespace().next()?;
     let mut candidates = Vec::new();
     for (structure, count) in STRUCTURES.iter().filter(|s| s.0.starts_with(name)) {
@@ -33,15 +25,15 @@ fn repeated<'f>(all: &'f [Figure], best: &Setting<'f>) -> Option<(Count, Setting
 
 #[cfg(test)]
 mod tests {
-    use super::super::published::SCENES;
+    use super::super::published::{SCENES, figures};
     use super::*;
 
     #[test]
     fn every_best_setting_is_found_in_its_own_table() {
         let all = figures().unwrap();
         for scene in SCENES {
-            for (params, figures) in table(&all, "best", scene) {
-                let mut best = Setting { structure: "best", params, scene, figures };
+            for (params, figures) in table(&all, TABLE, scene) {
+                let mut best = Setting { structure: TABLE, params, scene, figures };
                 assert!(repeated(&all, &best).is_some(), "{scene} {params}");
                 for counter in ["N_V", "N_IT"] {
                     best.figures.insert(counter, "1.5");

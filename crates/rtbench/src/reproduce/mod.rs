@@ -107,7 +107,6 @@ static STRUCTURES: &[(&str, Count)] = &[
     ("hug", hug::counters),
     ("adaptive", adaptive::counters),
     ("adaptive-orphan", adaptive::counters),
-    ("best", best::counters),
     (octrees::COLUMNS[0], octrees::counters),
     (octrees::COLUMNS[1], octrees::counters),
     (octrees::COLUMNS[2], octrees::counters),
@@ -115,9 +114,9 @@ static STRUCTURES: &[(&str, Count)] = &[
     (octrees::COLUMNS[4], octrees::counters),
 ];
 
-/// Names of what can be reproduced.
+/// Names of what can be reproduced: the structures, and the table of their best settings.
 pub fn structures() -> Vec<&'static str> {
-    STRUCTURES.iter().map(|(name, _)| *name).collect()
+    STRUCTURES.iter().map(|(name, _)| *name).chain([best::TABLE]).collect()
 }
 
 /// A setting as published, with its figures.
@@ -243,35 +242,56 @@ pub fn reproduce_scene(
     figures: &[Figure],
 ) -> Result<Vec<Row>, ReproduceError> {
     let published = PublishedScene::new(scene)?;
-    let mut settings = Vec::new();
+    let mut tasks = Vec::new();
     for (structure, count) in STRUCTURES.iter().filter(|(name, _)| structures.contains(name)) {
         for (params, figures) in table(figures, structure, scene) {
-            settings.push((count, Setting { structure, params, scene, figures }));
+            let setting = Setting { structure, params, scene, figures };
+            tasks.push(Task { count: *count, of: setting, shown_as: None });
         }
     }
-    let rows = settings
+    if structures.contains(&best::TABLE) {
+        for (params, of_best) in table(figures, best::TABLE, scene) {
+            let best = Setting { structure: best::TABLE, params, scene, figures: of_best };
+            let unknown = || ReproduceError::UnknownSetting(format!("best {params}"));
+            let (count, of) = best::repeated(figures, &best).ok_or_else(unknown)?;
+            tasks.push(Task { count, of, shown_as: Some(best) });
+        }
+    }
+    let rows = tasks
         .par_iter()
-        .map(|(count, setting)| Ok(compare(setting, &count(&published, setting)?)))
+        .map(|task| Ok(task.compare(&(task.count)(&published, &task.of)?)))
         .collect::<Result<Vec<_>, ReproduceError>>()?;
     Ok(rows.concat())
 }
 
-fn compare(setting: &Setting, ours: &Counted) -> Vec<Row> {
-    let Setting { structure, params, scene, .. } = *setting;
-    ours.iter()
-        .filter_map(|&(counter, ours)| {
-            let text = setting.figures.get(counter)?;
-            let value: f64 = text.parse().unwrap_or(f64::NAN);
-            Some(Row {
-                scene: scene.to_owned(),
-                structure: structure.to_owned(),
-                params: params.to_owned(),
-                counter: counter.to_owned(),
-                published: (*text).to_owned(),
-                ours,
-                ratio: if value == 0.0 && ours == 0.0 { 1.0 } else { ours / value },
-                verdict: judge(structure, params, scene, counter, text, ours),
+/// A setting to count.
+struct Task<'f> {
+    count: Count,
+    of: Setting<'f>,
+    /// The setting of the table of the best that repeats it.
+    shown_as: Option<Setting<'f>>,
+}
+
+impl Task<'_> {
+    /// Puts our counters beside the published ones; what is repeated is judged as what it repeats.
+    fn compare(&self, ours: &Counted) -> Vec<Row> {
+        let shown = self.shown_as.as_ref().unwrap_or(&self.of);
+        ours.iter()
+            .filter_map(|&(counter, ours)| {
+                let text = shown.figures.get(counter)?;
+                let value: f64 = text.parse().unwrap_or(f64::NAN);
+                let Setting { structure, params, scene, .. } = self.of;
+                Some(Row {
+                    scene: scene.to_owned(),
+                    structure: shown.structure.to_owned(),
+                    params: shown.params.to_owned(),
+                    counter: counter.to_owned(),
+                    published: (*text).to_owned(),
+                    ours,
+                    ratio: if value == 0.0 && ours == 0.0 { 1.0 } else { ours / value },
+                    verdict: judge(structure, params, scene, counter, text, ours),
+                })
             })
-        })
-        .collect()
+            .collect()
+    }
 }
