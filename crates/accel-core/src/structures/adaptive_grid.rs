@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 use super::cluster_bvh::{ClusterBvh, Item};
 use super::hug::{Boxes, boxes_of, historical_frame, too_large, useful_frame};
 use super::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
 use crate::aabb::Aabb;
 use crate::cell_lists::ListOrder;
 use crate::clustering::agglomerate::{MergeRule, agglomerate, surface};
@@ -80,24 +80,13 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "256",
             kind: ParamKind::Integer { min: 2, max: 1 << 16 },
         },
+        specs::BOXES,
         ParamSpec {
-            name: "boxes",
-            summary: "boxes and sub-voxel grids: padded by ulps, or as in 1999",
-            default: "padded",
-            kind: ParamKind::Choice(&["padded", "historical"]),
-        },
-        ParamSpec {
-            name: "max-cells",
-            summary: "upper limit for the voxels of all grids together",
             default: "134217728",
             kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 },
+            ..specs::MAX_CELLS
         },
-        ParamSpec {
-            name: "max-references",
-            summary: "upper limit for the references in all voxels together",
-            default: "536870912",
-            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
-        },
+        specs::MAX_REFERENCES,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],

@@ -10,8 +10,8 @@
 //! (4 bytes a cell); lists follow each other in the same order. A list ends where the next one
 //! begins: the last cell of a block looks into the next block for that.
 
-use super::regular_grid::{CellStorage, Contents, RegularGrid, specs};
-use super::{StructureInfo, no_defect};
+use super::regular_grid::{CellStorage, Contents, RegularGrid};
+use super::{StructureInfo, no_defect, specs};
 use crate::cell_lists::{CellLists, TooManyReferences};
 use crate::cell_walk::{CellPosition, Traversal};
 use crate::mailbox;

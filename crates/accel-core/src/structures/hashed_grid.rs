@@ -10,8 +10,8 @@
 //! voxels has more cells than a u32. No random seed: the same scene gives the same table.
 //! A look-up probes at most as far as the farthest key of the build, even in a full table.
 
-use super::regular_grid::{CellStorage, Contents, RegularGrid, specs};
-use super::{StructureInfo, no_defect};
+use super::regular_grid::{CellStorage, Contents, RegularGrid};
+use super::{StructureInfo, no_defect, specs};
 use crate::cell_lists::{ListOrder, TooManyReferences};
 use crate::cell_walk::{CellPosition, Traversal};
 use crate::mailbox;
@@ -36,12 +36,7 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "68719476736",
             kind: ParamKind::Integer { min: 1, max: 1 << 60 },
         },
-        ParamSpec {
-            name: "max-references",
-            summary: "upper limit for the references in all voxels together",
-            default: "134217728",
-            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
-        },
+        ParamSpec { default: "134217728", ..specs::MAX_REFERENCES },
         ParamSpec {
             name: "load-factor",
             summary: "occupied part of the hash table; more is smaller and slower",

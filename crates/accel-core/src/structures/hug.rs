@@ -14,7 +14,7 @@
 //! (see [`HISTORY`]).
 
 use super::nested_grids::{Excess, Mailbox, NestedGrids, Rules, Visited, references_in};
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
 use crate::cell_lists::ListOrder;
@@ -60,24 +60,13 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "2",
             kind: ParamKind::Real { min: 1e-6, max: 1e6 },
         },
+        specs::BOXES,
         ParamSpec {
-            name: "boxes",
-            summary: "boxes and resolutions: padded by ulps, or as in 1999",
-            default: "padded",
-            kind: ParamKind::Choice(&["padded", "historical"]),
-        },
-        ParamSpec {
-            name: "max-cells",
-            summary: "upper limit for the voxels of all grids together",
             default: "134217728",
             kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 },
+            ..specs::MAX_CELLS
         },
-        ParamSpec {
-            name: "max-references",
-            summary: "upper limit for the references in all voxels together",
-            default: "536870912",
-            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
-        },
+        specs::MAX_REFERENCES,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],

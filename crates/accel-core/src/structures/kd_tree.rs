@@ -17,7 +17,7 @@ mod subdivide;
 mod surface_area;
 
 use super::octree::ray_planes::RayPlanes;
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::mailbox;
@@ -74,17 +74,11 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "64",
             kind: ParamKind::Integer { min: 0, max: 1 << 32 },
         },
+        ParamSpec { kind: ParamKind::Integer { min: 1, max: 1 << 29 }, ..specs::MAX_CELLS },
         ParamSpec {
-            name: "max-cells",
-            summary: "upper limit for the number of cells",
-            default: "67108864",
-            kind: ParamKind::Integer { min: 1, max: 1 << 29 },
-        },
-        ParamSpec {
-            name: "max-references",
-            summary: "upper limit for the references in all cells together",
             default: "268435456",
             kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
+            ..specs::MAX_REFERENCES
         },
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,

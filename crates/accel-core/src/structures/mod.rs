@@ -20,6 +20,7 @@ pub mod octree;
 pub mod proximity_clouds;
 pub mod recursive_grid;
 pub mod regular_grid;
+pub mod specs;
 #[cfg(test)]
 pub(crate) mod test_scenes;
 pub mod uniform_grid;

@@ -23,7 +23,7 @@ pub(super) mod ray_planes;
 mod subdivide;
 mod top_down;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::mailbox;
@@ -75,29 +75,13 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "1",
             kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
         },
+        specs::BOXES,
+        specs::ORDER,
+        ParamSpec { kind: ParamKind::Integer { min: 1, max: 1 << 30 }, ..specs::MAX_CELLS },
         ParamSpec {
-            name: "boxes",
-            summary: "boxes of primitives: padded by ulps, or as in 1999",
-            default: "padded",
-            kind: ParamKind::Choice(&["padded", "historical"]),
-        },
-        ParamSpec {
-            name: "order",
-            summary: "order of ids in a cell: as in the file, or reversed as in 1999",
-            default: "file",
-            kind: ParamKind::Choice(&["file", "reverse"]),
-        },
-        ParamSpec {
-            name: "max-cells",
-            summary: "upper limit for the number of cells",
-            default: "67108864",
-            kind: ParamKind::Integer { min: 1, max: 1 << 30 },
-        },
-        ParamSpec {
-            name: "max-references",
-            summary: "upper limit for the references in all cells together",
             default: "268435456",
             kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
+            ..specs::MAX_REFERENCES
         },
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,

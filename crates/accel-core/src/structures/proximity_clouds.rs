@@ -11,9 +11,9 @@
 //! The direction-aware variant keeps eight distances a voxel, each to the nearest occupied voxel in
 //! one octant of directions; it is ours, after the paper's remark on directional clouds.
 
-use super::regular_grid::{CellStorage, specs, stored};
+use super::regular_grid::{CellStorage, stored};
 use super::uniform_grid::DenseCells;
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
 use crate::cell_walk::{CellPosition, CellWalk};
 use crate::distance_field::{Metric, distances};
 use crate::mailbox;

@@ -16,7 +16,7 @@ mod levels;
 
 use std::ops::ControlFlow;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_walk::{CellPosition, CellWalk};
 use crate::mailbox;
@@ -83,24 +83,9 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "1",
             kind: ParamKind::Integer { min: 1, max: MAX_DEPTH },
         },
-        ParamSpec {
-            name: "boxes",
-            summary: "boxes of primitives: padded by ulps, or as in 1999",
-            default: "padded",
-            kind: ParamKind::Choice(&["padded", "historical"]),
-        },
-        ParamSpec {
-            name: "max-cells",
-            summary: "upper limit for the number of voxels of all grids together",
-            default: "67108864",
-            kind: ParamKind::Integer { min: 1, max: 1 << 32 },
-        },
-        ParamSpec {
-            name: "max-references",
-            summary: "upper limit for the references in all voxels together",
-            default: "536870912",
-            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
-        },
+        specs::BOXES,
+        specs::MAX_CELLS,
+        specs::MAX_REFERENCES,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],

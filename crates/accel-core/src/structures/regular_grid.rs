@@ -8,61 +8,13 @@ use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::cell_walk::{CellPosition, CellWalk, Traversal};
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
 use crate::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;
 use crate::voxel_walk::GridFrame;
-
-/// The parameters that regular grids share, for their lists of parameters.
-pub mod specs {
-    use super::{ParamKind, ParamSpec};
-
-    /// How many voxels.
-    pub const RESOLUTION: ParamSpec = ParamSpec {
-        name: "resolution",
-        summary: "rule for the number of voxels, or the number itself",
-        default: "density",
-        kind: ParamKind::Resolution,
-    };
-    /// Voxels per primitive.
-    pub const DENSITY: ParamSpec = ParamSpec {
-        name: "density",
-        summary: "voxels per primitive, D, for the rules that have it",
-        default: "2",
-        kind: ParamKind::Real { min: 1e-6, max: 1e6 },
-    };
-    /// Padded or historical boxes.
-    pub const BOXES: ParamSpec = ParamSpec {
-        name: "boxes",
-        summary: "boxes of primitives: padded by ulps, or as in 1999",
-        default: "padded",
-        kind: ParamKind::Choice(&["padded", "historical"]),
-    };
-    /// Order of ids in a voxel.
-    pub const ORDER: ParamSpec = ParamSpec {
-        name: "order",
-        summary: "order of ids in a voxel: as in the file, or reversed as in 1999",
-        default: "file",
-        kind: ParamKind::Choice(&["file", "reverse"]),
-    };
-    /// Limit for cells that take memory each.
-    pub const MAX_CELLS: ParamSpec = ParamSpec {
-        name: "max-cells",
-        summary: "upper limit for the number of voxels",
-        default: "67108864",
-        kind: ParamKind::Integer { min: 1, max: 1 << 32 },
-    };
-    /// Limit for references.
-    pub const MAX_REFERENCES: ParamSpec = ParamSpec {
-        name: "max-references",
-        summary: "upper limit for the references in all voxels together",
-        default: "536870912",
-        kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
-    };
-}
 
 /// Where the lists of a grid's cells are kept.
 pub trait CellStorage: Sized + Send + Sync {
@@ -223,7 +175,7 @@ fn visit<S: Scalar>(
 /// scenes of 1999 no rule needs more than 12.
 const REFERENCES_A_PRIMITIVE: u64 = 64;
 
-/// Contents under the settings of [`specs`], and their storage. A resolution that is not given in
+/// Contents under the settings of [`super::specs`], and their storage. A resolution that is not given in
 /// voxels is halved as long as it lists primitives too often: copies of one large primitive would
 /// otherwise each go to all voxels.
 ///
@@ -251,7 +203,7 @@ pub fn stored<'a, S: Scalar, P: PrimSet<S>, G: CellStorage>(
     }
 }
 
-/// Frame and placement under the settings of [`specs`].
+/// Frame and placement under the settings of [`super::specs`].
 pub(super) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
     prims: &'a P,
     params: &Params,

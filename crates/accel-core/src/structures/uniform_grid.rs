@@ -10,8 +10,8 @@
 //! `boxes=historical order=reverse` is Havran and Sixta's (1999) grid as their counters show it:
 //! its walks also begin at the ray's origin, although hits only count beyond the epsilon.
 
-use super::regular_grid::{CellStorage, Contents, RegularGrid, specs};
-use super::{StructureInfo, no_defect};
+use super::regular_grid::{CellStorage, Contents, RegularGrid};
+use super::{StructureInfo, no_defect, specs};
 use crate::cell_lists::{CellLists, TooManyReferences};
 use crate::cell_walk::{CellPosition, Traversal};
 use crate::mailbox;
