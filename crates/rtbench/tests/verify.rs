@@ -113,6 +113,7 @@ fn offered(out: &str) -> String {
     out.split_once("--replay '").unwrap().1.split_once('\'').unwrap().0.to_owned()
 }
 
+/// Without R3 and G5, whose mismatches are known and open (`results/verify/README.md`).
 #[test]
 fn all_structures_pass_a_fast_subset() {
     let ended = verify(
