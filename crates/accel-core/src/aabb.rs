@@ -42,6 +42,12 @@ impl<S: Scalar> Aabb<S> {
         self.max - self.min
     }
 
+    /// Half the surface, in f64.
+    pub fn half_area(&self) -> f64 {
+        let s = self.size().to_dvec3();
+        s.x * s.y + s.y * s.z + s.z * s.x
+    }
+
     /// All six numbers are finite and no axis is inverted.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {

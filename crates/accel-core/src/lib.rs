@@ -13,6 +13,7 @@
 
 pub mod aabb;
 pub mod bounds_rule;
+mod box_placement;
 pub mod cell_lists;
 pub mod cell_walk;
 pub mod clustering;

@@ -49,8 +49,7 @@ impl Cluster {
 
 /// The surface of a box.
 pub fn surface<S: Scalar>(b: &Aabb<S>) -> f64 {
-    let s = b.size().to_array().map(|x| x.to_f64().max(0.0));
-    2.0 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0])
+    2.0 * b.half_area()
 }
 
 /// The clusters, each ascending, in the order of their lowest members. Single boxes are clusters

@@ -47,13 +47,7 @@ impl<I: Stamp> MailboxSource for Slots<I> {
 
     #[inline(always)]
     fn next_ray(&mut self) -> &mut Self {
-        self.ray = match self.ray.next() {
-            Some(ray) => ray,
-            None => {
-                self.slots.fill((I::default(), 0));
-                I::default().next().unwrap_or_default()
-            }
-        };
+        self.ray = self.ray.of_next_ray(|| self.slots.fill((I::default(), 0)));
         self
     }
 }

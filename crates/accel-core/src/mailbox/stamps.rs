@@ -8,6 +8,16 @@ use super::{Mailbox, MailboxSource};
 pub trait Stamp: Copy + PartialEq + Default + Send + Sync + 'static {
     /// The next number, or `None` when they have run out.
     fn next(self) -> Option<Self>;
+
+    /// The number of the next ray. Where numbers have run out they start again, after `clear` has
+    /// removed all that were given.
+    #[inline(always)]
+    fn of_next_ray(self, clear: impl FnOnce()) -> Self {
+        self.next().unwrap_or_else(|| {
+            clear();
+            Self::default().next().unwrap_or_default()
+        })
+    }
 }
 
 impl Stamp for u32 {
@@ -88,13 +98,7 @@ impl<I: Stamp> MailboxSource for Stamps<I> {
 
     #[inline(always)]
     fn next_ray(&mut self) -> &mut Self {
-        self.ray = match self.ray.next() {
-            Some(ray) => ray,
-            None => {
-                self.stamps.fill(I::default());
-                I::default().next().unwrap_or_default()
-            }
-        };
+        self.ray = self.ray.of_next_ray(|| self.stamps.fill(I::default()));
         self
     }
 }

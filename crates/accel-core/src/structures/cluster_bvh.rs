@@ -165,11 +165,6 @@ fn sort<S: Scalar>(items: &mut [(Item, Aabb<S>)], axis: usize) {
     });
 }
 
-fn half_surface<S: Scalar>(b: &Aabb<S>) -> f64 {
-    let s = b.size().to_array().map(S::to_f64);
-    s[0] * s[1] + s[1] * s[2] + s[2] * s[0]
-}
-
 /// The axis and number of items on the left with the least sum of surface times items.
 fn best_split<S: Scalar>(items: &mut [(Item, Aabb<S>)], areas: &mut Vec<f64>) -> (usize, usize) {
     let n = items.len();
@@ -180,12 +175,12 @@ fn best_split<S: Scalar>(items: &mut [(Item, Aabb<S>)], areas: &mut Vec<f64>) ->
         let mut all = Aabb::empty();
         areas.extend(items.iter().map(|i| {
             all = all.union(i.1);
-            half_surface(&all)
+            all.half_area()
         }));
         let mut right = Aabb::empty();
         for split in (1..n).rev() {
             right = right.union(items[split].1);
-            let cost = areas[split - 1] * split as f64 + half_surface(&right) * (n - split) as f64;
+            let cost = areas[split - 1] * split as f64 + right.half_area() * (n - split) as f64;
             if cost < best.0 {
                 best = (cost, axis, split);
             }

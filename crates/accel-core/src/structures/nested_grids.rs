@@ -6,7 +6,8 @@
 use std::ops::ControlFlow;
 
 use crate::aabb::Aabb;
-use crate::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
+use crate::box_placement::BoxPlacement;
+use crate::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::cell_walk::{CellPosition, CellWalk};
 use crate::ray::Ray;
 use crate::scalar::Scalar;
@@ -55,30 +56,6 @@ pub(super) struct NestedGrids<S: Scalar> {
     starts: Vec<CellStart>,
     ids: Vec<u32>,
     inner: Vec<u32>,
-}
-
-/// Insertion of boxes into the cells they touch.
-struct BoxPlacement<'a, S: Scalar> {
-    frame: GridFrame<S>,
-    boxes: &'a [Aabb<S>],
-    by_division: bool,
-}
-
-impl<S: Scalar> Placement for BoxPlacement<'_, S> {
-    #[inline(always)]
-    fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
-        let b = &self.boxes[id as usize];
-        let (first, last) =
-            if self.by_division { self.frame.range_by_division(b) } else { self.frame.range(b) };
-        for z in first[2]..=last[2] {
-            for y in first[1]..=last[1] {
-                let row = self.frame.index([0, y, z]);
-                for x in first[0]..=last[0] {
-                    emit(row + x as usize);
-                }
-            }
-        }
-    }
 }
 
 /// References that boxes would have in a grid; counted without visiting cells.

@@ -50,14 +50,27 @@ pub const COLUMNS: [&str; 34] = [
 /// # Errors
 /// [`Error::Format`].
 pub fn to_string(run: &RunRecord) -> Result<String, Error> {
+    written(|writer| {
+        writer.write_record(COLUMNS)?;
+        for scene in &run.scenes {
+            for row in &scene.rows {
+                writer.write_record(fields(scene, row))?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// The text that `fill` writes.
+///
+/// # Errors
+/// [`Error::Format`].
+pub fn written(
+    fill: impl FnOnce(&mut Writer<Vec<u8>>) -> Result<(), csv::Error>,
+) -> Result<String, Error> {
     let format = |message: String| Error::Format { format: "CSV", message };
     let mut writer = Writer::from_writer(Vec::new());
-    writer.write_record(COLUMNS).map_err(|e| format(e.to_string()))?;
-    for scene in &run.scenes {
-        for row in &scene.rows {
-            writer.write_record(fields(scene, row)).map_err(|e| format(e.to_string()))?;
-        }
-    }
+    fill(&mut writer).map_err(|e| format(e.to_string()))?;
     let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
     String::from_utf8(bytes).map_err(|e| format(e.to_string()))
 }

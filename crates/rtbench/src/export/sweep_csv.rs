@@ -1,7 +1,5 @@
 //! A sweep as CSV: one row a scene and value.
 
-use csv::Writer;
-
 use crate::error::Error;
 use crate::export::csv as run_csv;
 use crate::record::RunRecord;
@@ -16,24 +14,22 @@ const OWN: [&str; 5] = ["parameter", "value", "marks", "cells_per_primitive", "t
 /// # Errors
 /// [`Error::Format`].
 pub fn to_string(sweep: &Sweep<'_>, run: &RunRecord) -> Result<String, Error> {
-    let format = |message: String| Error::Format { format: "CSV", message };
-    let mut writer = Writer::from_writer(Vec::new());
-    let header = OWN.iter().chain(&run_csv::COLUMNS);
-    writer.write_record(header).map_err(|e| format(e.to_string()))?;
-    for scene in &run.scenes {
-        let judgements = judge(sweep, scene);
-        for ((row, line), judgement) in scene.rows.iter().zip(&sweep.lines).zip(judgements) {
-            let mut fields = vec![
-                sweep.parameter.name.to_owned(),
-                line.value.clone().unwrap_or_default(),
-                judgement.marks.join("; "),
-                run_csv::number(judgement.cells_per_primitive),
-                run_csv::number(judgement.to_best),
-            ];
-            fields.extend(run_csv::fields(scene, row));
-            writer.write_record(fields).map_err(|e| format(e.to_string()))?;
+    run_csv::written(|writer| {
+        writer.write_record(OWN.iter().chain(&run_csv::COLUMNS))?;
+        for scene in &run.scenes {
+            let judgements = judge(sweep, scene);
+            for ((row, line), judgement) in scene.rows.iter().zip(&sweep.lines).zip(judgements) {
+                let mut fields = vec![
+                    sweep.parameter.name.to_owned(),
+                    line.value.clone().unwrap_or_default(),
+                    judgement.marks.join("; "),
+                    run_csv::number(judgement.cells_per_primitive),
+                    run_csv::number(judgement.to_best),
+                ];
+                fields.extend(run_csv::fields(scene, row));
+                writer.write_record(fields)?;
+            }
         }
-    }
-    let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
-    String::from_utf8(bytes).map_err(|e| format(e.to_string()))
+        Ok(())
+    })
 }

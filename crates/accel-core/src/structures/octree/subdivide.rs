@@ -180,8 +180,8 @@ impl<S: Scalar> Builder<'_, S> {
             }
         }
         let weighted: f64 =
-            (0..8).map(|i| f64::from(counts[i]) * area(&octant_of(bounds, planes, i))).sum();
-        weighted / area(bounds).max(f64::MIN_POSITIVE)
+            (0..8).map(|i| f64::from(counts[i]) * octant_of(bounds, planes, i).half_area()).sum();
+        weighted / bounds.half_area().max(f64::MIN_POSITIVE)
     }
 }
 
@@ -207,10 +207,4 @@ fn octant_of<S: Scalar>(bounds: &Aabb<S>, planes: &[S; 3], octant: usize) -> Aab
         if octant >> k & 1 == 1 { lo[k] = planes[k] } else { hi[k] = planes[k] }
     }
     Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
-}
-
-/// Half the surface.
-fn area<S: Scalar>(b: &Aabb<S>) -> f64 {
-    let s = b.size().to_dvec3();
-    s.x * s.y + s.y * s.z + s.z * s.x
 }

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::aabb::Aabb;
-use crate::cell_lists::{CellLists, Placement};
+use crate::box_placement::BoxPlacement;
+use crate::cell_lists::CellLists;
 use crate::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::voxel_walk::GridFrame;
@@ -190,32 +191,6 @@ pub(super) struct Division<S: Scalar> {
     pub(super) references: Budget,
 }
 
-/// Bounding-box insertion.
-struct BoxPlacement<'a, S: Scalar> {
-    frame: GridFrame<S>,
-    division: &'a Division<S>,
-}
-
-impl<S: Scalar> Placement for BoxPlacement<'_, S> {
-    #[inline(always)]
-    fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
-        let b = &self.division.boxes[id as usize];
-        let (first, last) = if self.division.by_division {
-            self.frame.range_by_division(b)
-        } else {
-            self.frame.range(b)
-        };
-        for z in first[2]..=last[2] {
-            for y in first[1]..=last[1] {
-                let row = self.frame.index([0, y, z]);
-                for x in first[0]..=last[0] {
-                    emit(row + x as usize);
-                }
-            }
-        }
-    }
-}
-
 impl<S: Scalar> Division<S> {
     /// The smallest width of a voxel in a scene with this box.
     pub(super) fn narrowest_in(scene: Aabb<S>) -> S {
@@ -261,7 +236,7 @@ impl<S: Scalar> Division<S> {
         self.cells.take(cells)?;
         let allowed = self.max_growth * ids.len() as f64;
         let left = self.references.left();
-        let placement = BoxPlacement { frame, division: self };
+        let placement = BoxPlacement { frame, boxes: &self.boxes, by_division: self.by_division };
         let lists =
             match CellLists::build_of(frame.cells(), ids, left.min(allowed as u64), &placement) {
                 Ok(lists) => lists,

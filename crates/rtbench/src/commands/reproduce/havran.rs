@@ -7,6 +7,7 @@ use super::chosen;
 use crate::args::HavranArgs;
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
+use crate::export::csv;
 use crate::reproduce::published::{SCENES, figures};
 use crate::reproduce::verdict::Verdict;
 use crate::reproduce::{ReproduceError, Row, reproduce_scene, structures};
@@ -38,7 +39,7 @@ pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     }
     write_sums(context.out, &rows)?;
     if let Some((path, file)) = &mut file {
-        let text = csv_text(&rows)?;
+        let text = csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))?;
         file.write_all(text.as_bytes())
             .map_err(|source| Error::Write { path: (*path).clone(), source })?;
     }
@@ -84,14 +85,4 @@ fn write_sums(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
         count(|v| matches!(v, Verdict::KnownReason(_))),
         count(|v| *v == Verdict::Unexplained),
     )
-}
-
-fn csv_text(rows: &[Row]) -> Result<String, Error> {
-    let format = |message: String| Error::Format { format: "CSV", message };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.serialize(row).map_err(|e| format(e.to_string()))?;
-    }
-    let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
-    String::from_utf8(bytes).map_err(|e| format(e.to_string()))
 }

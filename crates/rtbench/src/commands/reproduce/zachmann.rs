@@ -5,6 +5,7 @@ use crate::args::{MeasuringArgs, ZachmannArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
+use crate::export::csv;
 use crate::export::files::Outputs;
 use crate::export::numbers;
 use crate::export::table::{Cell, Style, Table};
@@ -104,8 +105,6 @@ fn now_cell(line: &Line, ratios: Ratios) -> Cell {
 }
 
 fn csv_text(comparisons: &[Comparison]) -> Result<String, Error> {
-    let format = |message: String| Error::Format { format: "CSV", message };
-    let mut writer = csv::Writer::from_writer(Vec::new());
     let header = [
         "scene",
         "lecture",
@@ -120,24 +119,29 @@ fn csv_text(comparisons: &[Comparison]) -> Result<String, Error> {
         "run_low",
         "run_high",
     ];
-    writer.write_record(header).map_err(|e| format(e.to_string()))?;
-    for comparison in comparisons {
-        for line in &comparison.lines {
-            let mut fields = vec![
-                comparison.scene.clone(),
-                line.lecture.unwrap_or_default().to_owned(),
-                line.ours.clone(),
-                line.verdict.name().to_owned(),
-            ];
-            for ratios in [line.build, line.run] {
-                let now = ratios.now;
-                let all =
-                    [ratios.then, now.map(|e| e.median), now.map(|e| e.low), now.map(|e| e.high)];
-                fields.extend(all.map(|x| x.map(|x| format!("{x:.6}")).unwrap_or_default()));
+    csv::written(|writer| {
+        writer.write_record(header)?;
+        for comparison in comparisons {
+            for line in &comparison.lines {
+                let mut fields = vec![
+                    comparison.scene.clone(),
+                    line.lecture.unwrap_or_default().to_owned(),
+                    line.ours.clone(),
+                    line.verdict.name().to_owned(),
+                ];
+                for ratios in [line.build, line.run] {
+                    let now = ratios.now;
+                    let all = [
+                        ratios.then,
+                        now.map(|e| e.median),
+                        now.map(|e| e.low),
+                        now.map(|e| e.high),
+                    ];
+                    fields.extend(all.map(|x| x.map(|x| format!("{x:.6}")).unwrap_or_default()));
+                }
+                writer.write_record(fields)?;
             }
-            writer.write_record(fields).map_err(|e| format(e.to_string()))?;
         }
-    }
-    let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
-    String::from_utf8(bytes).map_err(|e| format(e.to_string()))
+        Ok(())
+    })
 }
