@@ -277,7 +277,7 @@ pub struct ReproduceArgs {
 #[derive(Debug, Clone, Subcommand)]
 pub enum Publication {
     /// Havran and Sixta, Comparison of Hierarchical Grids, 1999, and Havran's octrees: all counters
-    /// (about 20 minutes on two cores; `--structures uniform,recursive` takes two)
+    /// (about 20 minutes on two cores; `--structures uniform,recursive` takes three)
     Havran1999(HavranArgs),
     /// Zachmann's lecture, 2007: build and run times as ratios, who won then and who wins now
     Zachmann2007(ZachmannArgs),
