@@ -32,6 +32,7 @@ pub mod statistics;
 mod suggest;
 pub mod summary;
 pub mod sweep;
+pub mod verify;
 
 use std::ffi::OsString;
 use std::io;
@@ -85,6 +86,7 @@ pub fn run(
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args).map(|()| SUCCESS),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
+        Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
     };
     match ended {

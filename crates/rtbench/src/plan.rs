@@ -69,6 +69,16 @@ pub enum PlanError {
         /// All names.
         valid: String,
     },
+    /// No such hard case or group of them.
+    #[error("unknown case '{name}'{hint}; valid: {valid}")]
+    UnknownCase {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
     /// There are no structures at all.
     #[error("there are no structures to measure")]
     NoRows,

@@ -7,3 +7,4 @@ pub mod reproduce;
 pub mod run;
 pub mod scenes;
 pub mod sweep;
+pub mod verify;

@@ -1,0 +1,100 @@
+//! `rtbench verify`: the hard cases against every structure.
+
+use std::path::Path;
+
+use crate::args::{Color, Precision, VerifyArgs};
+use crate::context::{Context, Verbosity};
+use crate::error::{Error, SUCCESS, WRONG_HITS};
+use crate::export::text::write_table;
+use crate::machine;
+use crate::plan::PlanError;
+use crate::pools::pool;
+use crate::progress::Progress;
+use crate::verify::check::{PRECISIONS, Plan, Replayed, replay};
+use crate::verify::registry::{find, select};
+use crate::verify::replay::Replay;
+use crate::verify::report::Report;
+use crate::verify::subject::Subject;
+
+/// Verifies, or repeats one trial, and returns the exit code.
+///
+/// # Errors
+/// [`Error`] for what is asked and not there, and for outputs that cannot be written.
+pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result<u8, Error> {
+    if let Some(line) = &args.replay {
+        return repeat(context, &Replay::parse(line)?);
+    }
+    let plan = Plan {
+        cases: select(&args.cases)?,
+        subjects: Subject::all(context.registry, &args.structures)?,
+        rays: args.rays as usize,
+        seed: args.seed,
+    };
+    let report = checked(context, args, &plan)?;
+    write_file(args.export_csv.as_deref(), || report.to_csv())?;
+    write_file(args.export_json.as_deref(), || report.to_json())?;
+    let colors = context.terminal.colors(color);
+    write_table(context.out, &report.table(), colors)?;
+    for example in report.examples() {
+        writeln!(context.out, "{example}")?;
+    }
+    context.out.flush()?;
+    Ok(if report.is_failure() { WRONG_HITS } else { SUCCESS })
+}
+
+/// All cases of the plan. The output files exist before the first.
+fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Result<Report, Error> {
+    write_file(args.export_csv.as_deref(), || Ok(String::new()))?;
+    write_file(args.export_json.as_deref(), || Ok(String::new()))?;
+    let pool = pool(args.threads.map_or_else(machine::threads, usize::from))?;
+    let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
+    let steps = plan.cases.len() * PRECISIONS.len();
+    let progress = Progress::new(visible, steps as u64, None);
+    let start = context.clock.now();
+    let command_line = context.command_line.clone();
+    let mut report = Report { command_line, seed: plan.seed, rays: plan.rays, ..Report::default() };
+    for &listed in &plan.cases {
+        progress.message(format!("{}: {}", listed.1.id, listed.1.summary));
+        for precision in PRECISIONS {
+            report.lines.extend(pool.install(|| plan.check(listed, precision)));
+            progress.step(context.clock.now());
+        }
+    }
+    progress.finish();
+    report.seconds = context.clock.seconds_since(start);
+    Ok(report)
+}
+
+fn write_file(
+    path: Option<&Path>,
+    text: impl FnOnce() -> Result<String, Error>,
+) -> Result<(), Error> {
+    let Some(path) = path else { return Ok(()) };
+    std::fs::write(path, text()?).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
+/// Repeats one trial and says what comes of it.
+fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
+    let (_, case) = find(&line.case)?;
+    let subject = Subject::parse(context.registry, &line.subject)?;
+    let replayed = match line.precision {
+        Precision::F32 => replay(line, case.single, &subject),
+        Precision::F64 => replay(line, case.double, &subject),
+    };
+    let scene = || format!("{} round {}", case.id, line.round);
+    let Replayed { ray, expected, wrong, refused } = replayed
+        .map_err(|source| Error::Build { scene: scene(), source })?
+        .ok_or_else(|| PlanError::Malformed {
+            text: line.to_string(),
+            expected: "a round that has so many rays",
+        })?;
+    let out = &mut *context.out;
+    writeln!(out, "{}: {} (oracle: {})", case.id, case.summary, case.oracle)?;
+    writeln!(out, "ray {ray}")?;
+    writeln!(out, "expected: {expected:?}")?;
+    let verdict = refused.map(|why| format!("refused: {why}")).or_else(|| wrong.clone());
+    writeln!(out, "{}: {}", subject.label(), verdict.as_deref().unwrap_or("right"))?;
+    out.flush()?;
+    let is_failure = wrong.is_some() && subject.known_defect().is_none();
+    Ok(if is_failure { WRONG_HITS } else { SUCCESS })
+}

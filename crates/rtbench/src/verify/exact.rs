@@ -1,0 +1,122 @@
+//! The exact oracle: which triangles a ray meets, decided by exact predicates.
+//!
+//! J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+//! Predicates", 1997, through the crate `robust`. Edges and corners belong to the triangle; a
+//! triangle in the plane of the ray is not met.
+
+use accel_core::{Ray, Scalar, Vector};
+use glam::DVec3;
+use robust::{Coord3D, orient3d};
+
+use super::model::Corners;
+
+/// A triangle that the line of the ray meets, or passes closely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Meeting {
+    /// Its id.
+    pub id: u32,
+    /// The ray's parameter in its plane; correct to a few ulps of f64.
+    pub t: f64,
+    /// How deep inside the triangle: the smallest barycentric coordinate. The sign is exact.
+    pub depth: f64,
+}
+
+impl Meeting {
+    /// Inside, on an edge or on a corner.
+    pub fn is_hit(&self) -> bool {
+        self.depth >= 0.0
+    }
+}
+
+/// A ray as two points of its line.
+#[derive(Debug, Clone, Copy)]
+pub struct ExactRay {
+    from: DVec3,
+    to: DVec3,
+}
+
+impl ExactRay {
+    /// `None` where origin + direction is not exact in f64.
+    pub fn new<S: Scalar>(ray: &Ray<S>) -> Option<Self> {
+        let (from, along) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
+        let to = from + along;
+        let is_exact = (0..3).all(|k| two_sum_error(from[k], along[k]) == 0.0);
+        is_exact.then_some(Self { from, to })
+    }
+
+    /// All triangles whose plane the line crosses no farther than `margin` (in barycentric
+    /// coordinates) outside, by rising parameter; equal ones by id.
+    pub fn meetings(&self, triangles: &[Corners], margin: f64) -> Vec<Meeting> {
+        let near = |m: &Meeting| m.depth >= -margin;
+        let close = (0_u32..).zip(triangles).filter(|(_, t)| self.passes(t, margin));
+        let all = close.filter_map(|(id, t)| self.meeting(id, t));
+        let mut found: Vec<Meeting> = all.filter(near).collect();
+        found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
+        found
+    }
+
+    /// False only where the line is far from the triangle: spares the predicates.
+    fn passes(&self, &[a, b, c]: &Corners, margin: f64) -> bool {
+        let along = self.to - self.from;
+        let size = a.distance(b).max(a.distance(c)) * (1.1 + 3.0 * margin);
+        let nearest = (a - self.from).cross(along).length();
+        // false for NaN too: overflow must not lose a triangle
+        let is_far = nearest > size * along.length() && nearest.is_finite();
+        !is_far
+    }
+
+    /// Where the line crosses the plane; `None` when they are parallel.
+    fn meeting(&self, id: u32, &[a, b, c]: &Corners) -> Option<Meeting> {
+        let side = |p: DVec3, q: DVec3| volume(self.from, self.to, p, q);
+        let sides = [side(b, c), side(c, a), side(a, b)];
+        let sum: f64 = sides.iter().sum();
+        let (low, high) = (volume(a, b, c, self.from), volume(a, b, c, self.to));
+        if sum == 0.0 || low == high {
+            return None;
+        }
+        let depth = sides.iter().map(|s| s / sum).fold(f64::INFINITY, f64::min);
+        Some(Meeting { id, t: low / (low - high), depth })
+    }
+}
+
+/// Six times the volume of a tetrahedron, its sign exact.
+fn volume(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
+    let coord = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    orient3d(coord(a), coord(b), coord(c), coord(d))
+}
+
+/// What rounding takes from `a + b` (Knuth's two-sum).
+fn two_sum_error(a: f64, b: f64) -> f64 {
+    let sum = a + b;
+    let b_part = sum - a;
+    (a - (sum - b_part)) + (b - b_part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    const TRIANGLE: Corners = [DVec3::ZERO, dvec3(4.0, 0.0, 0.0), dvec3(0.0, 4.0, 0.0)];
+
+    fn depth(x: f64, y: f64) -> f64 {
+        let ray = Ray::<f64>::new(dvec3(x, y, -2.0), dvec3(0.0, 0.0, 4.0));
+        let found = ExactRay::new(&ray).unwrap().meetings(&[TRIANGLE], 9.0);
+        assert_eq!((found.len(), found[0].t), (1, 0.5));
+        found[0].depth
+    }
+
+    #[test]
+    fn one_ulp_beside_an_edge_is_outside() {
+        assert_eq!(depth(1.0, 1.0), 0.25);
+        assert_eq!(depth(2.0, 2.0), 0.0);
+        assert!(depth(2.0, 2.0_f64.next_up()) < 0.0 && depth(2.0, 2.0_f64.next_down()) > 0.0);
+        assert!(depth(0.0, 0.0) == 0.0 && depth(-f64::MIN_POSITIVE, 1.0) < 0.0);
+    }
+
+    #[test]
+    fn inexact_rays_are_refused() {
+        let ray = |x: f64| Ray::<f64>::new(dvec3(1.0, 0.0, 0.0), dvec3(x, 0.0, 1.0));
+        assert!(ExactRay::new(&ray(0.5)).is_some() && ExactRay::new(&ray(1e-30)).is_none());
+    }
+}

@@ -1,0 +1,22 @@
+//! Do structures stay right on the hard cases? The catalogue as a registry, its oracles, and the
+//! machinery that asks every structure and can repeat any single trial.
+//!
+//! The way of a check: [`registry`] (a line a case) -> a case draws a [`round::Round`] from a
+//! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
+//! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
+//! [`replay::Replay`] names one trial.
+
+pub mod cases;
+pub mod check;
+pub mod draw;
+pub mod exact;
+pub mod expect;
+pub mod judge;
+pub mod meshes;
+pub mod model;
+pub mod registry;
+pub mod replay;
+pub mod report;
+pub mod round;
+pub mod subject;
+pub mod twin;

@@ -1,0 +1,59 @@
+//! The scene of a round: triangles alone, or primitives of any kind.
+
+use accel_core::Scalar;
+use accel_core::primitives::{
+    MixedSet, MixedSetBuilder, MoellerTrumbore, PrimitiveError, TriangleSet, Watertight,
+};
+use accel_core::structures::PrimsRef;
+use glam::DVec3;
+
+/// Three corners.
+pub type Corners = [DVec3; 3];
+
+/// A set of primitives of either kind.
+#[derive(Debug)]
+pub enum Model<S: Scalar> {
+    /// Triangles with the watertight test.
+    Triangles(TriangleSet<S, Watertight>),
+    /// Primitives of any kind.
+    Mixed(MixedSet<S>),
+}
+
+impl<S: Scalar> Model<S> {
+    /// Triangles; the coordinates are rounded to `S`.
+    ///
+    /// # Errors
+    /// [`PrimitiveError`] for coordinates that `S` cannot hold.
+    pub fn triangles(corners: &[Corners]) -> Result<Self, PrimitiveError> {
+        let rounded = corners.iter().map(|t| t.map(|p| p.to_array().map(S::from_f64))).collect();
+        Ok(Self::Triangles(TriangleSet::new(rounded, |_| false)?))
+    }
+
+    /// What `add` puts into a builder.
+    ///
+    /// # Errors
+    /// That of `add`.
+    pub fn mixed(
+        add: impl FnOnce(&mut MixedSetBuilder<S>) -> Result<(), PrimitiveError>,
+    ) -> Result<Self, PrimitiveError> {
+        let mut builder = MixedSetBuilder::default();
+        add(&mut builder)?;
+        Ok(Self::Mixed(builder.finish()))
+    }
+
+    /// The primitives, for a structure to be built over.
+    pub fn prims(&self) -> PrimsRef<'_, S> {
+        match self {
+            Self::Triangles(set) => PrimsRef::Watertight(set),
+            Self::Mixed(set) => PrimsRef::Mixed(set),
+        }
+    }
+
+    /// The same triangles under plain Moeller-Trumbore; `None` for other primitives.
+    pub fn with_moeller_trumbore(&self) -> Option<TriangleSet<S, MoellerTrumbore>> {
+        match self {
+            Self::Triangles(set) => Some(set.clone().with_test()),
+            Self::Mixed(_) => None,
+        }
+    }
+}

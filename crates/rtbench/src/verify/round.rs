@@ -1,0 +1,86 @@
+//! What a case draws from a seed: a scene, rays, and what is expected of them.
+
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use glam::DVec3;
+
+use super::model::Model;
+use super::twin::Twin;
+
+/// Rays of a round; a case may have fewer.
+pub const RAYS_A_ROUND: usize = 500;
+
+/// What the oracle of a case says of the closest hit of a ray. Agreement with brute force is
+/// demanded in any case.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Expected {
+    /// Nothing: agreement is the only oracle.
+    Anything,
+    /// No hit.
+    Miss,
+    /// A hit.
+    Hit {
+        /// Of this primitive; of any when `None`.
+        id: Option<u32>,
+        /// At a parameter in this closed interval.
+        t: [f64; 2],
+    },
+}
+
+impl Expected {
+    /// A hit of whichever primitive, at `t` but for `slack`.
+    pub fn hit_at(t: f64, slack: f64) -> Self {
+        Self::Hit { id: None, t: [t - slack, t + slack] }
+    }
+
+    /// Whether an answer is what is expected.
+    pub fn admits<S: Scalar>(&self, hit: &Hit<S>) -> bool {
+        match *self {
+            Self::Anything => true,
+            Self::Miss => !hit.is_hit(),
+            Self::Hit { id, t: [low, high] } => {
+                let t = hit.t.to_f64();
+                hit.is_hit() && id.is_none_or(|id| id == hit.id) && low <= t && t <= high
+            }
+        }
+    }
+}
+
+/// A scene and its rays.
+#[derive(Debug)]
+pub struct Round<S: Scalar> {
+    /// The scene.
+    pub model: Model<S>,
+    /// The rays, at most [`RAYS_A_ROUND`].
+    pub rays: Vec<Ray<S>>,
+    /// What is expected of each.
+    pub expected: Vec<Expected>,
+    /// The same in other guises, which must not change the answers.
+    pub twins: Vec<Twin<S>>,
+}
+
+impl<S: Scalar> Round<S> {
+    /// A scene without rays yet.
+    pub fn new(model: Model<S>) -> Self {
+        Self { model, rays: Vec::new(), expected: Vec::new(), twins: Vec::new() }
+    }
+
+    /// Adds a ray.
+    pub fn push(&mut self, ray: Ray<S>, expected: Expected) {
+        self.rays.push(ray);
+        self.expected.push(expected);
+    }
+
+    /// Leaves the first `count` rays.
+    pub fn truncate(&mut self, count: usize) {
+        self.rays.truncate(count);
+        self.expected.truncate(count);
+        for twin in &mut self.twins {
+            twin.rays.truncate(count);
+        }
+    }
+}
+
+/// A ray with the interval [0, infinity], rounded to `S`.
+pub fn ray<S: Scalar>(origin: DVec3, direction: DVec3) -> Ray<S> {
+    Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
+}
