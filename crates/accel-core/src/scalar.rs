@@ -66,6 +66,10 @@ pub trait Scalar:
     /// The next representable number below.
     fn next_down(self) -> Self;
 
+    /// A power of two by which a number of this size becomes one in [1, 2), or comes as close to
+    /// that as a normal number can bring it.
+    fn to_unit_size(self) -> Self;
+
     /// `self < other ? self : other`: one instruction, and `other` when `self` is NaN.
     #[inline(always)]
     fn lesser(self, other: Self) -> Self {
@@ -125,7 +129,7 @@ pub trait Vector<S: Scalar>:
 }
 
 macro_rules! scalar {
-    ($s:ty, $v:ty, $name:literal) => {
+    ($s:ty, $v:ty, $name:literal, $mantissa_bits:literal) => {
         impl Scalar for $s {
             type Vec3 = $v;
             const ZERO: Self = 0.0;
@@ -178,6 +182,13 @@ macro_rules! scalar {
             fn next_down(self) -> Self {
                 self.next_down()
             }
+            #[inline(always)]
+            fn to_unit_size(self) -> Self {
+                // 1.0 has the exponent bits 0111...1: twice that is what both exponents add up to
+                let sum = (1.0 as $s).to_bits() >> $mantissa_bits << 1;
+                let exponent = (self.abs().to_bits() >> $mantissa_bits).clamp(1, sum - 1);
+                Self::from_bits((sum - exponent) << $mantissa_bits)
+            }
         }
 
         impl Vector<$s> for $v {
@@ -221,5 +232,28 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, glam::Vec3, "f32");
-scalar!(f64, glam::DVec3, "f64");
+scalar!(f32, glam::Vec3, "f32", 23);
+scalar!(f64, glam::DVec3, "f64", 52);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn brings_to_unit_size<S: Scalar>(smallest: S, largest: S) {
+        for x in [1.0, 1.5, -3.0, 0.1, 1e30, 1e-30].map(S::from_f64) {
+            let scaled = (x * x.to_unit_size()).abs().to_f64();
+            assert!((1.0..2.0).contains(&scaled), "{x}: {scaled}");
+        }
+        for x in [S::ZERO, smallest, largest, S::INFINITY] {
+            let power = x.to_unit_size();
+            assert!(power.is_finite() && power > S::ZERO, "{x}: {power}");
+        }
+        assert!((largest * largest.to_unit_size()).to_f64() < 4.0);
+    }
+
+    #[test]
+    fn unit_size_in_both_precisions() {
+        brings_to_unit_size(f32::from_bits(1), f32::MAX);
+        brings_to_unit_size(f64::from_bits(1), f64::MAX);
+    }
+}

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::collinear::without_sliver;
 use super::polygon::Polygon;
 use super::support::{distance_to_points, extent_of_points};
 use super::triangle::{Shear, TriangleTest, Watertight};
@@ -108,7 +109,7 @@ impl<S: Scalar> MixedSetBuilder<S> {
     /// # Errors
     /// [`PrimitiveError`], as every method here; the builder is of no further use then.
     pub fn triangle(&mut self, v: [glam::DVec3; 3]) -> Result<(), PrimitiveError> {
-        let v = v.map(|p| Vec3::<S>::from_dvec3(p).to_array());
+        let v = without_sliver(v.map(|p| Vec3::<S>::from_dvec3(p).to_array()));
         self.set.triangles.push(v);
         let finite = v.as_flattened().iter().all(|x| x.is_finite());
         self.push(PrimitiveKind::Triangle, self.set.triangles.len(), finite)

@@ -3,6 +3,7 @@
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space.
 
+mod collinear;
 mod cone;
 mod mixed;
 mod polygon;

@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 
+use super::collinear::are_collinear;
 use super::support::{distance_to_points, extent_of_points};
 use super::triangle::{Shear, edge_function};
 use crate::aabb::Aabb;
@@ -45,8 +46,11 @@ impl<S: Scalar> Polygon<S> {
             bounds = bounds.union(Aabb { min: v, max: v });
             store.push(v.to_array());
         }
+        let rounded: Vec<_> =
+            vertices.iter().map(|&v| Vec3::<S>::from_dvec3(v).to_dvec3()).collect();
+        let normal = if are_collinear(&rounded) { DVec3::ZERO } else { newell_normal(vertices) };
         Ok(Self {
-            normal: Vec3::<S>::from_dvec3(newell_normal(vertices)),
+            normal: Vec3::<S>::from_dvec3(normal),
             anchor: Vec3::<S>::from_dvec3(vertices[0]),
             first,
             count: vertices.len() as u32,

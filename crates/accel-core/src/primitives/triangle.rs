@@ -11,6 +11,7 @@ use std::marker::PhantomData;
 
 use glam::DVec3;
 
+use super::collinear::without_sliver;
 use super::support::{distance_to_points, extent_of_points};
 use super::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
 use crate::aabb::Aabb;
@@ -183,7 +184,7 @@ pub struct TriangleSet<S: Scalar, T: TriangleTest<S> = Watertight> {
 
 impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
     /// From vertex triples; ids follow the order given. `is_transmissive(id)` marks the triangles
-    /// that let shadow rays pass.
+    /// that let shadow rays pass. Triangles without area are kept, and never hit.
     ///
     /// # Errors
     /// [`PrimitiveError::NotFinite`] for the first triangle with a NaN or infinite coordinate.
@@ -196,6 +197,7 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
         {
             return Err(PrimitiveError::NotFinite { id: id as u32 });
         }
+        let triangles: Vec<_> = triangles.into_iter().map(without_sliver).collect();
         let mut transmissive = TransmissiveSet::default();
         (0..triangles.len() as u32)
             .filter(|&id| is_transmissive(id))
@@ -342,6 +344,17 @@ mod tests {
 
     #[test]
     fn degenerate_triangles_are_never_hit() {
+        // three distinct corners on a slanted line, which shearing rounds into a sliver
+        let corner = |k: f32| [0.1 * k, -0.7 * k, 0.3 * k];
+        let slanted = [1.0, 2.0, 4.0].map(corner);
+        let set = TriangleSet::<f32>::new(vec![slanted], |_| false).unwrap();
+        for i in 0..2000 {
+            let from = [0.37, 2.9, -1.3].map(|x| x * (1.0 + i as f32 * 0.001));
+            let target = corner(1.0 + 3.0 * i as f32 / 2000.0);
+            let d = glam::Vec3::from_array(target) - glam::Vec3::from_array(from);
+            let ray = Ray::<f32>::new(from.into(), d);
+            assert_eq!(set.intersect(0, &ray, &set.setup(&ray), 9.0), None, "ray {i}");
+        }
         let p = [0.25f32, 0.5, 1.0];
         let q = [0.75f32, 0.5, 1.0];
         for tri in [[p, p, p], [p, q, p], [p, q, [0.5, 0.5, 1.0]]] {

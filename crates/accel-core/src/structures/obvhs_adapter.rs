@@ -3,9 +3,12 @@
 //! As shipped, its CwBvh loses every hit of a ray with a -0.0 direction component and every hit
 //! nearer than t = 1e-4; both of its BVHs cap 1/0 at 2^23, so that a ray parallel to a face
 //! "leaves" small far boxes; a NaN box gives wrong results or a panic, and tens of thousands of
-//! coincident centroids a quadratic build or a stack overflow. The robust adapter: adds +0.0 to
-//! the direction, sets reciprocals itself, starts the box tests a little before the ray's
-//! origin, pads boxes, refuses what is not finite, and groups primitives with the same centre.
+//! coincident centroids a quadratic build or a stack overflow. Its lengths are absolute: long
+//! directions and large scenes overflow, short ones drown in its epsilons. The robust adapter:
+//! tells it everything in units of the scene's size (powers of two, so that nothing is rounded),
+//! adds +0.0 to the direction, sets reciprocals itself, starts the box tests a little before the
+//! ray's origin, pads boxes, refuses what is not finite, and groups primitives with the same
+//! centre.
 
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
@@ -61,9 +64,10 @@ pub(super) fn build_params(params: &Params) -> obvhs::BvhBuildParams {
 }
 
 /// The boxes a BVH is built over, and which primitives each stands for.
-pub(super) struct Items {
+pub(super) struct Items<S: Scalar> {
     pub(super) boxes: Vec<ObvhsAabb>,
     pub(super) groups: Groups,
+    pub(super) setup: RaySetup<S>,
 }
 
 /// Primitives of a box: one each, unless many boxes share a centre.
@@ -105,7 +109,7 @@ const CENTRE_SAMPLE: usize = 4096;
 pub(super) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
-) -> Result<Items, BuildError> {
+) -> Result<Items<S>, BuildError> {
     let structure = params.structure();
     let robust = is_robust(params);
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
@@ -113,30 +117,37 @@ pub(super) fn items<S: Scalar, P: PrimSet<S>>(
     // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
     let f32_padding = f64::from(f32::EPSILON) * PADDING_ULPS * boxes.scene().magnitude().to_f64();
     let margin = S::from_f64(f32_padding);
+    let setup =
+        if robust { RaySetup::robust(boxes.scene().magnitude()) } else { RaySetup::AsShipped };
+    let unit = setup.unit();
     let single: Vec<ObvhsAabb> = (0..prims.len() as u32)
         .map(|id| prims.bounds(id))
-        .map(|tight| outward(&if robust { tight.expanded(margin) } else { tight }))
+        .map(|tight| outward(&if robust { tight.expanded(margin) } else { tight }, unit))
         .collect();
-    if !robust || !centres_coincide(&single) {
-        return Ok(Items { boxes: single, groups: Groups::Single });
-    }
-    Ok(grouped(&single))
+    let (boxes, groups) = if robust && centres_coincide(&single) {
+        grouped(&single)
+    } else {
+        (single, Groups::Single)
+    };
+    Ok(Items { boxes, groups, setup })
 }
 
 pub(super) fn is_robust(params: &Params) -> bool {
     params.text("adapter") == "robust"
 }
 
-/// In f32, rounded outwards when the scalar is wider.
+/// In f32 and in the unit given (its reciprocal in world units), rounded outwards.
 #[inline(always)]
-fn outward<S: Scalar>(b: &crate::aabb::Aabb<S>) -> ObvhsAabb {
+fn outward<S: Scalar>(b: &crate::aabb::Aabb<S>, unit: f64) -> ObvhsAabb {
     let lo = b.min.to_array().map(|x| {
-        let y = x.to_f64() as f32;
-        if f64::from(y) > x.to_f64() { y.next_down() } else { y }
+        let exact = x.to_f64() * unit;
+        let y = exact as f32;
+        if f64::from(y) > exact { y.next_down() } else { y }
     });
     let hi = b.max.to_array().map(|x| {
-        let y = x.to_f64() as f32;
-        if f64::from(y) < x.to_f64() { y.next_up() } else { y }
+        let exact = x.to_f64() * unit;
+        let y = exact as f32;
+        if f64::from(y) < exact { y.next_up() } else { y }
     });
     ObvhsAabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
 }
@@ -154,7 +165,7 @@ fn centres_coincide(boxes: &[ObvhsAabb]) -> bool {
     keys.chunk_by(|a, b| a == b).any(|run| run.len() > TOLERATED_COINCIDENT)
 }
 
-fn grouped(single: &[ObvhsAabb]) -> Items {
+fn grouped(single: &[ObvhsAabb]) -> (Vec<ObvhsAabb>, Groups) {
     let mut order: Vec<u32> = (0..single.len() as u32).collect();
     order.sort_by_key(|&i| (centre_key(&single[i as usize]), i));
     let mut boxes = Vec::new();
@@ -169,25 +180,73 @@ fn grouped(single: &[ObvhsAabb]) -> Items {
         boxes.push(all);
         starts.push(starts[starts.len() - 1] + run.len() as u32);
     }
-    Items { boxes, groups: Groups::Many { starts, ids: order } }
+    (boxes, Groups::Many { starts, ids: order })
 }
 
-/// A ray for obvhs's box tests, and how far before the true origin it starts.
-pub(super) struct BoxRay {
+/// How rays are told to obvhs.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum RaySetup<S: Scalar> {
+    /// Unchanged.
+    AsShipped,
+    /// Origins times `unit`, so that the scene's largest coordinate lies in [1, 2).
+    Robust {
+        /// A power of two.
+        unit: S,
+    },
+}
+
+impl<S: Scalar> RaySetup<S> {
+    /// For a scene whose largest coordinate is `magnitude`.
+    fn robust(magnitude: S) -> Self {
+        Self::Robust { unit: magnitude.to_unit_size() }
+    }
+
+    /// What coordinates are multiplied by.
+    fn unit(&self) -> f64 {
+        match self {
+            Self::AsShipped => 1.0,
+            Self::Robust { unit } => unit.to_f64(),
+        }
+    }
+
+    /// The ray for obvhs; `lead`: it is to start a little before the origin.
+    #[inline(always)]
+    pub(super) fn ray(&self, ray: &Ray<S>, lead: bool) -> BoxRay<S> {
+        match *self {
+            Self::AsShipped => BoxRay::as_shipped(ray),
+            Self::Robust { unit } => BoxRay::robust(ray, unit, lead),
+        }
+    }
+
+    /// Whether obvhs is to get bounds that rounding cannot make too small.
+    #[inline(always)]
+    pub(super) fn is_robust(&self) -> bool {
+        matches!(self, Self::Robust { .. })
+    }
+}
+
+/// A ray for obvhs's box tests.
+pub(super) struct BoxRay<S: Scalar> {
     pub(super) ray: ObvhsRay,
-    /// Parameter offset: a hit at `t` lies at `t + lead` on `ray`.
-    pub(super) lead: f32,
+    /// Its parameters are so many times ours.
+    scale: S,
+    /// How far it starts before the true origin: our `t` is `t * scale + lead` on it.
+    lead: f32,
 }
 
-/// CwBvh ignores boxes that end before t = 1e-4; twice that is a safe start.
+/// CwBvh ignores boxes that end before t = 1e-4; twice that is a safe start. In units of the
+/// scene's size, as the largest component of the direction is in [1, 2).
 const LEAD: f32 = 2e-4;
 
-impl BoxRay {
+impl<S: Scalar> BoxRay<S> {
     #[inline(always)]
-    pub(super) fn robust<S: Scalar>(ray: &Ray<S>, lead: bool) -> Self {
-        let direction = to_f32::<S>(ray.direction) + Vec3::ZERO;
+    fn robust(ray: &Ray<S>, unit: S, lead: bool) -> Self {
+        let [x, y, z] = ray.direction.to_array();
+        let longest = x.abs().greater(y.abs()).greater(z.abs());
+        let shorter = longest.to_unit_size();
+        let direction = to_f32::<S>(ray.direction * shorter) + Vec3::ZERO;
         let lead = if lead { LEAD } else { 0.0 };
-        let origin = to_f32::<S>(ray.origin) - direction * lead;
+        let origin = to_f32::<S>(ray.origin * unit) - direction * lead;
         let reciprocal = |d: f32| {
             if d.abs() < 1e-30 { f32::from_bits(0x7180_0000).copysign(d) } else { 1.0 / d }
         };
@@ -200,20 +259,22 @@ impl BoxRay {
             tmin: 0.0,
             tmax: f32::INFINITY,
         };
-        Self { ray, lead }
+        Self { ray, scale: unit / shorter, lead }
     }
 
     #[inline(always)]
-    pub(super) fn as_shipped<S: Scalar>(ray: &Ray<S>) -> Self {
+    fn as_shipped(ray: &Ray<S>) -> Self {
         let (t_min, t_max) = (ray.t_min.to_f64() as f32, ray.t_max.to_f64() as f32);
         let (o, d) = (to_f32::<S>(ray.origin), to_f32::<S>(ray.direction));
-        Self { ray: ObvhsRay::new(o.into(), d.into(), t_min, t_max), lead: 0.0 }
+        Self { ray: ObvhsRay::new(o.into(), d.into(), t_min, t_max), scale: S::ONE, lead: 0.0 }
     }
 
     /// A bound for obvhs's box tests that no rounding makes too small.
     #[inline(always)]
-    pub(super) fn bound<S: Scalar>(&self, t_max: S) -> f32 {
-        (t_max.to_f64() as f32 + self.lead) * (1.0 + 4.0 * f32::EPSILON)
+    pub(super) fn bound(&self, t_max: S) -> f32 {
+        // 0 * infinity: `max` gives 0 for NaN
+        let t = ((t_max * self.scale).to_f64() as f32).max(0.0);
+        (t + self.lead) * (1.0 + 4.0 * f32::EPSILON)
     }
 }
 

@@ -13,7 +13,7 @@ use obvhs::fast_stack;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 
 use super::obvhs_adapter::{
-    ALSO_TESTED, BoxRay, Groups, PARAMS, VARIANTS, build_params, is_robust, items, known_defect,
+    ALSO_TESTED, BoxRay, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
 };
 use super::{BuildError, Shape, Structure, StructureInfo};
 use crate::params::Params;
@@ -36,11 +36,10 @@ pub static INFO: StructureInfo = StructureInfo {
 };
 
 /// obvhs's `Bvh2` over our primitives.
-pub struct ObvhsBvh2<S> {
+pub struct ObvhsBvh2<S: Scalar> {
     bvh: Bvh2,
     groups: Groups,
-    robust: bool,
-    scalar: std::marker::PhantomData<S>,
+    setup: RaySetup<S>,
 }
 
 impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
@@ -49,15 +48,13 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let items = items(prims, params)?;
         let bvh = build_bvh2(&items.boxes, build_params(params), &mut Duration::default());
-        let (groups, robust) = (items.groups, is_robust(params));
-        Ok(Self { bvh, groups, robust, scalar: std::marker::PhantomData })
+        Ok(Self { bvh, groups: items.groups, setup: items.setup })
     }
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let mut start =
-            if self.robust { BoxRay::robust(ray, false) } else { BoxRay::as_shipped(ray) };
-        if self.robust {
+        let mut start = self.setup.ray(ray, false);
+        if self.setup.is_robust() {
             start.ray.tmax = start.bound(sink.t_max());
         }
         if K::COUNTING {
@@ -101,7 +98,7 @@ impl<S: Scalar> ObvhsBvh2<S> {
         &self,
         node: Option<&Bvh2Node>,
         ray: &mut ObvhsRay,
-        start: &BoxRay,
+        start: &BoxRay<S>,
         sink: &mut K,
     ) -> bool {
         let Some(node) = node else {

@@ -10,7 +10,7 @@ use glam::UVec2;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 
 use super::obvhs_adapter::{
-    ALSO_TESTED, BoxRay, Groups, PARAMS, VARIANTS, build_params, is_robust, items, known_defect,
+    ALSO_TESTED, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
 };
 use super::{BuildError, Shape, Structure, StructureInfo};
 use crate::params::Params;
@@ -36,11 +36,10 @@ pub static INFO: StructureInfo = StructureInfo {
 const MAX_DEPTH: u32 = 31;
 
 /// obvhs's `CwBvh` over our primitives.
-pub struct ObvhsCwBvh<S> {
+pub struct ObvhsCwBvh<S: Scalar> {
     bvh: CwBvh,
     groups: Groups,
-    robust: bool,
-    scalar: std::marker::PhantomData<S>,
+    setup: RaySetup<S>,
 }
 
 impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
@@ -58,15 +57,13 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
                 limit: u128::from(MAX_DEPTH),
             });
         }
-        let (groups, robust) = (items.groups, is_robust(params));
-        Ok(Self { bvh, groups, robust, scalar: std::marker::PhantomData })
+        Ok(Self { bvh, groups: items.groups, setup: items.setup })
     }
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let mut start =
-            if self.robust { BoxRay::robust(ray, true) } else { BoxRay::as_shipped(ray) };
-        if self.robust {
+        let mut start = self.setup.ray(ray, true);
+        if self.setup.is_robust() {
             start.ray.tmax = start.bound(sink.t_max());
         }
         let mut ray = start.ray;
