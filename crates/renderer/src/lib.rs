@@ -3,7 +3,9 @@
 
 pub mod camera;
 pub mod film;
+pub mod foot;
 pub mod geometry;
+pub mod leaving;
 pub mod rays;
 pub mod surface;
 pub mod tracers;

@@ -6,6 +6,7 @@ use accel_core::tracer::Tracer;
 use rayon::prelude::*;
 use scene_loading::Scene;
 
+use crate::leaving::OffsetRule;
 use crate::tracers::whitted::{Row, Whitted};
 
 /// What a ray is for.
@@ -63,9 +64,11 @@ pub struct RaySettings {
     pub resolution: [u32; 2],
     /// Longest chain of closest-hit rays; eye rays have depth 1.
     pub max_depth: u32,
-    /// The rules of Havran and Sixta (1999) where they differ from ours: corner rays, an epsilon
-    /// of 0.01 world units, normals not flipped to the viewer, their cone normal.
+    /// The rules of Havran and Sixta (1999) where they differ from ours: corner rays, normals not
+    /// flipped to the viewer, their cone normal.
     pub historical: bool,
+    /// What keeps a ray off the surface it leaves.
+    pub offset: OffsetRule,
     /// Also make the diffuse bounce set.
     pub diffuse: bool,
     /// Seed of the diffuse directions.
@@ -74,14 +77,29 @@ pub struct RaySettings {
 
 impl Default for RaySettings {
     fn default() -> Self {
-        Self { resolution: [256, 256], max_depth: 5, historical: false, diffuse: true, seed: 1 }
+        Self {
+            resolution: [256, 256],
+            max_depth: 5,
+            historical: false,
+            offset: OffsetRule::default(),
+            diffuse: true,
+            seed: 1,
+        }
     }
 }
 
 impl RaySettings {
-    /// The setting of Havran and Sixta (1999): 513 x 513 eye rays, depth 5, no diffuse set.
+    /// The setting of Havran and Sixta (1999): 513 x 513 eye rays, depth 5, an epsilon of 0.01
+    /// world units, no diffuse set.
     pub fn published() -> Self {
-        Self { resolution: [512, 512], max_depth: 5, historical: true, diffuse: false, seed: 1 }
+        Self {
+            resolution: [512, 512],
+            max_depth: 5,
+            historical: true,
+            offset: OffsetRule::Fixed(0.01),
+            diffuse: false,
+            seed: 1,
+        }
     }
 }
 
@@ -123,7 +141,7 @@ pub fn generate_rays<S: Buildable>(
     tracer: &dyn Tracer<S>,
     settings: &RaySettings,
 ) -> RayBatches<S> {
-    let whitted = Whitted::new::<S>(scene, settings);
+    let whitted = Whitted::new(scene, settings);
     let rows: Vec<Row<S>> =
         (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
     let mut all = RayBatches::default();

@@ -4,6 +4,8 @@ use accel_core::primitives::newell_normal;
 use glam::DVec3;
 use scene_loading::{Material, Scene, Shape};
 
+use crate::foot::{Foot, foot};
+
 /// Looks up normals and materials of a scene after a hit.
 pub struct Surfaces<'a> {
     scene: &'a Scene,
@@ -21,6 +23,8 @@ pub struct SurfacePoint<'a> {
     pub normal: DVec3,
     /// The material.
     pub material: &'a Material,
+    /// The point of the primitive itself, with its geometric normal.
+    pub foot: Foot,
 }
 
 impl<'a> Surfaces<'a> {
@@ -52,7 +56,8 @@ impl<'a> Surfaces<'a> {
             Shape::Patch { v, n } => self.patch_normal(v, n, position),
         };
         let material = &self.scene.materials[primitive.material as usize];
-        SurfacePoint { position, normal, material }
+        let foot = foot(self.scene, &self.polygon_normals, id, position);
+        SurfacePoint { position, normal, material, foot }
     }
 
     fn cone_normal(&self, index: u32, position: DVec3) -> DVec3 {

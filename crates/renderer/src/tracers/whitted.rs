@@ -16,14 +16,9 @@ use scene_loading::{Light, Rgb, Scene};
 
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
+use crate::leaving::Leaving;
 use crate::rays::{RayBatches, RayKind, RaySettings};
 use crate::surface::{SurfacePoint, Surfaces, reflect, refract};
-
-/// Epsilon of Havran and Sixta (1999), in world units.
-const HISTORICAL_EPSILON: f64 = 0.01;
-
-/// Our own epsilon for rays that start on a surface, in ulps of the scene's largest coordinate.
-const EPSILON_ULPS: f64 = 512.0;
 
 /// A scene made ready for tracing.
 pub struct Whitted<'a> {
@@ -32,7 +27,7 @@ pub struct Whitted<'a> {
     lights: Vec<(DVec3, Rgb)>,
     background: Rgb,
     settings: RaySettings,
-    epsilon: f64,
+    leaving: Leaving,
 }
 
 /// What a row of the image gave.
@@ -58,8 +53,8 @@ struct Shadow {
 }
 
 impl<'a> Whitted<'a> {
-    /// Prepares tracing in the precision `S`.
-    pub fn new<S: Buildable>(scene: &'a Scene, settings: &RaySettings) -> Self {
+    /// Prepares tracing.
+    pub fn new(scene: &'a Scene, settings: &RaySettings) -> Self {
         let sampling =
             if settings.historical { Sampling::PixelCorners } else { Sampling::PixelCentres };
         let bounds = scene.bounds();
@@ -82,11 +77,7 @@ impl<'a> Whitted<'a> {
                 .collect(),
             background: scene.background,
             settings: *settings,
-            epsilon: if settings.historical {
-                HISTORICAL_EPSILON
-            } else {
-                magnitude * S::EPSILON.to_f64() * EPSILON_ULPS
-            },
+            leaving: Leaving::new(settings.offset, magnitude),
         }
     }
 
@@ -178,16 +169,13 @@ impl<'a> Whitted<'a> {
         let normal = self.lit_normal(point, incoming);
         for &(light, color) in &self.lights {
             let to_light = light - point.position;
-            let distance = to_light.length();
-            let direction = to_light / distance;
+            let direction = to_light / to_light.length();
             let cos = normal.dot(direction);
             // NaN: a light in the very point
             if cos.is_nan() || cos <= 0.0 {
                 continue;
             }
-            let mut ray = self.leaving(point.position, direction);
-            ray.t_max = S::from_f64(distance);
-            rays.push(ray);
+            rays.push(self.leaving.to(point, light));
             let m = point.material;
             let mirror = reflect(incoming, normal).dot(direction).max(0.0);
             let highlight = if m.specular > 0.0 { m.specular * mirror.powf(m.shine) } else { 0.0 };
@@ -209,7 +197,7 @@ impl<'a> Whitted<'a> {
     ) {
         let m = point.material;
         let mut send = |kind: RayKind, direction: DVec3, share: f64, row: &mut Row<S>| {
-            let ray = self.leaving(point.position, direction);
+            let ray = self.leaving.along(point, direction);
             row.rays.batch_mut(kind).push(ray);
             let weight = path.weight.map(|w| w * share);
             next.push(Path { ray, column: path.column, weight });
@@ -244,13 +232,7 @@ impl<'a> Whitted<'a> {
         let direction = s * (radius * angle.cos())
             + t * (radius * angle.sin())
             + normal * (1.0 - u).max(0.0).sqrt();
-        self.leaving(point.position, direction)
-    }
-
-    fn leaving<S: Buildable>(&self, from: DVec3, direction: DVec3) -> Ray<S> {
-        let mut ray = Ray::new(Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(direction));
-        ray.t_min = S::from_f64(self.epsilon);
-        ray
+        self.leaving.along(point, direction)
     }
 }
 
@@ -277,7 +259,7 @@ pub fn render<S: Buildable>(
     settings: &RaySettings,
 ) -> Image {
     let settings = RaySettings { diffuse: false, ..*settings };
-    let whitted = Whitted::new::<S>(scene, &settings);
+    let whitted = Whitted::new(scene, &settings);
     let rows: Vec<Vec<Rgb>> =
         (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y).colors).collect();
     let [width, height] = whitted.eye.grid();

@@ -50,8 +50,13 @@ pub struct Group {
 }
 
 /// All groups.
-pub static GROUPS: &[&Group] =
-    &[&cases::ray::GROUP, &cases::geometry::GROUP, &cases::grid::GROUP, &cases::traversal::GROUP];
+pub static GROUPS: &[&Group] = &[
+    &cases::ray::GROUP,
+    &cases::geometry::GROUP,
+    &cases::grid::GROUP,
+    &cases::traversal::GROUP,
+    &cases::secondary::GROUP,
+];
 
 /// A case and its group.
 pub type Listed = (&'static Group, &'static Case);

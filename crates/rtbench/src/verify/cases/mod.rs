@@ -3,6 +3,7 @@
 pub mod geometry;
 pub mod grid;
 pub mod ray;
+pub mod secondary;
 pub mod traversal;
 
 use accel_core::primitives::PrimitiveError;

@@ -1,0 +1,121 @@
+//! Rays that leave a surface, and what keeps them from hitting it again.
+//!
+//! A hit point is never exactly on the surface, so that a ray from it may hit what it leaves
+//! (acne), or, started too far away, miss what stands close (a leak). The default starts from the
+//! point's foot on the primitive and moves it along the geometric normal by a bound on what
+//! rounding can do: a few ulps of the primitive's largest coordinate, and so nothing absolute. Its
+//! interval then begins at 0.
+//!
+//! Papers: C. Waechter, N. Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
+//! Tracing Gems, chapter 6, 2019 (offset along the normal in ulps of the coordinate); M. Pharr, W.
+//! Jakob, G. Humphreys, *Physically Based Rendering*, 3rd edition, section 3.9, 2016 (the offset
+//! as an error bound). Deviations: the bound is that of the whole primitive, because its corners
+//! were rounded too; the hit point is projected back in double precision first.
+
+use accel_core::structures::Buildable;
+use accel_core::{Ray, Vec3, Vector};
+use glam::DVec3;
+
+use crate::foot::Foot;
+use crate::surface::SurfacePoint;
+
+/// In ulps of the scene's largest coordinate, for [`OffsetRule::SceneRelative`].
+const SCENE_ULPS: f64 = 512.0;
+
+/// A ray to a target ends so many offsets before it: a surface that the target stands on is met
+/// too early by the rounding over the sine of the angle, here of down to 6 degrees.
+const TARGET_MARGIN: f64 = 4.0;
+
+/// How a ray is kept off the surface it leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OffsetRule {
+    /// Not at all.
+    None,
+    /// Hits nearer than this do not count, world units; Havran and Sixta (1999) took 0.01.
+    Fixed(f64),
+    /// Hits nearer than 512 ulps of the scene's largest coordinate do not count.
+    SceneRelative,
+    /// The origin moves along the normal by so many epsilons of the precision times the largest
+    /// coordinate of its primitive.
+    ErrorBound(f64),
+}
+
+impl Default for OffsetRule {
+    /// Twice the least bound under which no primitive of any kind was hit again: with 1, 50 of
+    /// 90,000 rays from spheres were, and 123 of 28,000 from triangles in f64; with 2, none.
+    fn default() -> Self {
+        Self::ErrorBound(4.0)
+    }
+}
+
+/// Makes rays that leave surfaces, in one scene and under one rule.
+#[derive(Debug, Clone, Copy)]
+pub struct Leaving {
+    rule: OffsetRule,
+    /// The scene's largest coordinate, the eye's included.
+    magnitude: f64,
+}
+
+impl Leaving {
+    /// `magnitude`: the largest coordinate of the scene and the eye, world units.
+    pub fn new(rule: OffsetRule, magnitude: f64) -> Self {
+        Self { rule, magnitude }
+    }
+
+    /// A ray from the surface along `direction`.
+    pub fn along<S: Buildable>(&self, point: &SurfacePoint<'_>, direction: DVec3) -> Ray<S> {
+        let origin = self.origin::<S>(point, direction);
+        let mut ray = Ray::new(origin, Vec3::<S>::from_dvec3(direction));
+        ray.t_min = S::from_f64(self.nearest::<S>());
+        ray
+    }
+
+    /// A ray from the surface to `target`, of unit direction; what lies at the target itself does
+    /// not count, so that a light may stand on a surface.
+    pub fn to<S: Buildable>(&self, point: &SurfacePoint<'_>, target: DVec3) -> Ray<S> {
+        let (from, margin) = match self.rule {
+            OffsetRule::ErrorBound(ulps) => {
+                let origin = self.origin::<S>(point, target - point.position).to_dvec3();
+                let reach = largest(target).max(largest(origin));
+                (origin, bound::<S>(ulps * TARGET_MARGIN, reach))
+            }
+            _ => (point.position, 0.0),
+        };
+        let way = target - from;
+        let length = way.length();
+        let mut ray = Ray::new(Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(way / length));
+        ray.t_min = S::from_f64(self.nearest::<S>());
+        ray.t_max = S::from_f64(length - margin);
+        ray
+    }
+
+    /// Where a ray along `direction` starts.
+    fn origin<S: Buildable>(&self, point: &SurfacePoint<'_>, direction: DVec3) -> Vec3<S> {
+        let OffsetRule::ErrorBound(ulps) = self.rule else {
+            return Vec3::<S>::from_dvec3(point.position);
+        };
+        let Foot { position, normal, magnitude } = point.foot;
+        // an apex has no normal: straight ahead
+        let normal = if normal == DVec3::ZERO { direction.normalize_or_zero() } else { normal };
+        let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
+        Vec3::<S>::from_dvec3(position + side * bound::<S>(ulps, magnitude))
+    }
+
+    /// The smallest parameter that counts.
+    fn nearest<S: Buildable>(&self) -> f64 {
+        match self.rule {
+            OffsetRule::None | OffsetRule::ErrorBound(_) => 0.0,
+            OffsetRule::Fixed(epsilon) => epsilon,
+            OffsetRule::SceneRelative => self.magnitude * S::EPSILON.to_f64() * SCENE_ULPS,
+        }
+    }
+}
+
+/// What rounding may do to a surface whose largest coordinate is `magnitude`.
+fn bound<S: Buildable>(ulps: f64, magnitude: f64) -> f64 {
+    magnitude * S::EPSILON.to_f64() * ulps
+}
+
+fn largest(p: DVec3) -> f64 {
+    p.abs().max_element()
+}
