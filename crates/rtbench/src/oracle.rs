@@ -208,6 +208,7 @@ fn widened<S: Scalar>(ray: &Ray<S>) -> Ray<f64> {
         direction: ray.direction.to_dvec3(),
         t_min: ray.t_min.to_f64(),
         t_max: ray.t_max.to_f64(),
+        time: ray.time.to_f64(),
     }
 }
 

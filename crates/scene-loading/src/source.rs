@@ -277,6 +277,9 @@ impl Described {
     fn load(&self, places: &Places) -> Result<(Scene, String), LoadError> {
         let (mut scene, source) = match &self.file.source {
             Source::Spd(spec) => (generate(spec)?, format!("generated: {spec}")),
+            Source::Shapes(shapes) => {
+                (self.file.inline(&self.path, shapes)?, self.path.display().to_string())
+            }
             Source::File(name) => {
                 let path = self.path.parent().unwrap_or(Path::new("")).join(name);
                 let embedded = ASSETS.iter().find(|(asset, _)| Path::new(asset) == path);

@@ -1,7 +1,8 @@
-//! Triangles, polygons, spheres and cones under one id space, in file order.
+//! Triangles, polygons, spheres and cones under one id space, in file order; each may move.
 
 use glam::DVec3;
 
+use super::moving::Moving;
 use super::polygon::Polygon;
 use super::support::{distance_to_points, extent_of_points};
 use super::triangle::{Shear, TriangleTest, Watertight};
@@ -24,14 +25,22 @@ pub enum PrimitiveKind {
 }
 
 /// The kind in the upper two bits, the index within the kind below.
+///
+/// A primitive that moves is filed as a polygon with an index that no polygon has, counted down
+/// from the largest one: the check of the bounds of that array, which is there anyway, finds it,
+/// and tests of primitives at rest cost nothing more.
 #[derive(Debug, Clone, Copy)]
 struct Tagged(u32);
 
 const INDEX_BITS: u32 = 30;
+const LAST_INDEX: usize = (1 << INDEX_BITS) - 1;
 
 impl Tagged {
     fn new(kind: PrimitiveKind, index: usize) -> Self {
         Self((kind as u32) << INDEX_BITS | index as u32)
+    }
+    fn moving(index: usize) -> Self {
+        Self::new(PrimitiveKind::Polygon, LAST_INDEX - index)
     }
     #[inline(always)]
     fn kind(self) -> PrimitiveKind {
@@ -57,6 +66,7 @@ pub struct MixedSet<S: Scalar> {
     polygon_vertices: Vec<[S; 3]>,
     spheres: Vec<Sphere<S>>,
     cones: Vec<Cone<S>>,
+    moving: Vec<Moving<S>>,
     transmissive: TransmissiveSet,
     magnitude: S,
 }
@@ -77,6 +87,7 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
                 polygon_vertices: Vec::new(),
                 spheres: Vec::new(),
                 cones: Vec::new(),
+                moving: Vec::new(),
                 transmissive: TransmissiveSet::default(),
                 magnitude: S::ZERO,
             },
@@ -93,7 +104,7 @@ impl<S: Scalar> MixedSetBuilder<S> {
         is_finite: bool,
     ) -> Result<(), PrimitiveError> {
         let id = self.set.order.len() as u32;
-        if count > 1 << INDEX_BITS || id == MISS {
+        if count + self.set.moving.len() > 1 << INDEX_BITS || id == MISS {
             return Err(PrimitiveError::TooMany { limit: 1 << INDEX_BITS });
         }
         if !is_finite {
@@ -155,6 +166,30 @@ impl<S: Scalar> MixedSetBuilder<S> {
         self.push(PrimitiveKind::Cone, self.set.cones.len(), finite)
     }
 
+    /// Lets the last primitive move by `velocity` a unit of time, from time 0 to `exposure`. The
+    /// last call for a primitive counts.
+    ///
+    /// # Errors
+    /// [`PrimitiveError`] when its way is not finite.
+    pub fn last_moves(&mut self, velocity: DVec3, exposure: f64) -> Result<(), PrimitiveError> {
+        let Some(&last) = self.set.order.last() else { return Ok(()) };
+        let id = self.set.order.len() as u32 - 1;
+        let (kind, index, _) = self.set.shape_of(last);
+        if self.set.moving.len() + self.set.polygons.len() >= LAST_INDEX {
+            return Err(PrimitiveError::TooMany { limit: 1 << INDEX_BITS });
+        }
+        let tagged = Tagged::moving(self.set.moving.len());
+        self.set.moving.push(Moving {
+            shape: (kind, index),
+            velocity: Vec3::<S>::from_dvec3(velocity),
+            exposure: S::from_f64(exposure),
+        });
+        if let Some(last) = self.set.order.last_mut() {
+            *last = tagged;
+        }
+        if self.set.bounds(id).is_finite() { Ok(()) } else { Err(PrimitiveError::NotFinite { id }) }
+    }
+
     /// Marks the last primitive as one that lets shadow rays pass.
     pub fn last_is_transmissive(&mut self) {
         if let Some(last) = self.set.order.len().checked_sub(1) {
@@ -171,18 +206,10 @@ impl<S: Scalar> MixedSetBuilder<S> {
     }
 }
 
-impl<S: Scalar> PrimSet<S> for MixedSet<S> {
-    type RaySetup = Shear<S>;
-
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.order.len()
-    }
-
-    fn bounds(&self, id: u32) -> Aabb<S> {
-        let tagged = self.order[id as usize];
-        let i = tagged.index();
-        match tagged.kind() {
+impl<S: Scalar> MixedSet<S> {
+    /// Bounds of a shape at time 0.
+    fn still_bounds(&self, kind: PrimitiveKind, i: usize) -> Aabb<S> {
+        match kind {
             PrimitiveKind::Triangle => {
                 Aabb::of_triangle(&self.triangles[i].map(Vec3::<S>::from_array))
             }
@@ -192,10 +219,8 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         }
     }
 
-    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
-        let tagged = self.order[id as usize];
-        let i = tagged.index();
-        match tagged.kind() {
+    fn still_extent(&self, kind: PrimitiveKind, i: usize, direction: DVec3) -> (f64, f64) {
+        match kind {
             PrimitiveKind::Triangle => extent_of_points(&self.triangles[i], direction),
             PrimitiveKind::Polygon => self.polygons[i].extent(&self.polygon_vertices, direction),
             PrimitiveKind::Sphere => self.spheres[i].extent(direction),
@@ -203,10 +228,8 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         }
     }
 
-    fn farthest(&self, id: u32, from: DVec3) -> f64 {
-        let tagged = self.order[id as usize];
-        let i = tagged.index();
-        match tagged.kind() {
+    fn still_farthest(&self, kind: PrimitiveKind, i: usize, from: DVec3) -> f64 {
+        match kind {
             PrimitiveKind::Triangle => distance_to_points(&self.triangles[i], from),
             PrimitiveKind::Polygon => self.polygons[i].farthest(&self.polygon_vertices, from),
             PrimitiveKind::Sphere => self.spheres[i].farthest(from),
@@ -214,8 +237,66 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         }
     }
 
+    /// Tests a primitive that moves. Not inlined: it is compiled once, and the loops over
+    /// primitives at rest stay as they were.
+    #[cold]
+    #[inline(never)]
+    fn intersect_moving(&self, tagged: Tagged, ray: &Ray<S>, t_max: S) -> Option<S> {
+        let (kind, i, moving) = self.shape_of(tagged);
+        let ray = moving?.relative(ray);
+        let shear = Shear::of(&ray);
+        match kind {
+            PrimitiveKind::Triangle => {
+                Watertight::intersect(&self.triangles[i], &ray, &shear, t_max)
+            }
+            PrimitiveKind::Polygon => {
+                self.polygons[i].intersect(&self.polygon_vertices, &ray, &shear, t_max)
+            }
+            PrimitiveKind::Sphere => self.spheres[i].intersect(&ray, t_max),
+            PrimitiveKind::Cone => self.cones[i].intersect(&ray, t_max),
+        }
+    }
+
+    /// Kind, index and motion of what a tag stands for.
+    fn shape_of(&self, tagged: Tagged) -> (PrimitiveKind, usize, Option<&Moving<S>>) {
+        let (kind, index) = (tagged.kind(), tagged.index());
+        if kind == PrimitiveKind::Polygon && index >= self.polygons.len() {
+            let moving = &self.moving[LAST_INDEX - index];
+            return (moving.shape.0, moving.shape.1, Some(moving));
+        }
+        (kind, index, None)
+    }
+}
+
+impl<S: Scalar> PrimSet<S> for MixedSet<S> {
+    type RaySetup = Shear<S>;
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    fn bounds(&self, id: u32) -> Aabb<S> {
+        let (kind, i, moving) = self.shape_of(self.order[id as usize]);
+        let still = self.still_bounds(kind, i);
+        moving.map_or(still, |moving| moving.swept(still))
+    }
+
+    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
+        let (kind, i, moving) = self.shape_of(self.order[id as usize]);
+        let still = self.still_extent(kind, i, direction);
+        moving.map_or(still, |moving| moving.swept_extent(still, direction))
+    }
+
+    fn farthest(&self, id: u32, from: DVec3) -> f64 {
+        let (kind, i, moving) = self.shape_of(self.order[id as usize]);
+        let start = self.still_farthest(kind, i, from);
+        // the distance is convex along the way: one of its ends is farthest
+        moving.map_or(start, |moving| start.max(self.still_farthest(kind, i, from - moving.way())))
+    }
+
     fn kind(&self, id: u32) -> PrimitiveKind {
-        self.order[id as usize].kind()
+        self.shape_of(self.order[id as usize]).0
     }
 
     #[inline(always)]
@@ -229,9 +310,10 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         let i = tagged.index();
         match tagged.kind() {
             PrimitiveKind::Triangle => Watertight::intersect(&self.triangles[i], ray, shear, t_max),
-            PrimitiveKind::Polygon => {
-                self.polygons[i].intersect(&self.polygon_vertices, ray, shear, t_max)
-            }
+            PrimitiveKind::Polygon => match self.polygons.get(i) {
+                Some(polygon) => polygon.intersect(&self.polygon_vertices, ray, shear, t_max),
+                None => self.intersect_moving(tagged, ray, t_max),
+            },
             PrimitiveKind::Sphere => self.spheres[i].intersect(ray, t_max),
             PrimitiveKind::Cone => self.cones[i].intersect(ray, t_max),
         }
@@ -253,6 +335,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + size_of_val(self.polygon_vertices.as_slice())
             + size_of_val(self.spheres.as_slice())
             + size_of_val(self.cones.as_slice())
+            + size_of_val(self.moving.as_slice())
             + self.transmissive.bytes()
     }
 }

@@ -1,10 +1,11 @@
 //! Geometry that rays are tested against.
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
-//! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space.
+//! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
 
 mod cone;
 mod mixed;
+mod moving;
 mod polygon;
 mod sphere;
 mod support;

@@ -12,7 +12,7 @@ use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene_loading::{Light, Rgb, Scene};
+use scene_loading::{Rgb, Scene};
 
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
@@ -76,9 +76,7 @@ impl<'a> Whitted<'a> {
             lights: scene
                 .lights
                 .iter()
-                .map(|light| match *light {
-                    Light::Point { position, color } => (position, color.unwrap_or(default_color)),
-                })
+                .map(|light| (light.position(), light.color().unwrap_or(default_color)))
                 .collect(),
             background: scene.background,
             settings: *settings,
