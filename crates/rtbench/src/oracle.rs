@@ -197,7 +197,7 @@ impl<'a> Oracle<'a> {
         match self.prims {
             PrimsRef::Watertight(p) => of(p, id, ray),
             PrimsRef::MoellerTrumbore(p) => of(p, id, ray),
-            PrimsRef::Mixed(p) => of(p, id, ray),
+            PrimsRef::Mixed(p) => of(p.in_motion(), id, ray),
         }
     }
 }

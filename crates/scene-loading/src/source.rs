@@ -97,13 +97,18 @@ impl SceneCatalogue {
         Ok(catalogue)
     }
 
-    /// Adds `*.json` of the folder as scenes and `sets/*.json` as sets.
+    /// Adds `*.json` of the folder and `effects/*.json` as scenes and `sets/*.json` as sets.
     ///
     /// # Errors
     /// [`LoadError::Io`] when the folder cannot be read, else those of [`SceneFile::parse`] and
     /// [`SceneSet::parse`].
     pub fn add_folder(&mut self, folder: &Path) -> Result<(), LoadError> {
-        for path in json_files(folder)? {
+        let effects = folder.join("effects");
+        let mut scenes = json_files(folder)?;
+        if effects.is_dir() {
+            scenes.append(&mut json_files(&effects)?);
+        }
+        for path in scenes {
             self.add_scene(&path, &lossy_text(read_file(&path)?), false)?;
         }
         let sets = folder.join("sets");

@@ -1,8 +1,9 @@
-//! Triangles, polygons, spheres and cones under one id space, in file order; each may move.
+//! Triangles, polygons, spheres and cones under one id space, in file order. They may move: see
+//! [`super::moving`].
 
 use glam::DVec3;
 
-use super::moving::Moving;
+use super::moving::{InMotion, Motion};
 use super::polygon::Polygon;
 use super::support::{distance_to_points, extent_of_points};
 use super::triangle::{Shear, TriangleTest, Watertight};
@@ -25,22 +26,14 @@ pub enum PrimitiveKind {
 }
 
 /// The kind in the upper two bits, the index within the kind below.
-///
-/// A primitive that moves is filed as a polygon with an index that no polygon has, counted down
-/// from the largest one: the check of the bounds of that array, which is there anyway, finds it,
-/// and tests of primitives at rest cost nothing more.
 #[derive(Debug, Clone, Copy)]
 struct Tagged(u32);
 
 const INDEX_BITS: u32 = 30;
-const LAST_INDEX: usize = (1 << INDEX_BITS) - 1;
 
 impl Tagged {
     fn new(kind: PrimitiveKind, index: usize) -> Self {
         Self((kind as u32) << INDEX_BITS | index as u32)
-    }
-    fn moving(index: usize) -> Self {
-        Self::new(PrimitiveKind::Polygon, LAST_INDEX - index)
     }
     #[inline(always)]
     fn kind(self) -> PrimitiveKind {
@@ -66,9 +59,9 @@ pub struct MixedSet<S: Scalar> {
     polygon_vertices: Vec<[S; 3]>,
     spheres: Vec<Sphere<S>>,
     cones: Vec<Cone<S>>,
-    moving: Vec<Moving<S>>,
     transmissive: TransmissiveSet,
     magnitude: S,
+    motion: Motion<S>,
 }
 
 /// Collects primitives in id order.
@@ -87,9 +80,9 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
                 polygon_vertices: Vec::new(),
                 spheres: Vec::new(),
                 cones: Vec::new(),
-                moving: Vec::new(),
                 transmissive: TransmissiveSet::default(),
                 magnitude: S::ZERO,
+                motion: Motion::default(),
             },
         }
     }
@@ -104,7 +97,7 @@ impl<S: Scalar> MixedSetBuilder<S> {
         is_finite: bool,
     ) -> Result<(), PrimitiveError> {
         let id = self.set.order.len() as u32;
-        if count + self.set.moving.len() > 1 << INDEX_BITS || id == MISS {
+        if count > 1 << INDEX_BITS || id == MISS {
             return Err(PrimitiveError::TooMany { limit: 1 << INDEX_BITS });
         }
         if !is_finite {
@@ -166,27 +159,14 @@ impl<S: Scalar> MixedSetBuilder<S> {
         self.push(PrimitiveKind::Cone, self.set.cones.len(), finite)
     }
 
-    /// Lets the last primitive move by `velocity` a unit of time, from time 0 to `exposure`. The
-    /// last call for a primitive counts.
+    /// Lets the last primitive move by `velocity` a unit of time, from time 0 to `exposure`, which
+    /// must be the same for all primitives. The last call for a primitive counts.
     ///
     /// # Errors
     /// [`PrimitiveError`] when its way is not finite.
     pub fn last_moves(&mut self, velocity: DVec3, exposure: f64) -> Result<(), PrimitiveError> {
-        let Some(&last) = self.set.order.last() else { return Ok(()) };
-        let id = self.set.order.len() as u32 - 1;
-        let (kind, index, _) = self.set.shape_of(last);
-        if self.set.moving.len() + self.set.polygons.len() >= LAST_INDEX {
-            return Err(PrimitiveError::TooMany { limit: 1 << INDEX_BITS });
-        }
-        let tagged = Tagged::moving(self.set.moving.len());
-        self.set.moving.push(Moving {
-            shape: (kind, index),
-            velocity: Vec3::<S>::from_dvec3(velocity),
-            exposure: S::from_f64(exposure),
-        });
-        if let Some(last) = self.set.order.last_mut() {
-            *last = tagged;
-        }
+        let Some(id) = (self.set.order.len() as u32).checked_sub(1) else { return Ok(()) };
+        self.set.motion.set(id, velocity, exposure);
         if self.set.bounds(id).is_finite() { Ok(()) } else { Err(PrimitiveError::NotFinite { id }) }
     }
 
@@ -207,67 +187,22 @@ impl<S: Scalar> MixedSetBuilder<S> {
 }
 
 impl<S: Scalar> MixedSet<S> {
-    /// Bounds of a shape at time 0.
-    fn still_bounds(&self, kind: PrimitiveKind, i: usize) -> Aabb<S> {
-        match kind {
-            PrimitiveKind::Triangle => {
-                Aabb::of_triangle(&self.triangles[i].map(Vec3::<S>::from_array))
-            }
-            PrimitiveKind::Polygon => self.polygons[i].bounds(),
-            PrimitiveKind::Sphere => self.spheres[i].bounds(),
-            PrimitiveKind::Cone => self.cones[i].bounds(),
-        }
+    /// Whether any primitive moves.
+    pub fn moves(&self) -> bool {
+        self.motion.any()
     }
 
-    fn still_extent(&self, kind: PrimitiveKind, i: usize, direction: DVec3) -> (f64, f64) {
-        match kind {
-            PrimitiveKind::Triangle => extent_of_points(&self.triangles[i], direction),
-            PrimitiveKind::Polygon => self.polygons[i].extent(&self.polygon_vertices, direction),
-            PrimitiveKind::Sphere => self.spheres[i].extent(direction),
-            PrimitiveKind::Cone => self.cones[i].extent(direction),
-        }
+    /// The same set as rays with a time see it.
+    pub fn in_motion(&self) -> &InMotion<S> {
+        InMotion::of(self)
     }
 
-    fn still_farthest(&self, kind: PrimitiveKind, i: usize, from: DVec3) -> f64 {
-        match kind {
-            PrimitiveKind::Triangle => distance_to_points(&self.triangles[i], from),
-            PrimitiveKind::Polygon => self.polygons[i].farthest(&self.polygon_vertices, from),
-            PrimitiveKind::Sphere => self.spheres[i].farthest(from),
-            PrimitiveKind::Cone => self.cones[i].farthest(from),
-        }
-    }
-
-    /// Tests a primitive that moves. Not inlined: it is compiled once, and the loops over
-    /// primitives at rest stay as they were.
-    #[cold]
-    #[inline(never)]
-    fn intersect_moving(&self, tagged: Tagged, ray: &Ray<S>, t_max: S) -> Option<S> {
-        let (kind, i, moving) = self.shape_of(tagged);
-        let ray = moving?.relative(ray);
-        let shear = Shear::of(&ray);
-        match kind {
-            PrimitiveKind::Triangle => {
-                Watertight::intersect(&self.triangles[i], &ray, &shear, t_max)
-            }
-            PrimitiveKind::Polygon => {
-                self.polygons[i].intersect(&self.polygon_vertices, &ray, &shear, t_max)
-            }
-            PrimitiveKind::Sphere => self.spheres[i].intersect(&ray, t_max),
-            PrimitiveKind::Cone => self.cones[i].intersect(&ray, t_max),
-        }
-    }
-
-    /// Kind, index and motion of what a tag stands for.
-    fn shape_of(&self, tagged: Tagged) -> (PrimitiveKind, usize, Option<&Moving<S>>) {
-        let (kind, index) = (tagged.kind(), tagged.index());
-        if kind == PrimitiveKind::Polygon && index >= self.polygons.len() {
-            let moving = &self.moving[LAST_INDEX - index];
-            return (moving.shape.0, moving.shape.1, Some(moving));
-        }
-        (kind, index, None)
+    pub(super) fn motion(&self) -> &Motion<S> {
+        &self.motion
     }
 }
 
+/// Tests find primitives where they are at time 0; bounds hold their whole way.
 impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     type RaySetup = Shear<S>;
 
@@ -277,26 +212,46 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     }
 
     fn bounds(&self, id: u32) -> Aabb<S> {
-        let (kind, i, moving) = self.shape_of(self.order[id as usize]);
-        let still = self.still_bounds(kind, i);
-        moving.map_or(still, |moving| moving.swept(still))
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        let still = match tagged.kind() {
+            PrimitiveKind::Triangle => {
+                Aabb::of_triangle(&self.triangles[i].map(Vec3::<S>::from_array))
+            }
+            PrimitiveKind::Polygon => self.polygons[i].bounds(),
+            PrimitiveKind::Sphere => self.spheres[i].bounds(),
+            PrimitiveKind::Cone => self.cones[i].bounds(),
+        };
+        self.motion.swept(id, still)
     }
 
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
-        let (kind, i, moving) = self.shape_of(self.order[id as usize]);
-        let still = self.still_extent(kind, i, direction);
-        moving.map_or(still, |moving| moving.swept_extent(still, direction))
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        let still = match tagged.kind() {
+            PrimitiveKind::Triangle => extent_of_points(&self.triangles[i], direction),
+            PrimitiveKind::Polygon => self.polygons[i].extent(&self.polygon_vertices, direction),
+            PrimitiveKind::Sphere => self.spheres[i].extent(direction),
+            PrimitiveKind::Cone => self.cones[i].extent(direction),
+        };
+        self.motion.swept_extent(id, still, direction)
     }
 
     fn farthest(&self, id: u32, from: DVec3) -> f64 {
-        let (kind, i, moving) = self.shape_of(self.order[id as usize]);
-        let start = self.still_farthest(kind, i, from);
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        let still = |from| match tagged.kind() {
+            PrimitiveKind::Triangle => distance_to_points(&self.triangles[i], from),
+            PrimitiveKind::Polygon => self.polygons[i].farthest(&self.polygon_vertices, from),
+            PrimitiveKind::Sphere => self.spheres[i].farthest(from),
+            PrimitiveKind::Cone => self.cones[i].farthest(from),
+        };
         // the distance is convex along the way: one of its ends is farthest
-        moving.map_or(start, |moving| start.max(self.still_farthest(kind, i, from - moving.way())))
+        still(from).max(still(from - self.motion.way(id)))
     }
 
     fn kind(&self, id: u32) -> PrimitiveKind {
-        self.shape_of(self.order[id as usize]).0
+        self.order[id as usize].kind()
     }
 
     #[inline(always)]
@@ -310,10 +265,9 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         let i = tagged.index();
         match tagged.kind() {
             PrimitiveKind::Triangle => Watertight::intersect(&self.triangles[i], ray, shear, t_max),
-            PrimitiveKind::Polygon => match self.polygons.get(i) {
-                Some(polygon) => polygon.intersect(&self.polygon_vertices, ray, shear, t_max),
-                None => self.intersect_moving(tagged, ray, t_max),
-            },
+            PrimitiveKind::Polygon => {
+                self.polygons[i].intersect(&self.polygon_vertices, ray, shear, t_max)
+            }
             PrimitiveKind::Sphere => self.spheres[i].intersect(ray, t_max),
             PrimitiveKind::Cone => self.cones[i].intersect(ray, t_max),
         }
@@ -335,7 +289,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + size_of_val(self.polygon_vertices.as_slice())
             + size_of_val(self.spheres.as_slice())
             + size_of_val(self.cones.as_slice())
-            + size_of_val(self.moving.as_slice())
             + self.transmissive.bytes()
+            + self.motion.bytes()
     }
 }

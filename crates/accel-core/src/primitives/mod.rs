@@ -13,6 +13,7 @@ mod triangle;
 
 pub use cone::Cone;
 pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
+pub use moving::InMotion;
 pub use polygon::{Polygon, newell_normal};
 pub use sphere::Sphere;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
