@@ -3,6 +3,7 @@
 
 pub mod camera;
 pub mod effects;
+pub mod exr;
 pub mod film;
 pub mod geometry;
 pub mod rays;
@@ -11,7 +12,7 @@ pub mod tracers;
 
 pub use effects::counts::RayCounts;
 pub use effects::{Effect, EffectPlan, RenderSettings, Samples};
-pub use film::{Image, ImageError};
+pub use film::{Image, ImageError, ImageFormat};
 pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, generate_rays};
 pub use tracers::whitted::{Rendered, render, render_plan};
