@@ -6,9 +6,11 @@ pub mod effects;
 pub mod exr;
 pub mod film;
 pub mod geometry;
+pub mod heat_map;
 pub mod rays;
 pub mod surface;
 pub mod tracers;
+pub mod work;
 
 pub use effects::counts::RayCounts;
 pub use effects::{Effect, EffectPlan, RenderSettings, Samples};

@@ -46,6 +46,8 @@ pub enum Command {
     List(ListArgs),
     /// Render a scene, with the effects it calls for, to a PNG or EXR image
     Render(RenderArgs),
+    /// What an image costs by the lecture's product, factor by factor, predicted and measured
+    Cost(CostArgs),
     /// Inspect, check or fetch scenes
     Scenes(ScenesArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
@@ -244,6 +246,30 @@ pub struct RenderArgs {
     #[arg(short = 'j', long, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+}
+
+/// `rtbench cost`.
+#[derive(Debug, Clone, Args)]
+pub struct CostArgs {
+    /// A scene's name or file
+    pub scene: String,
+    /// The structure to trace with [default: obvhs-cwbvh, or the first]
+    #[arg(short, long, value_name = "STRUCTURE")]
+    pub structure: Option<String>,
+    /// Width and height of the image
+    #[arg(long, value_name = "PIXELS", default_value_t = 256,
+          value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: u32,
+    /// How finely to sample.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
+    /// Threads that trace
+    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Draw tests, steps and time of each pixel: tests.png, steps.png, time.png
+    #[arg(long, value_name = "DIR")]
+    pub heat_maps: Option<PathBuf>,
 }
 
 /// The factors of an image's cost beside its pixels. Those of effects that the scene does not call

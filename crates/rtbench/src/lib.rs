@@ -11,6 +11,7 @@ pub mod check;
 pub mod clock;
 pub mod commands;
 pub mod context;
+pub mod cost;
 pub mod duration;
 pub mod effect_table;
 pub mod error;
@@ -86,6 +87,7 @@ pub fn run(
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
+        Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),

@@ -84,6 +84,7 @@ pub struct EffectPlan {
     settings: RenderSettings,
     /// Some material mirrors or transmits, and rays are long enough to show it.
     scatters: bool,
+    lit: bool,
 }
 
 impl EffectPlan {
@@ -95,7 +96,13 @@ impl EffectPlan {
         let called: Vec<Called> = EFFECTS.iter().filter_map(called).collect();
         let scattering = [Effect::Mirror, Effect::Gloss, Effect::Refraction];
         let scatters = called.iter().any(|called| scattering.contains(&called.info.effect));
-        Self { called, samples: Samples::of(scene, settings), settings: *settings, scatters }
+        Self {
+            called,
+            samples: Samples::of(scene, settings),
+            settings: *settings,
+            scatters,
+            lit: true,
+        }
     }
 
     /// The same without an effect: its rays are not sent. Soft shadows become hard, rough mirrors
@@ -103,6 +110,18 @@ impl EffectPlan {
     pub fn without(mut self, effect: Effect) -> Self {
         self.called.retain(|called| called.info.effect != effect);
         self
+    }
+
+    /// The same for an image of another size.
+    pub fn at(mut self, resolution: [u32; 2]) -> Self {
+        self.settings.resolution = resolution;
+        self
+    }
+
+    /// The same without any light.
+    pub fn unlit(mut self) -> Self {
+        self.lit = false;
+        self.without(Effect::SoftShadows).without(Effect::HardShadows)
     }
 
     /// Whether an effect is part of it.
@@ -167,7 +186,8 @@ impl EffectPlan {
             let lights = DiscLights::new(scene, self.samples.shadow, self.settings.seed);
             return Some(Box::new(lights));
         }
-        (!scene.lights.is_empty()).then(|| Box::new(PointLights::new(scene, true)) as _)
+        let lit = self.lit && !scene.lights.is_empty();
+        lit.then(|| Box::new(PointLights::new(scene, true)) as _)
     }
 
     fn scatter(&self) -> Option<Box<dyn ScatterStage>> {
