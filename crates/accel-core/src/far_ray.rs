@@ -62,6 +62,7 @@ fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
         direction: ray.direction,
         t_min: ray.t_min - by,
         t_max: ray.t_max - by,
+        time: ray.time,
     };
     if near.t_min <= near.t_max { Place::Moved(near, by) } else { Place::Nowhere }
 }

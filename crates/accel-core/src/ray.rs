@@ -18,12 +18,15 @@ pub struct Ray<S: Scalar> {
     pub t_min: S,
     /// Largest accepted parameter; may be infinite.
     pub t_max: S,
+    /// The moment at which it sees moving primitives, from 0 (the shutter opens) to their
+    /// exposure. Nothing else reads it.
+    pub time: S,
 }
 
 impl<S: Scalar> Ray<S> {
-    /// A ray from `origin` with the interval [0, infinity].
+    /// A ray from `origin` with the interval [0, infinity], at time 0.
     pub fn new(origin: Vec3<S>, direction: Vec3<S>) -> Self {
-        Self { origin, direction, t_min: S::ZERO, t_max: S::INFINITY }
+        Self { origin, direction, t_min: S::ZERO, t_max: S::INFINITY, time: S::ZERO }
     }
 
     /// The point at parameter `t`.

@@ -3,6 +3,10 @@
 //! What is timed is compiled for each kind of primitive and query; what counts walks with one
 //! [`ErasedSink`].
 
+mod in_motion;
+
+pub use in_motion::BoundInMotion;
+
 use crate::counters::{NoCounters, WorkCounters};
 use crate::far_ray::{self, Place};
 use crate::mailbox::{AnyMailbox, MailboxSource, NoMailbox, Setting};
@@ -193,6 +197,34 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
             }
         }
     }
+
+    fn count_all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
+        self.mailbox.with(|mailbox| self.count_closest(rays, hits, mailbox))
+    }
+
+    fn count_all_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+    ) -> WorkCounters {
+        let mut total = WorkCounters::default();
+        self.mailbox.with(|mut mailbox| {
+            for (ray, answer) in rays.iter().zip(answers) {
+                let counters;
+                (*answer, counters) = self.near(ray, Default::default(), |near, _| {
+                    self.count_shadow(near, rule, &mut mailbox)
+                });
+                total += counters;
+            }
+        });
+        total
+    }
+
+    fn whole_shape(&self) -> Shape {
+        let shape = self.structure.shape();
+        Shape { bytes: shape.bytes + self.mailbox.bytes(), ..shape }
+    }
 }
 
 /// The walk that counts. Never inlined, so that it is compiled once a structure.
@@ -217,7 +249,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>> Tracer<S> for Bound<'_, S, P, T>
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.mailbox.with(|mailbox| self.count_closest(rays, hits, mailbox))
+        self.count_all_closest(rays, hits)
     }
 
     fn count_occlusions(
@@ -226,22 +258,11 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>> Tracer<S> for Bound<'_, S, P, T>
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        let mut total = WorkCounters::default();
-        self.mailbox.with(|mut mailbox| {
-            for (ray, answer) in rays.iter().zip(answers) {
-                let counters;
-                (*answer, counters) = self.near(ray, Default::default(), |near, _| {
-                    self.count_shadow(near, rule, &mut mailbox)
-                });
-                total += counters;
-            }
-        });
-        total
+        self.count_all_occlusions(rays, rule, answers)
     }
 
     fn shape(&self) -> Shape {
-        let shape = self.structure.shape();
-        Shape { bytes: shape.bytes + self.mailbox.bytes(), ..shape }
+        self.whole_shape()
     }
 }
 

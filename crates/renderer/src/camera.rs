@@ -1,6 +1,6 @@
 //! Eye rays.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use scene_loading::Camera;
 
 /// How image samples are placed.
@@ -59,8 +59,14 @@ impl EyeRays {
             Sampling::PixelCentres => 0.5,
             Sampling::PixelCorners => 0.0,
         };
-        let u = 2.0 * (f64::from(x) + shift) / f64::from(self.size[0]) - 1.0;
-        let v = 1.0 - 2.0 * (f64::from(y) + shift) / f64::from(self.size[1]);
+        self.direction_within(x, y, DVec2::splat(shift))
+    }
+
+    /// The unit direction through a point of a pixel: (0, 0) is its upper left corner, (1, 1) its
+    /// lower right one.
+    pub fn direction_within(&self, x: u32, y: u32, within: DVec2) -> DVec3 {
+        let u = 2.0 * (f64::from(x) + within.x) / f64::from(self.size[0]) - 1.0;
+        let v = 1.0 - 2.0 * (f64::from(y) + within.y) / f64::from(self.size[1]);
         (self.forward + self.right * u + self.up * v).normalize()
     }
 

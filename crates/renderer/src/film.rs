@@ -13,6 +13,30 @@ pub struct Image {
     pub pixels: Vec<[f64; 3]>,
 }
 
+/// A kind of image file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// 8 bits a channel, clamped to [0, 1], in the sRGB transfer function.
+    Png,
+    /// 32-bit floats, linear, nothing clamped.
+    Exr,
+}
+
+impl ImageFormat {
+    /// The endings of their files.
+    pub const ENDINGS: [&'static str; 2] = ["png", "exr"];
+
+    /// The format that a file's ending asks for: PNG where there is none; `None` for others.
+    pub fn of(path: &Path) -> Option<Self> {
+        let Some(ending) = path.extension() else { return Some(Self::Png) };
+        match ending.to_string_lossy().to_lowercase().as_str() {
+            "png" => Some(Self::Png),
+            "exr" => Some(Self::Exr),
+            _ => None,
+        }
+    }
+}
+
 /// An image that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot write the image: {source}", path.display())]
@@ -24,6 +48,18 @@ pub struct ImageError {
 }
 
 impl Image {
+    /// Writes the image in that format.
+    ///
+    /// # Errors
+    /// [`ImageError`] naming the file.
+    pub fn save(&self, path: &Path, format: ImageFormat) -> Result<(), ImageError> {
+        match format {
+            ImageFormat::Png => self.save_png(path),
+            ImageFormat::Exr => std::fs::write(path, crate::exr::encode(self))
+                .map_err(|e| ImageError { path: path.to_owned(), source: e.into() }),
+        }
+    }
+
     /// Writes an 8-bit PNG in the sRGB transfer function.
     ///
     /// # Errors

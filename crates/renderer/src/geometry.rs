@@ -6,6 +6,7 @@ use accel_core::primitives::{
 };
 use accel_core::structures::{Buildable, PrimsRef};
 use accel_core::{Vec3, Vector};
+use glam::DVec3;
 use scene_loading::{Scene, Shape};
 
 /// Why a scene's geometry cannot be used.
@@ -29,15 +30,17 @@ pub enum Geometry<S: Buildable> {
 }
 
 impl<S: Buildable> Geometry<S> {
-    /// A triangle set where every primitive is a triangle, patch or three-sided polygon, else a
-    /// mixed set.
+    /// A triangle set where every primitive is a triangle, patch or three-sided polygon and none
+    /// moves while the shutter is open, else a mixed set.
     ///
     /// # Errors
     /// [`GeometryError`] for coordinates that are not finite in `S` and polygons with too few
     /// vertices.
     pub fn of(scene: &Scene) -> Result<Self, GeometryError> {
         let error = |source| GeometryError { scene: scene.name.clone(), source };
-        if scene.primitives.iter().all(|p| is_triangle(p.shape)) {
+        let moves =
+            scene.camera.shutter > 0.0 && scene.velocities.iter().any(|v| *v != DVec3::ZERO);
+        if !moves && scene.primitives.iter().all(|p| is_triangle(p.shape)) {
             let triangles = scene.primitives.iter().map(|p| triangle(scene, p.shape)).collect();
             TriangleSet::new(triangles, |id| is_transmissive(scene, id))
                 .map(Self::Triangles)
@@ -127,6 +130,10 @@ fn mixed<S: Buildable>(scene: &Scene) -> Result<MixedSet<S>, PrimitiveError> {
             Shape::Polygon { first, count } => {
                 set.polygon(&scene.vertices[first as usize..][..count as usize])?;
             }
+        }
+        let velocity = scene.velocity(id as u32);
+        if velocity != DVec3::ZERO && scene.camera.shutter > 0.0 {
+            set.last_moves(velocity, scene.camera.shutter)?;
         }
         if is_transmissive(scene, id as u32) {
             set.last_is_transmissive();

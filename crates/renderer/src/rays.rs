@@ -145,8 +145,8 @@ pub fn generate_rays<S: Buildable>(
     let rows: Vec<Row<S>> =
         (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
     let mut all = RayBatches::default();
-    for row in rows {
-        all.append(row.rays);
+    for rays in rows.into_iter().filter_map(|row| row.rays) {
+        all.append(rays);
     }
     all
 }

@@ -64,6 +64,12 @@ pub enum Error {
         /// Why.
         source: ImageError,
     },
+    /// Nothing was measured that a model of times could be made from.
+    #[error("the images of {scenes} took no time that a prediction could be made from")]
+    NoModel {
+        /// The scenes.
+        scenes: String,
+    },
     /// Threads could not be started.
     #[error("cannot start {threads} threads: {source}")]
     Threads {

@@ -11,7 +11,9 @@ pub mod check;
 pub mod clock;
 pub mod commands;
 pub mod context;
+pub mod cost;
 pub mod duration;
+pub mod effect_table;
 pub mod error;
 pub mod export;
 pub mod machine;
@@ -84,7 +86,8 @@ pub fn run(
         Command::Run(args) => commands::run::run(context, args, cli.color),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
-        Command::Render(args) => commands::render::run(context, args).map(|()| SUCCESS),
+        Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
+        Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),

@@ -197,7 +197,7 @@ impl<'a> Oracle<'a> {
         match self.prims {
             PrimsRef::Watertight(p) => of(p, id, ray),
             PrimsRef::MoellerTrumbore(p) => of(p, id, ray),
-            PrimsRef::Mixed(p) => of(p, id, ray),
+            PrimsRef::Mixed(p) => of(p.in_motion(), id, ray),
         }
     }
 }
@@ -208,6 +208,7 @@ fn widened<S: Scalar>(ray: &Ray<S>) -> Ray<f64> {
         direction: ray.direction.to_dvec3(),
         t_min: ray.t_min.to_f64(),
         t_max: ray.t_max.to_f64(),
+        time: ray.time.to_f64(),
     }
 }
 

@@ -209,6 +209,7 @@ impl<'a> Walker<'a> {
             hither: f64::from(view.znear()),
             // At most 51,200.
             resolution: [(aspect * f64::from(HEIGHT)).round().max(1.0) as u32, HEIGHT],
+            ..Camera::default()
         };
         crate::nff::check_camera(&converted, || Place::file(self.path))?;
         self.scene.camera = converted;
@@ -373,5 +374,6 @@ fn convert(material: &::gltf::Material<'_>) -> Material {
         shine: (2.0 / roughness.powi(4).max(1e-5) - 2.0).max(0.0),
         transmittance: if blended { 1.0 - base.w } else { 0.0 },
         refraction_index: 1.0,
+        roughness: 0.0,
     }
 }

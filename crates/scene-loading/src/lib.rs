@@ -17,6 +17,8 @@ mod obj_scan;
 pub mod procedural;
 pub mod scene;
 pub mod scene_file;
+mod scene_file_numbers;
+pub mod scene_file_shapes;
 pub mod scene_set;
 pub mod source;
 mod source_embedded;
@@ -28,6 +30,7 @@ pub mod tessellate;
 
 pub use error::{LoadError, Place};
 pub use scene::{
-    Bounds, Camera, Cone, Light, Material, Primitive, Rgb, Scene, Shape, Sphere, Warning,
+    Bounds, Camera, Cone, Light, Material, Primitive, Rgb, SampleWishes, Scene, Shape, Sphere,
+    Warning,
 };
 pub use source::{LoadedScene, SceneCatalogue, SceneRef};

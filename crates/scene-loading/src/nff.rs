@@ -121,6 +121,7 @@ impl Reader<'_> {
             hither: hither.unwrap_or(0.0),
             // The range check above keeps both within u32.
             resolution: [width as u32, height as u32],
+            ..Camera::default()
         };
         check_camera(&camera, || self.words.place(start.line))?;
         Ok(camera)
@@ -147,6 +148,7 @@ impl Reader<'_> {
             shine: self.words.number("shine")?,
             transmittance: self.words.number("transmittance T")?,
             refraction_index: self.words.number("index of refraction")?,
+            roughness: 0.0,
         };
         self.material = Some(self.scene.push_material(material));
         Ok(())

@@ -103,5 +103,6 @@ fn convert(mtl: &tobj::Material) -> Material {
             Some(index) if transmittance > 0.0 && index > 0.0 => index,
             _ => default.refraction_index,
         },
+        roughness: 0.0,
     }
 }

@@ -32,6 +32,11 @@ pub struct Scene {
     pub cones: Vec<Cone>,
     /// All primitives in source order; the position is the primitive's id.
     pub primitives: Vec<Primitive>,
+    /// How fast primitives move, by id, in world units per unit of time; those beyond the end of
+    /// the list are at rest. Positions in the scene are those of the moment the shutter opens.
+    pub velocities: Vec<DVec3>,
+    /// How finely the scene asks its effects to be sampled.
+    pub samples: SampleWishes,
     /// What a loader noticed and went on from (missing material file, dropped faces, ...).
     pub warnings: Vec<Warning>,
 }
@@ -114,6 +119,9 @@ pub struct Material {
     pub transmittance: f64,
     /// Index of refraction, used when `transmittance` > 0.
     pub refraction_index: f64,
+    /// Width of the distribution of the microfacets that reflect (alpha of GGX), in [0, 1]; 0 is
+    /// a perfect mirror. No loader but that of scene files sets it.
+    pub roughness: f64,
 }
 
 impl Default for Material {
@@ -127,6 +135,7 @@ impl Default for Material {
             shine: 0.0,
             transmittance: 0.0,
             refraction_index: 1.0,
+            roughness: 0.0,
         }
     }
 }
@@ -142,9 +151,59 @@ pub enum Light {
         /// 1/sqrt(number of lights), as SPD's documentation asks).
         color: Option<Rgb>,
     },
+    /// A light without falloff that has an extent: a disc that faces whatever it lights, as a
+    /// ball does. Of radius 0 it is a point light.
+    Disc {
+        /// Its centre.
+        position: DVec3,
+        /// As for [`Light::Point`].
+        color: Option<Rgb>,
+        /// Radius in world units, >= 0.
+        radius: f64,
+    },
 }
 
-/// A pinhole camera in NFF's terms.
+impl Light {
+    /// Where it is: its centre.
+    pub fn position(&self) -> DVec3 {
+        match *self {
+            Self::Point { position, .. } | Self::Disc { position, .. } => position,
+        }
+    }
+
+    /// Its colour, where the file gives one.
+    pub fn color(&self) -> Option<Rgb> {
+        match *self {
+            Self::Point { color, .. } | Self::Disc { color, .. } => color,
+        }
+    }
+
+    /// Its radius in world units; 0 for a point.
+    pub fn radius(&self) -> f64 {
+        match *self {
+            Self::Point { .. } => 0.0,
+            Self::Disc { radius, .. } => radius,
+        }
+    }
+}
+
+/// How finely a scene asks its effects to be sampled; what it leaves open has a default, and
+/// the command line overrides both. An effect that the scene does not call for is not sampled.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SampleWishes {
+    /// Eye rays a pixel for its area.
+    pub supersamples: Option<u32>,
+    /// Shadow rays a hit and light, for lights with an extent.
+    pub shadow: Option<u32>,
+    /// Reflected rays a hit on a rough mirror.
+    pub glossy: Option<u32>,
+    /// Eye rays a pixel for the time that the shutter is open.
+    pub temporal: Option<u32>,
+    /// Eye rays a pixel for the area of the lens.
+    pub focal: Option<u32>,
+}
+
+/// A camera in NFF's terms, with a thin lens and a shutter; a pinhole by default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Eye.
@@ -159,6 +218,12 @@ pub struct Camera {
     pub hither: f64,
     /// Width and height in pixels as stated by the file.
     pub resolution: [u32; 2],
+    /// Radius of the lens in world units, >= 0; 0 is a pinhole.
+    pub aperture: f64,
+    /// Distance along the view at which the image is sharp, world units; `None` is that of `at`.
+    pub focal_distance: Option<f64>,
+    /// How long the shutter is open, in the unit of time of the velocities, >= 0.
+    pub shutter: f64,
 }
 
 impl Default for Camera {
@@ -170,6 +235,9 @@ impl Default for Camera {
             angle: 45.0,
             hither: 0.0,
             resolution: [512, 512],
+            aperture: 0.0,
+            focal_distance: None,
+            shutter: 0.0,
         }
     }
 }
@@ -283,6 +351,21 @@ impl Scene {
         }
     }
 
+    /// How fast a primitive moves, in world units per unit of time.
+    pub fn velocity(&self, id: u32) -> DVec3 {
+        self.velocities.get(id as usize).copied().unwrap_or(DVec3::ZERO)
+    }
+
+    /// Gives the last primitive a velocity, in world units per unit of time.
+    pub fn last_moves(&mut self, velocity: DVec3) {
+        if velocity != DVec3::ZERO && !self.primitives.is_empty() {
+            self.velocities.resize(self.primitives.len(), DVec3::ZERO);
+            if let Some(last) = self.velocities.last_mut() {
+                *last = velocity;
+            }
+        }
+    }
+
     /// Tight bounds of one shape (of a cone: of its two rim circles).
     pub fn shape_bounds(&self, shape: Shape) -> Bounds {
         let mut bounds = Bounds::EMPTY;
@@ -310,13 +393,21 @@ impl Scene {
         bounds
     }
 
-    /// Bounds of all primitives.
+    /// Bounds of all primitives, of moving ones over the time that the shutter is open.
     pub fn bounds(&self) -> Bounds {
         let mut all = Bounds::EMPTY;
         for primitive in &self.primitives {
             let b = self.shape_bounds(primitive.shape);
             all.include(b.min);
             all.include(b.max);
+        }
+        let last = self.velocities.len().min(self.primitives.len());
+        for (primitive, velocity) in self.primitives[..last].iter().zip(&self.velocities) {
+            let b = self.shape_bounds(primitive.shape);
+            if *velocity != DVec3::ZERO && !b.is_empty() {
+                all.include(b.min + *velocity * self.camera.shutter);
+                all.include(b.max + *velocity * self.camera.shutter);
+            }
         }
         all
     }
@@ -345,7 +436,7 @@ impl Scene {
             up: DVec3::Y,
             angle,
             hither: 0.0,
-            resolution: self.camera.resolution,
+            ..self.camera
         };
     }
 }

@@ -7,9 +7,16 @@
 //!   "source": {"crate": {"name": "obvhs", "version": "0.4.0", "path": "assets/kitchen.obj.zst"}},
 //!   "sha256": "b6c3...", "licence": "MIT OR Apache-2.0",
 //!   "camera": {"from": [0, 1, 2], "at": [0, 1, 0], "up": [0, 1, 0], "angle": 60},
-//!   "lights": [{"position": [0, 2, 0]}]
+//!   "lights": [{"position": [0, 2, 0], "radius": 0.1}],
+//!   "materials": {"steel": {"specular": 0.8, "roughness": 0.1}},
+//!   "motion": [{"material": "steel", "velocity": [1, 0, 0]}],
+//!   "effects": {"shadow": 32}
 //! }
 //! ```
+//!
+//! A light with a radius calls for soft shadows, a material with a roughness for glossy
+//! reflection, a camera with an `aperture` for depth of field, a `velocity` and a camera with a
+//! `shutter` for motion blur; `effects` says how finely they are sampled.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,7 +27,9 @@ use serde::Deserialize;
 use crate::error::{LoadError, Place};
 use crate::fetch::PackageAsset;
 use crate::nff::check_camera;
-use crate::scene::{Camera, Light, Material, Rgb, Scene};
+use crate::scene::{Camera, Light, Material, Rgb, SampleWishes, Scene};
+use crate::scene_file_numbers::{above_0, at_least_0, samples, share};
+use crate::scene_file_shapes::{ShapeEntry, push_all};
 
 /// A scene file. Keys that are not listed here are errors.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -49,10 +58,13 @@ pub struct SceneFile {
     pub lights: Option<Vec<LightEntry>>,
     /// Replaces the source's background colour.
     pub background: Option<Rgb>,
-    /// Changes materials of the source, by their names.
+    /// Changes materials of the source, by their names; defines those of inline shapes.
     #[serde(default)]
     pub materials: BTreeMap<String, MaterialEntry>,
-    /// Reserved: must be empty.
+    /// Lets all primitives of a material move.
+    #[serde(default)]
+    pub motion: Vec<MotionEntry>,
+    /// How finely effects are sampled.
     #[serde(default)]
     pub effects: Effects,
 }
@@ -67,6 +79,8 @@ pub enum Source {
     File(String),
     /// A file inside a package of the cargo registry.
     Crate(PackageAsset),
+    /// The shapes themselves.
+    Shapes(Vec<ShapeEntry>),
 }
 
 /// How finely curved primitives become triangles.
@@ -94,9 +108,28 @@ pub struct CameraEntry {
     pub hither: f64,
     /// Width and height in pixels; 512 by 512 when absent.
     pub resolution: Option<[u32; 2]>,
+    /// Radius of the lens in world units; 0 is a pinhole.
+    #[serde(default, deserialize_with = "at_least_0")]
+    pub aperture: f64,
+    /// Distance along the view at which the image is sharp; that of `at` when absent.
+    #[serde(default, deserialize_with = "above_0")]
+    pub focal_distance: Option<f64>,
+    /// How long the shutter is open, in the unit of time of velocities.
+    #[serde(default, deserialize_with = "at_least_0")]
+    pub shutter: f64,
 }
 
-/// A point light.
+/// All primitives of a material move.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotionEntry {
+    /// Name of the material.
+    pub material: String,
+    /// World units per unit of time.
+    pub velocity: [f64; 3],
+}
+
+/// A light without falloff: a point, or a disc that faces what it lights.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightEntry {
@@ -104,6 +137,9 @@ pub struct LightEntry {
     pub position: [f64; 3],
     /// Its colour; see [`Light::Point`] for its absence.
     pub color: Option<Rgb>,
+    /// Radius of the disc in world units; 0 is a point.
+    #[serde(default, deserialize_with = "at_least_0")]
+    pub radius: f64,
 }
 
 /// The properties of a material that a scene file changes; the others stay.
@@ -122,12 +158,31 @@ pub struct MaterialEntry {
     pub transmittance: Option<f64>,
     /// Index of refraction.
     pub refraction_index: Option<f64>,
+    /// Roughness of what reflects; see [`Material::roughness`].
+    #[serde(deserialize_with = "share")]
+    pub roughness: Option<f64>,
 }
 
-/// Reserved for the effects of a scene; has no keys yet.
+/// How finely the effects of a scene are sampled; each has a default.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Effects {}
+#[serde(deny_unknown_fields, default)]
+pub struct Effects {
+    /// Eye rays a pixel for its area.
+    #[serde(deserialize_with = "samples")]
+    pub supersamples: Option<u32>,
+    /// Shadow rays a hit and light with a radius.
+    #[serde(deserialize_with = "samples")]
+    pub shadow: Option<u32>,
+    /// Reflected rays a hit on a rough mirror.
+    #[serde(deserialize_with = "samples")]
+    pub glossy: Option<u32>,
+    /// Eye rays a pixel for the time that the shutter is open.
+    #[serde(deserialize_with = "samples")]
+    pub temporal: Option<u32>,
+    /// Eye rays a pixel for the area of the lens.
+    #[serde(deserialize_with = "samples")]
+    pub focal: Option<u32>,
+}
 
 impl SceneFile {
     /// Parses and checks a scene file. `path` appears in errors; its stem must be the name.
@@ -159,10 +214,28 @@ impl SceneFile {
         Ok(file)
     }
 
-    /// Applies camera, lights, background and materials to the loaded source.
+    /// The scene of inline shapes, with the materials of the file.
     ///
     /// # Errors
-    /// [`LoadError::Syntax`] when it changes a material that the scene does not have.
+    /// [`LoadError::Syntax`] for a material that the file does not have and for polygons with
+    /// fewer than three vertices, [`LoadError::NoPrimitives`].
+    pub(crate) fn inline(&self, path: &Path, shapes: &[ShapeEntry]) -> Result<Scene, LoadError> {
+        let mut scene = Scene::new(self.name.as_str());
+        for name in self.materials.keys() {
+            scene.push_material(Material { name: name.clone(), ..Material::default() });
+        }
+        if shapes.is_empty() {
+            return Err(LoadError::NoPrimitives { place: Place::file(path), expected: "shape" });
+        }
+        push_all(path, shapes, &mut scene)?;
+        scene.frame_camera();
+        Ok(scene)
+    }
+
+    /// Applies camera, lights, background, materials and motion to the loaded source.
+    ///
+    /// # Errors
+    /// [`LoadError::Syntax`] when it names a material that the scene does not have.
     pub fn apply(&self, path: &Path, scene: &mut Scene) -> Result<(), LoadError> {
         for (name, entry) in &self.materials {
             let mut found = false;
@@ -171,26 +244,58 @@ impl SceneFile {
                 found = true;
             }
             if !found {
-                let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
-                let expected = format!("the name of a material: {}", names.join(", "));
-                return Err(LoadError::syntax(Place::file(path), name, expected));
+                return Err(unknown_material(path, name, scene));
             }
+        }
+        for motion in &self.motion {
+            motion.apply(path, scene)?;
         }
         if let Some(camera) = self.camera {
             scene.camera = camera.into();
         }
         if let Some(lights) = &self.lights {
-            let light = |l: &LightEntry| Light::Point {
-                position: DVec3::from_array(l.position),
-                color: l.color,
-            };
-            scene.lights = lights.iter().map(light).collect();
+            scene.lights = lights.iter().map(|&light| light.into()).collect();
         }
         if let Some(background) = self.background {
             scene.background = background;
         }
+        let Effects { supersamples, shadow, glossy, temporal, focal } = self.effects;
+        scene.samples = SampleWishes { supersamples, shadow, glossy, temporal, focal };
         scene.name.clone_from(&self.name);
         Ok(())
+    }
+}
+
+fn unknown_material(path: &Path, name: &str, scene: &Scene) -> LoadError {
+    let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+    let expected = format!("the name of a material: {}", names.join(", "));
+    LoadError::syntax(Place::file(path), name, expected)
+}
+
+impl MotionEntry {
+    fn apply(&self, path: &Path, scene: &mut Scene) -> Result<(), LoadError> {
+        let moves: Vec<bool> = scene.materials.iter().map(|m| m.name == self.material).collect();
+        if !moves.contains(&true) {
+            return Err(unknown_material(path, &self.material, scene));
+        }
+        scene.velocities.resize(scene.primitives.len(), DVec3::ZERO);
+        for (primitive, velocity) in scene.primitives.iter().zip(&mut scene.velocities) {
+            if moves.get(primitive.material as usize) == Some(&true) {
+                *velocity = DVec3::from_array(self.velocity);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl From<LightEntry> for Light {
+    fn from(entry: LightEntry) -> Self {
+        let (position, color) = (DVec3::from_array(entry.position), entry.color);
+        if entry.radius > 0.0 {
+            Self::Disc { position, color, radius: entry.radius }
+        } else {
+            Self::Point { position, color }
+        }
     }
 }
 
@@ -203,6 +308,9 @@ impl From<CameraEntry> for Camera {
             angle: entry.angle,
             hither: entry.hither,
             resolution: entry.resolution.unwrap_or(Self::default().resolution),
+            aperture: entry.aperture,
+            focal_distance: entry.focal_distance,
+            shutter: entry.shutter,
         }
     }
 }
@@ -216,6 +324,7 @@ impl MaterialEntry {
         set(&mut material.shine, self.shine);
         set(&mut material.transmittance, self.transmittance);
         set(&mut material.refraction_index, self.refraction_index);
+        set(&mut material.roughness, self.roughness);
     }
 }
 

@@ -97,13 +97,18 @@ impl SceneCatalogue {
         Ok(catalogue)
     }
 
-    /// Adds `*.json` of the folder as scenes and `sets/*.json` as sets.
+    /// Adds `*.json` of the folder and `effects/*.json` as scenes and `sets/*.json` as sets.
     ///
     /// # Errors
     /// [`LoadError::Io`] when the folder cannot be read, else those of [`SceneFile::parse`] and
     /// [`SceneSet::parse`].
     pub fn add_folder(&mut self, folder: &Path) -> Result<(), LoadError> {
-        for path in json_files(folder)? {
+        let effects = folder.join("effects");
+        let mut scenes = json_files(folder)?;
+        if effects.is_dir() {
+            scenes.append(&mut json_files(&effects)?);
+        }
+        for path in scenes {
             self.add_scene(&path, &lossy_text(read_file(&path)?), false)?;
         }
         let sets = folder.join("sets");
@@ -277,6 +282,9 @@ impl Described {
     fn load(&self, places: &Places) -> Result<(Scene, String), LoadError> {
         let (mut scene, source) = match &self.file.source {
             Source::Spd(spec) => (generate(spec)?, format!("generated: {spec}")),
+            Source::Shapes(shapes) => {
+                (self.file.inline(&self.path, shapes)?, self.path.display().to_string())
+            }
             Source::File(name) => {
                 let path = self.path.parent().unwrap_or(Path::new("")).join(name);
                 let embedded = ASSETS.iter().find(|(asset, _)| Path::new(asset) == path);

@@ -10,6 +10,17 @@ macro_rules! embed {
 /// Scene files: path in the repository and text.
 pub(crate) static SCENES: &[(&str, &str)] = embed![
     "balls-tess.json",
+    "effects/effect-all.json",
+    "effects/effect-focus.json",
+    "effects/effect-gloss.json",
+    "effects/effect-hard-shadows.json",
+    "effects/effect-mirror.json",
+    "effects/effect-motion.json",
+    "effects/effect-plain.json",
+    "effects/effect-refraction.json",
+    "effects/effect-smooth-normals.json",
+    "effects/effect-soft-shadows.json",
+    "effects/effect-supersampling.json",
     "gears-tess.json",
     "kitchen.json",
     "pavilion.json",
@@ -19,7 +30,7 @@ pub(crate) static SCENES: &[(&str, &str)] = embed![
 
 /// Set files: path in the repository and text.
 pub(crate) static SETS: &[(&str, &str)] =
-    embed!["sets/real.json", "sets/small.json", "sets/spd.json"];
+    embed!["sets/effects.json", "sets/real.json", "sets/small.json", "sets/spd.json"];
 
 /// Files that scene files refer to: path in the repository and bytes.
 pub(crate) static ASSETS: &[(&str, &[u8])] =

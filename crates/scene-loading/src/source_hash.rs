@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
-use crate::scene::{Camera, Light, Scene, Shape};
+use crate::scene::{Scene, Shape};
 
 /// SHA-256 of bytes, in hexadecimal.
 pub fn sha256_of_bytes(bytes: &[u8]) -> String {
@@ -16,17 +16,16 @@ pub fn sha256_of_bytes(bytes: &[u8]) -> String {
 pub fn sha256_of_scene(scene: &Scene) -> String {
     let mut hash = Canonical(Sha256::new());
     hash.0.update(b"rtbench scene 1\n");
-    let Camera { from, at, up, angle, hither, resolution } = scene.camera;
-    hash.vectors(&[from, at, up]);
-    hash.numbers(&[angle, hither]);
-    hash.words(&resolution);
+    let camera = &scene.camera;
+    hash.vectors(&[camera.from, camera.at, camera.up]);
+    hash.numbers(&[camera.angle, camera.hither]);
+    hash.words(&camera.resolution);
     hash.numbers(&scene.background);
     hash.length(scene.lights.len());
     for light in &scene.lights {
-        let Light::Point { position, color } = light;
-        hash.vectors(&[*position]);
-        hash.words(&[u32::from(color.is_some())]);
-        hash.numbers(&color.unwrap_or_default());
+        hash.vectors(&[light.position()]);
+        hash.words(&[u32::from(light.color().is_some())]);
+        hash.numbers(&light.color().unwrap_or_default());
     }
     hash.length(scene.materials.len());
     for m in &scene.materials {
@@ -58,7 +57,25 @@ pub fn sha256_of_scene(scene: &Scene) -> String {
         }
         hash.words(&[primitive.material]);
     }
+    hash_effects(scene, &mut hash);
     hex(hash.0.finalize().as_slice())
+}
+
+/// What scenes had nothing of before effects: added only where there is any, so that the hashes
+/// of all other scenes stay.
+fn hash_effects(scene: &Scene, hash: &mut Canonical) {
+    let camera = &scene.camera;
+    let mut numbers: Vec<f64> = scene.lights.iter().map(|light| light.radius()).collect();
+    numbers.extend(scene.materials.iter().map(|m| m.roughness));
+    numbers.extend([camera.aperture, camera.shutter, camera.focal_distance.unwrap_or(0.0)]);
+    numbers.push(f64::from(scene.samples.supersamples.unwrap_or(1)) - 1.0);
+    if scene.velocities.is_empty() && numbers.iter().all(|&x| x == 0.0) {
+        return;
+    }
+    hash.0.update(b"effects 1\n");
+    hash.numbers(&numbers);
+    hash.length(scene.velocities.len());
+    hash.vectors(&scene.velocities);
 }
 
 struct Canonical(Sha256);
@@ -94,7 +111,7 @@ fn hex(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Material;
+    use crate::scene::{Light, Material};
 
     #[test]
     fn known_hash_of_bytes() {
@@ -119,6 +136,10 @@ mod tests {
             |s: &mut Scene| s.materials[0].specular = 0.1,
             |s: &mut Scene| s.lights.push(Light::Point { position: DVec3::X, color: None }),
             |s: &mut Scene| s.background[1] = 0.5,
+            |s: &mut Scene| s.camera.aperture = 0.1,
+            |s: &mut Scene| s.camera.shutter = 1.0,
+            |s: &mut Scene| s.materials[0].roughness = 0.1,
+            |s: &mut Scene| s.last_moves(DVec3::X),
         ] {
             let mut other = scene.clone();
             change(&mut other);

@@ -73,6 +73,7 @@ pub fn tessellate(
             spheres: Vec::new(),
             cones: Vec::new(),
             primitives: Vec::new(),
+            velocities: Vec::new(),
             ..scene.clone()
         },
     };
@@ -89,6 +90,11 @@ pub fn tessellate(
         if out.scene.primitives.len() == before {
             let text = format!("primitive {id} has no area and was left out");
             out.scene.warnings.push(Warning(text));
+        }
+        let velocity = scene.velocity(id as u32);
+        if velocity != DVec3::ZERO {
+            out.scene.velocities.resize(before, DVec3::ZERO);
+            out.scene.velocities.resize(out.scene.primitives.len(), velocity);
         }
     }
     Ok(out.scene)

@@ -43,12 +43,15 @@ fn folder(json: &str) -> (tempfile::TempDir, SceneCatalogue) {
 fn embedded_scenes_and_sets_are_valid_and_resolve() {
     let catalogue = SceneCatalogue::embedded().unwrap();
     let scenes: Vec<&str> = catalogue.scenes().map(|s| s.name.as_str()).collect();
-    assert_eq!(scenes, ["balls-tess", "gears-tess", "kitchen", "pavilion", "sponza", "tree-tess"]);
+    let (effects, others): (Vec<&str>, Vec<&str>) =
+        scenes.iter().partition(|name| name.starts_with("effect-"));
+    assert_eq!(others, ["balls-tess", "gears-tess", "kitchen", "pavilion", "sponza", "tree-tess"]);
+    assert_eq!(effects.len(), 11);
     for scene in catalogue.scenes() {
         assert!(scene.why.ends_with('.') && scene.licence.is_some(), "{}", scene.name);
     }
     let sets: Vec<&str> = catalogue.sets().map(|s| s.name.as_str()).collect();
-    assert_eq!(sets, ["real", "small", "spd"]);
+    assert_eq!(sets, ["effects", "real", "small", "spd"]);
     for set in catalogue.sets() {
         assert_eq!(
             catalogue.resolve(std::slice::from_ref(&set.name)).unwrap().len(),

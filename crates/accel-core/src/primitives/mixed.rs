@@ -1,8 +1,10 @@
-//! Triangles, polygons, spheres and cones under one id space, in file order.
+//! Triangles, polygons, spheres and cones under one id space, in file order. They may move: see
+//! [`super::moving`].
 
 use glam::DVec3;
 
 use super::collinear::without_sliver;
+use super::moving::{InMotion, Motion};
 use super::polygon::Polygon;
 use super::support::{distance_to_points, extent_of_points};
 use super::triangle::{Shear, TriangleTest, Watertight};
@@ -60,6 +62,7 @@ pub struct MixedSet<S: Scalar> {
     cones: Vec<Cone<S>>,
     transmissive: TransmissiveSet,
     magnitude: S,
+    motion: Motion<S>,
 }
 
 /// Collects primitives in id order.
@@ -80,6 +83,7 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
                 cones: Vec::new(),
                 transmissive: TransmissiveSet::default(),
                 magnitude: S::ZERO,
+                motion: Motion::default(),
             },
         }
     }
@@ -156,6 +160,17 @@ impl<S: Scalar> MixedSetBuilder<S> {
         self.push(PrimitiveKind::Cone, self.set.cones.len(), finite)
     }
 
+    /// Lets the last primitive move by `velocity` a unit of time, from time 0 to `exposure`, which
+    /// must be the same for all primitives. The last call for a primitive counts.
+    ///
+    /// # Errors
+    /// [`PrimitiveError`] when its way is not finite.
+    pub fn last_moves(&mut self, velocity: DVec3, exposure: f64) -> Result<(), PrimitiveError> {
+        let Some(id) = (self.set.order.len() as u32).checked_sub(1) else { return Ok(()) };
+        self.set.motion.set(id, velocity, exposure);
+        if self.set.bounds(id).is_finite() { Ok(()) } else { Err(PrimitiveError::NotFinite { id }) }
+    }
+
     /// Marks the last primitive as one that lets shadow rays pass.
     pub fn last_is_transmissive(&mut self) {
         if let Some(last) = self.set.order.len().checked_sub(1) {
@@ -172,6 +187,23 @@ impl<S: Scalar> MixedSetBuilder<S> {
     }
 }
 
+impl<S: Scalar> MixedSet<S> {
+    /// Whether any primitive moves.
+    pub fn moves(&self) -> bool {
+        self.motion.any()
+    }
+
+    /// The same set as rays with a time see it.
+    pub fn in_motion(&self) -> &InMotion<S> {
+        InMotion::of(self)
+    }
+
+    pub(super) fn motion(&self) -> &Motion<S> {
+        &self.motion
+    }
+}
+
+/// Tests find primitives where they are at time 0; bounds hold their whole way.
 impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     type RaySetup = Shear<S>;
 
@@ -183,36 +215,40 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     fn bounds(&self, id: u32) -> Aabb<S> {
         let tagged = self.order[id as usize];
         let i = tagged.index();
-        match tagged.kind() {
+        let still = match tagged.kind() {
             PrimitiveKind::Triangle => {
                 Aabb::of_triangle(&self.triangles[i].map(Vec3::<S>::from_array))
             }
             PrimitiveKind::Polygon => self.polygons[i].bounds(),
             PrimitiveKind::Sphere => self.spheres[i].bounds(),
             PrimitiveKind::Cone => self.cones[i].bounds(),
-        }
+        };
+        self.motion.swept(id, still)
     }
 
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
         let tagged = self.order[id as usize];
         let i = tagged.index();
-        match tagged.kind() {
+        let still = match tagged.kind() {
             PrimitiveKind::Triangle => extent_of_points(&self.triangles[i], direction),
             PrimitiveKind::Polygon => self.polygons[i].extent(&self.polygon_vertices, direction),
             PrimitiveKind::Sphere => self.spheres[i].extent(direction),
             PrimitiveKind::Cone => self.cones[i].extent(direction),
-        }
+        };
+        self.motion.swept_extent(id, still, direction)
     }
 
     fn farthest(&self, id: u32, from: DVec3) -> f64 {
         let tagged = self.order[id as usize];
         let i = tagged.index();
-        match tagged.kind() {
+        let still = |from| match tagged.kind() {
             PrimitiveKind::Triangle => distance_to_points(&self.triangles[i], from),
             PrimitiveKind::Polygon => self.polygons[i].farthest(&self.polygon_vertices, from),
             PrimitiveKind::Sphere => self.spheres[i].farthest(from),
             PrimitiveKind::Cone => self.cones[i].farthest(from),
-        }
+        };
+        // the distance is convex along the way: one of its ends is farthest
+        still(from).max(still(from - self.motion.way(id)))
     }
 
     fn kind(&self, id: u32) -> PrimitiveKind {
@@ -255,5 +291,6 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + size_of_val(self.spheres.as_slice())
             + size_of_val(self.cones.as_slice())
             + self.transmissive.bytes()
+            + self.motion.bytes()
     }
 }

@@ -1,11 +1,12 @@
 //! Geometry that rays are tested against.
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
-//! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space.
+//! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
 
 mod collinear;
 mod cone;
 mod mixed;
+mod moving;
 mod polygon;
 mod sphere;
 mod support;
@@ -13,6 +14,7 @@ mod triangle;
 
 pub use cone::Cone;
 pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
+pub use moving::InMotion;
 pub use polygon::{Polygon, newell_normal};
 pub use sphere::Sphere;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};

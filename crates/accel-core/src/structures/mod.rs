@@ -31,7 +31,7 @@ use crate::primitives::{MixedSet, MoellerTrumbore, PrimSet, TriangleSet, Waterti
 use crate::ray::Ray;
 use crate::scalar::Scalar;
 use crate::sink::Sink;
-use crate::tracer::{Bound, Tracer};
+use crate::tracer::{Bound, BoundInMotion, Tracer};
 
 /// Every structure of the workspace: one line each.
 pub static REGISTRY: &[Entry] = &[
@@ -237,15 +237,27 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         prims: &'a P,
         params: &Params,
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+        let mailbox = mailbox::<S, P>(prims, params)?;
+        Ok(Box::new(Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox)))
+    }
+    fn mailbox<S: Scalar, P: PrimSet<S>>(
+        prims: &P,
+        params: &Params,
+    ) -> Result<Setting, BuildError> {
         if prims.is_empty() {
             return Err(BuildError::NoPrimitives { structure: params.structure() });
         }
-        let mailbox = Setting::of(params, prims.len(), prims.bytes());
-        Ok(Box::new(Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox)))
+        Ok(Setting::of(params, prims.len(), prims.bytes()))
     }
     match prims {
         PrimsRef::Watertight(p) => over::<S, _, T>(p, params),
         PrimsRef::MoellerTrumbore(p) => over::<S, _, T>(p, params),
+        PrimsRef::Mixed(p) if p.moves() => {
+            // built from the bounds of the whole way, so the structure is that of any mixed set
+            let mailbox = mailbox::<S, _>(p, params)?;
+            let bound = Bound::new(p.in_motion(), T::build(p, params)?).with_mailbox(mailbox);
+            Ok(Box::new(BoundInMotion(bound)))
+        }
         PrimsRef::Mixed(p) => over::<S, _, T>(p, params),
     }
 }

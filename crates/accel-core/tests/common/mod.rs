@@ -100,11 +100,13 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
             triangles(&far, |_| false),
             (dvec3(1234.0, -2048.0, 777.0), dvec3(1235.0, -2047.0, 778.0)),
         ),
-        ("mixed", mixed(&mut r), unit),
+        ("mixed", mixed(&mut r, false), unit),
+        ("moving", mixed(&mut r, true), unit),
     ]
 }
 
-fn mixed<S: Buildable>(r: &mut Random) -> Set<S> {
+/// Primitives of all kinds; two thirds of them move, if any do.
+fn mixed<S: Buildable>(r: &mut Random, moving: bool) -> Set<S> {
     let mut set = MixedSetBuilder::<S>::default();
     for i in 0..240 {
         let p = r.point();
@@ -125,6 +127,9 @@ fn mixed<S: Buildable>(r: &mut Random) -> Set<S> {
             3 => set.polygon(&[p, p + r.signed() * 0.1, p + r.signed() * 0.1]).unwrap(),
             _ => set.triangle([p, p + r.signed() * 0.1, p + r.signed() * 0.1]).unwrap(),
         }
+        if moving && i % 3 != 0 {
+            set.last_moves(r.signed() * 0.4, 1.0).unwrap();
+        }
         if i % 11 == 0 {
             set.last_is_transmissive();
         }
@@ -137,13 +142,15 @@ fn mixed<S: Buildable>(r: &mut Random) -> Set<S> {
 pub fn rays_for<S: Buildable>(bounds: (DVec3, DVec3), r: &mut Random) -> Vec<Ray<S>> {
     let (lo, hi) = bounds;
     let size = hi - lo;
-    let mut rays = Vec::new();
+    let mut rays: Vec<Ray<S>> = Vec::new();
     let mut push = |o: DVec3, d: DVec3, t_min: f64, t_max: f64| {
+        let time = S::from_f64((rays.len() % 16) as f64 / 15.0);
         rays.push(Ray::<S> {
             origin: Vec3::<S>::from_dvec3(o),
             direction: Vec3::<S>::from_dvec3(d),
             t_min: S::from_f64(t_min),
             t_max: S::from_f64(t_max),
+            time,
         });
     };
     for i in 0..900 {

@@ -1,39 +1,54 @@
-//! Classical ray tracing: eye rays, shadow rays to point lights, mirror and refracted rays.
+//! Classical ray tracing: eye rays, shadow rays to lights, mirror and refracted rays.
 //!
 //! Paper: T. Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980; the
 //! surface model is that of NFF (E. Haines, Standard Procedural Databases): Kd, Ks, Phong
 //! exponent, T, index of refraction.
 //!
 //! A row of the image is one unit of work: its rays advance breadth first, so that a structure
-//! gets whole batches, and its result does not depend on threads.
+//! gets whole batches, and its result does not depend on threads. What happens at each step is up
+//! to the [`Stages`], which are picked before the first ray; a structure and a stage get whole
+//! waves at one dynamic call.
+
+use std::ops::Range;
 
 use accel_core::structures::Buildable;
 use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene_loading::{Light, Rgb, Scene};
+use scene_loading::{Rgb, Scene};
 
 use crate::camera::{EyeRays, Sampling};
+use crate::effects::counts::RayCounts;
+use crate::effects::plan::{EffectPlan, plain_stages};
 use crate::film::Image;
-use crate::leaving::Leaving;
+use crate::leaving::{Leaving, OffsetRule};
 use crate::rays::{RayBatches, RayKind, RaySettings};
-use crate::surface::{SurfacePoint, Surfaces, reflect, refract};
+use crate::surface::Surfaces;
+use crate::tracers::stages::{Origin, Place, Scattered, ShadowRay, Stages, SurfaceHit};
+
+/// Shadow rays that are made before they are traced, and eye rays of a group of pixels, about:
+/// bounds the memory of an image with many samples, and changes no sum.
+const BATCH: usize = 1 << 16;
 
 /// A scene made ready for tracing.
 pub struct Whitted<'a> {
     surfaces: Surfaces<'a>,
-    eye: EyeRays,
-    lights: Vec<(DVec3, Rgb)>,
+    stages: Stages<'a>,
+    grid: [u32; 2],
     background: Rgb,
-    settings: RaySettings,
+    max_depth: u32,
     leaving: Leaving,
+    /// For rays that are kept: the seed of diffuse bounces, if there are any.
+    diffuse: Option<u64>,
 }
 
-/// What a row of the image gave.
+/// What a part of a row gave.
 pub struct Row<S: Buildable> {
-    /// Its rays.
-    pub rays: RayBatches<S>,
+    /// Its rays, if they are kept.
+    pub rays: Option<RayBatches<S>>,
+    /// How many there were.
+    pub counts: RayCounts,
     /// Its colours, left to right.
     pub colors: Vec<Rgb>,
 }
@@ -42,21 +57,39 @@ pub struct Row<S: Buildable> {
 #[derive(Clone, Copy)]
 struct Path<S: Buildable> {
     ray: Ray<S>,
-    column: u32,
+    origin: Origin,
     weight: Rgb,
 }
 
-/// A shadow ray and the light that arrives if nothing blocks it.
-struct Shadow {
-    column: u32,
-    light: Rgb,
-}
-
 impl<'a> Whitted<'a> {
-    /// Prepares tracing.
+    /// Prepares the rays of measurement.
     pub fn new(scene: &'a Scene, settings: &RaySettings) -> Self {
-        let sampling =
-            if settings.historical { Sampling::PixelCorners } else { Sampling::PixelCentres };
+        let historical = settings.historical;
+        let sampling = if historical { Sampling::PixelCorners } else { Sampling::PixelCentres };
+        let eye = EyeRays::new(&scene.camera, settings.resolution, sampling);
+        let grid = eye.grid();
+        let stages = plain_stages(scene, eye, !historical);
+        let mut this = Self::with_stages(scene, grid, settings.max_depth, settings.offset, stages);
+        this.surfaces = Surfaces::new(scene, historical);
+        this.diffuse = settings.diffuse.then_some(settings.seed);
+        this
+    }
+
+    /// Prepares an image with the effects of a plan.
+    pub fn planned(scene: &'a Scene, plan: &EffectPlan) -> Self {
+        let settings = plan.settings();
+        let eye = EyeRays::new(&scene.camera, settings.resolution, Sampling::PixelCentres);
+        let (grid, stages) = (eye.grid(), plan.stages(scene, eye));
+        Self::with_stages(scene, grid, settings.max_depth, OffsetRule::default(), stages)
+    }
+
+    fn with_stages(
+        scene: &'a Scene,
+        grid: [u32; 2],
+        max_depth: u32,
+        offset: OffsetRule,
+        stages: Stages<'a>,
+    ) -> Self {
         let bounds = scene.bounds();
         let magnitude = if bounds.is_empty() {
             1.0
@@ -64,182 +97,224 @@ impl<'a> Whitted<'a> {
             let eye = scene.camera.from.abs().max_element();
             bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
         };
-        let default_color = [1.0 / (scene.lights.len().max(1) as f64).sqrt(); 3];
         Self {
-            surfaces: Surfaces::new(scene, settings.historical),
-            eye: EyeRays::new(&scene.camera, settings.resolution, sampling),
-            lights: scene
-                .lights
-                .iter()
-                .map(|light| match *light {
-                    Light::Point { position, color } => (position, color.unwrap_or(default_color)),
-                })
-                .collect(),
+            surfaces: Surfaces::new(scene, false),
+            stages,
+            grid,
             background: scene.background,
-            settings: *settings,
-            leaving: Leaving::new(settings.offset, magnitude),
+            max_depth,
+            leaving: Leaving::new(offset, magnitude),
+            diffuse: None,
         }
     }
 
     /// Rows of the image.
     pub fn rows(&self) -> u32 {
-        self.eye.grid()[1]
+        self.grid[1]
     }
 
-    /// Traces row `y`.
+    /// Pixels of a row.
+    pub fn columns(&self) -> u32 {
+        self.grid[0]
+    }
+
+    /// Traces row `y`, keeping its rays.
     pub fn trace_row<S: Buildable>(&self, tracer: &dyn Tracer<S>, y: u32) -> Row<S> {
-        let width = self.eye.grid()[0];
-        let mut row = Row { rays: RayBatches::default(), colors: vec![[0.0; 3]; width as usize] };
-        let origin = Vec3::<S>::from_dvec3(self.eye.origin());
-        let mut wave: Vec<Path<S>> = (0..width)
-            .map(|x| {
-                let direction = Vec3::<S>::from_dvec3(self.eye.direction(x, y));
-                Path { ray: Ray::new(origin, direction), column: x, weight: [1.0; 3] }
-            })
-            .collect();
-        row.rays.batch_mut(RayKind::Primary).extend(wave.iter().map(|p| p.ray));
-        for depth in 1..=self.settings.max_depth {
-            wave = self.advance(tracer, wave, depth, y, &mut row);
-            if wave.is_empty() {
-                break;
-            }
+        let rays = Some(RayBatches::default());
+        let mut row = Row { rays, counts: RayCounts::default(), colors: Vec::new() };
+        self.trace_group(tracer, y, 0..self.columns(), &mut row);
+        row
+    }
+
+    /// Traces a part of row `y`.
+    pub fn trace_columns<S: Buildable>(
+        &self,
+        tracer: &dyn Tracer<S>,
+        y: u32,
+        columns: Range<u32>,
+    ) -> Row<S> {
+        let mut row = Row { rays: None, counts: RayCounts::default(), colors: Vec::new() };
+        let group = (BATCH as u32 / self.stages.eye.rays_a_pixel()).max(1);
+        for start in columns.clone().step_by(group as usize) {
+            let end = start.saturating_add(group).min(columns.end);
+            self.trace_group(tracer, y, start..end, &mut row);
         }
         row
     }
 
-    /// Traces a wave, shades its hits and returns the rays they spawn.
+    /// Traces some pixels of row `y` together and appends them.
+    fn trace_group<S: Buildable>(
+        &self,
+        tracer: &dyn Tracer<S>,
+        y: u32,
+        columns: Range<u32>,
+        row: &mut Row<S>,
+    ) {
+        let mut eye_rays = Vec::new();
+        self.stages.eye.rays(y, columns.clone(), &mut eye_rays, &mut row.counts);
+        let mut colors = Colors::new(columns);
+        let mut wave: Vec<Path<S>> = eye_rays
+            .iter()
+            .map(|eye| {
+                let from = Vec3::<S>::from_dvec3(eye.from);
+                let mut ray = Ray::new(from, Vec3::<S>::from_dvec3(eye.direction));
+                ray.time = S::from_f64(eye.origin.time);
+                Path { ray, origin: eye.origin, weight: [eye.share; 3] }
+            })
+            .collect();
+        if let Some(rays) = &mut row.rays {
+            rays.batch_mut(RayKind::Primary).extend(wave.iter().map(|p| p.ray));
+        }
+        for depth in 1..=self.max_depth {
+            wave = self.advance(tracer, &wave, Place { y, depth }, &mut colors, row);
+            if wave.is_empty() {
+                break;
+            }
+        }
+        row.colors.append(&mut colors.pixels);
+    }
+
+    /// Traces a wave, shades its hits and returns the rays they send on.
     fn advance<S: Buildable>(
         &self,
         tracer: &dyn Tracer<S>,
-        wave: Vec<Path<S>>,
-        depth: u32,
-        y: u32,
+        wave: &[Path<S>],
+        place: Place,
+        colors: &mut Colors,
         row: &mut Row<S>,
     ) -> Vec<Path<S>> {
         let rays: Vec<Ray<S>> = wave.iter().map(|p| p.ray).collect();
         let mut hits = vec![Hit::NONE; rays.len()];
         tracer.closest_hits(&rays, &mut hits);
-        let mut next = Vec::new();
-        let (mut shadow_rays, mut shadows) = (Vec::new(), Vec::new());
+        let mut seen = Vec::with_capacity(wave.len());
         for (path, hit) in wave.iter().zip(&hits) {
-            let color = &mut row.colors[path.column as usize];
             if !hit.is_hit() {
-                add(color, path.weight, self.background);
+                colors.add(path.origin, path.weight, self.background);
                 continue;
             }
             let incoming = path.ray.direction.to_dvec3();
             let position = path.ray.origin.to_dvec3() + incoming * hit.t.to_f64();
             let point = self.surfaces.at(hit.id, position);
-            self.light_it(&point, incoming, path, &mut shadow_rays, &mut shadows);
-            if depth == 1 && self.settings.diffuse {
-                let ray = self.diffuse_bounce(&point, incoming, path.column, y);
-                row.rays.batch_mut(RayKind::Diffuse).push(ray);
+            let (weight, origin) = (path.weight, path.origin);
+            seen.push(SurfaceHit { point, id: hit.id, incoming, weight, origin });
+        }
+        for stage in &self.stages.hits {
+            stage.apply(&mut seen);
+        }
+        self.light(tracer, &seen, place, colors, row);
+        if let (Some(seed), 1, Some(rays)) = (self.diffuse, place.depth, &mut row.rays) {
+            let bounces = seen.iter().map(|hit| {
+                let pixel = [hit.origin.column, place.y];
+                self.leaving(hit, diffuse_direction(hit, pixel, seed))
+            });
+            rays.batch_mut(RayKind::Diffuse).extend(bounces);
+        }
+        if place.depth < self.max_depth { self.scatter(&seen, place, row) } else { Vec::new() }
+    }
+
+    /// Adds the light that arrives at the hits of a wave.
+    fn light<S: Buildable>(
+        &self,
+        tracer: &dyn Tracer<S>,
+        hits: &[SurfaceHit<'_>],
+        place: Place,
+        colors: &mut Colors,
+        row: &mut Row<S>,
+    ) {
+        let Some(lights) = &self.stages.lights else { return };
+        let part = (BATCH / lights.rays_a_hit().max(1)).max(1);
+        let (mut shadows, mut rays, mut blocked) =
+            (Vec::<ShadowRay>::new(), Vec::new(), Vec::new());
+        for hits in hits.chunks(part) {
+            shadows.clear();
+            lights.shadow_rays(place, hits, &mut shadows, &mut row.counts);
+            rays.clear();
+            rays.extend(shadows.iter().map(|shadow| {
+                let hit = &hits[shadow.hit as usize];
+                let mut ray: Ray<S> = self.leaving.to(&hit.point, shadow.target);
+                ray.time = S::from_f64(hit.origin.time);
+                ray
+            }));
+            blocked.clear();
+            blocked.resize(rays.len(), false);
+            tracer.occlusions(&rays, &mut blocked);
+            for (shadow, _) in shadows.iter().zip(&blocked).filter(|(_, b)| !**b) {
+                colors.add(hits[shadow.hit as usize].origin, [1.0; 3], shadow.light);
             }
-            if depth < self.settings.max_depth {
-                self.spawn(&point, incoming, path, row, &mut next);
+            row.counts.add_kind(RayKind::Shadow, rays.len());
+            if let Some(kept) = &mut row.rays {
+                kept.batch_mut(RayKind::Shadow).extend_from_slice(&rays);
             }
         }
-        let mut blocked = vec![false; shadow_rays.len()];
-        tracer.occlusions(&shadow_rays, &mut blocked);
-        for (shadow, _) in shadows.iter().zip(&blocked).filter(|(_, b)| !**b) {
-            add(&mut row.colors[shadow.column as usize], [1.0; 3], shadow.light);
+    }
+
+    /// The rays that the hits of a wave send on.
+    fn scatter<S: Buildable>(
+        &self,
+        hits: &[SurfaceHit<'_>],
+        place: Place,
+        row: &mut Row<S>,
+    ) -> Vec<Path<S>> {
+        let Some(stage) = &self.stages.scatter else { return Vec::new() };
+        let mut scattered = Vec::<Scattered>::new();
+        let internal = row.counts.total_internal_reflections;
+        stage.scatter(place, hits, &mut scattered, &mut row.counts);
+        let mut kinds = [0; 2];
+        let mut next = Vec::with_capacity(scattered.len());
+        for s in &scattered {
+            let ray = self.leaving(&hits[s.hit as usize], s.direction);
+            next.push(Path { ray, origin: s.origin, weight: s.weight });
+            kinds[usize::from(s.kind == RayKind::Refracted)] += 1;
         }
-        row.rays.batch_mut(RayKind::Shadow).append(&mut shadow_rays);
+        row.counts.add_kind(RayKind::Reflected, kinds[0]);
+        row.counts.add_kind(RayKind::Refracted, kinds[1]);
+        if let Some(kept) = &mut row.rays {
+            for (s, path) in scattered.iter().zip(&next) {
+                kept.batch_mut(s.kind).push(path.ray);
+            }
+            kept.total_internal_reflections += row.counts.total_internal_reflections - internal;
+        }
         next
     }
 
-    /// The side of the surface that lights are seen from.
-    fn lit_normal(&self, point: &SurfacePoint, incoming: DVec3) -> DVec3 {
-        if !self.settings.historical && point.normal.dot(incoming) > 0.0 {
-            -point.normal
-        } else {
-            point.normal
-        }
-    }
-
-    /// A shadow ray to every light on the lit side.
-    fn light_it<S: Buildable>(
-        &self,
-        point: &SurfacePoint,
-        incoming: DVec3,
-        path: &Path<S>,
-        rays: &mut Vec<Ray<S>>,
-        shadows: &mut Vec<Shadow>,
-    ) {
-        let normal = self.lit_normal(point, incoming);
-        for &(light, color) in &self.lights {
-            let to_light = light - point.position;
-            let direction = to_light / to_light.length();
-            let cos = normal.dot(direction);
-            // NaN: a light in the very point
-            if cos.is_nan() || cos <= 0.0 {
-                continue;
-            }
-            rays.push(self.leaving.to(point, light));
-            let m = point.material;
-            let mirror = reflect(incoming, normal).dot(direction).max(0.0);
-            let highlight = if m.specular > 0.0 { m.specular * mirror.powf(m.shine) } else { 0.0 };
-            let light = std::array::from_fn(|k| {
-                path.weight[k] * color[k] * (m.diffuse * m.color[k] * cos + highlight)
-            });
-            shadows.push(Shadow { column: path.column, light });
-        }
-    }
-
-    /// Mirror and refracted rays.
-    fn spawn<S: Buildable>(
-        &self,
-        point: &SurfacePoint,
-        incoming: DVec3,
-        path: &Path<S>,
-        row: &mut Row<S>,
-        next: &mut Vec<Path<S>>,
-    ) {
-        let m = point.material;
-        let mut send = |kind: RayKind, direction: DVec3, share: f64, row: &mut Row<S>| {
-            let ray = self.leaving.along(point, direction);
-            row.rays.batch_mut(kind).push(ray);
-            let weight = path.weight.map(|w| w * share);
-            next.push(Path { ray, column: path.column, weight });
-        };
-        if m.specular > 0.0 || m.transmittance > 0.0 {
-            send(RayKind::Reflected, reflect(incoming, point.normal), m.specular, row);
-        }
-        if m.transmittance > 0.0 {
-            match refract(incoming, point.normal, m.refraction_index) {
-                Some(direction) => send(RayKind::Refracted, direction, m.transmittance, row),
-                None => row.rays.total_internal_reflections += 1,
-            }
-        }
-    }
-
-    /// A cosine-distributed direction about the side that was hit (B. Malley's method: a uniform
-    /// point of the disc, projected up), seeded by pixel.
-    fn diffuse_bounce<S: Buildable>(
-        &self,
-        point: &SurfacePoint,
-        incoming: DVec3,
-        x: u32,
-        y: u32,
-    ) -> Ray<S> {
-        let normal = if point.normal.dot(incoming) > 0.0 { -point.normal } else { point.normal };
-        let normal = normal.try_normalize().unwrap_or(-incoming.normalize_or(DVec3::Z));
-        let mut state =
-            self.settings.seed ^ (u64::from(y) << 32 | u64::from(x)).wrapping_mul(0x9e37_79b9);
-        let (u, v) = (uniform(&mut state), uniform(&mut state));
-        let (radius, angle) = (u.sqrt(), v * std::f64::consts::TAU);
-        let (s, t) = normal.any_orthonormal_pair();
-        let direction = s * (radius * angle.cos())
-            + t * (radius * angle.sin())
-            + normal * (1.0 - u).max(0.0).sqrt();
-        self.leaving.along(point, direction)
+    /// A ray that leaves a surface.
+    fn leaving<S: Buildable>(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Ray<S> {
+        let mut ray: Ray<S> = self.leaving.along(&hit.point, direction);
+        ray.time = S::from_f64(hit.origin.time);
+        ray
     }
 }
 
-fn add(color: &mut Rgb, weight: Rgb, light: Rgb) {
-    for k in 0..3 {
-        color[k] += weight[k] * light[k];
+/// The pixels that are being traced.
+struct Colors {
+    first: u32,
+    pixels: Vec<Rgb>,
+}
+
+impl Colors {
+    fn new(columns: Range<u32>) -> Self {
+        Self { first: columns.start, pixels: vec![[0.0; 3]; columns.len()] }
     }
+
+    fn add(&mut self, origin: Origin, weight: Rgb, light: Rgb) {
+        let color = &mut self.pixels[(origin.column - self.first) as usize];
+        for k in 0..3 {
+            color[k] += weight[k] * light[k];
+        }
+    }
+}
+
+/// A cosine-distributed direction about the side that was hit (B. Malley's method: a uniform
+/// point of the disc, projected up), seeded by pixel.
+fn diffuse_direction(hit: &SurfaceHit<'_>, [x, y]: [u32; 2], seed: u64) -> DVec3 {
+    let (normal, incoming) = (hit.point.normal, hit.incoming);
+    let normal = if normal.dot(incoming) > 0.0 { -normal } else { normal };
+    let normal = normal.try_normalize().unwrap_or(-incoming.normalize_or(DVec3::Z));
+    let mut state = seed ^ (u64::from(y) << 32 | u64::from(x)).wrapping_mul(0x9e37_79b9);
+    let (u, v) = (uniform(&mut state), uniform(&mut state));
+    let (radius, angle) = (u.sqrt(), v * std::f64::consts::TAU);
+    let (s, t) = normal.any_orthonormal_pair();
+    s * (radius * angle.cos()) + t * (radius * angle.sin()) + normal * (1.0 - u).max(0.0).sqrt()
 }
 
 /// splitmix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014), to [0, 1).
@@ -251,17 +326,47 @@ fn uniform(state: &mut u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Renders the scene with `tracer`, in the current rayon pool. The same image for any number of
-/// threads and any right structure.
+/// Renders what measurement traces, with `tracer`, in the current rayon pool: one ray a pixel,
+/// hard shadows, perfect mirrors. The same image for any number of threads and any right structure.
 pub fn render<S: Buildable>(
     scene: &Scene,
     tracer: &dyn Tracer<S>,
     settings: &RaySettings,
 ) -> Image {
-    let settings = RaySettings { diffuse: false, ..*settings };
-    let whitted = Whitted::new(scene, &settings);
-    let rows: Vec<Vec<Rgb>> =
-        (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y).colors).collect();
-    let [width, height] = whitted.eye.grid();
-    Image { width, height, pixels: rows.concat() }
+    image(&Whitted::new(scene, settings), tracer).image
+}
+
+/// An image and the rays it took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rendered {
+    /// The image.
+    pub image: Image,
+    /// Its rays.
+    pub counts: RayCounts,
+}
+
+/// Renders the scene with the effects of the plan, in the current rayon pool. The same image for
+/// any number of threads and any right structure.
+pub fn render_plan<S: Buildable>(
+    scene: &Scene,
+    tracer: &dyn Tracer<S>,
+    plan: &EffectPlan,
+) -> Rendered {
+    image(&Whitted::planned(scene, plan), tracer)
+}
+
+fn image<S: Buildable>(whitted: &Whitted<'_>, tracer: &dyn Tracer<S>) -> Rendered {
+    let [width, height] = whitted.grid;
+    let row = |y| {
+        let row = whitted.trace_columns(tracer, y, 0..width);
+        (row.colors, row.counts)
+    };
+    let rows: Vec<(Vec<Rgb>, RayCounts)> = (0..height).into_par_iter().map(row).collect();
+    let mut pixels = Vec::with_capacity(width as usize * height as usize);
+    let mut counts = RayCounts::default();
+    for (mut colors, more) in rows {
+        pixels.append(&mut colors);
+        counts += more;
+    }
+    Rendered { image: Image { width, height, pixels }, counts }
 }

@@ -1,65 +1,113 @@
-//! `rtbench render`: a picture of a scene, through any structure.
+//! `rtbench render`: a picture of a scene, through any structure, with the effects it calls for.
 
-use renderer::{Geometry, RaySettings, render};
+use std::path::Path;
 
-use crate::args::RenderArgs;
+use accel_core::structures::Entry;
+use renderer::{EffectPlan, Geometry, ImageFormat, RenderSettings, render_plan};
+use scene_loading::SampleWishes;
+
+use crate::args::{Color, RenderArgs, SamplingArgs};
 use crate::context::Context;
+use crate::effect_table;
 use crate::error::Error;
+use crate::export::text::write_table;
 use crate::machine;
 use crate::plan::{DEFAULT_BASELINE, PlanError};
 use crate::pools::pool;
 use crate::rows::Row;
+use crate::scene_source::{KnownScene, SceneSource};
 
-/// Renders.
+/// Renders, or prints the plan, or both.
 ///
 /// # Errors
 /// [`Error`].
-pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<(), Error> {
-    let row = match &args.structure {
-        Some(text) => Row::parse(context.registry, text)?,
-        None => {
-            let default = context.registry.iter().find(|e| e.info.name == DEFAULT_BASELINE);
-            let entry = default.or(context.registry.first()).ok_or(PlanError::NoRows)?;
-            Row::defaults(entry)?
-        }
+pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result<(), Error> {
+    let row = structure(context.registry, args.structure.as_deref())?;
+    let scene = one_scene(context.scenes, &args.scene)?;
+    let output = match &args.output {
+        Some(path) => Some((path.as_path(), writable(path)?)),
+        None => None,
     };
-    let mut scenes = context.scenes.resolve(std::slice::from_ref(&args.scene))?;
-    let scene = match (scenes.pop(), scenes.is_empty()) {
-        (Some(scene), true) => scene,
-        _ => {
-            return Err(PlanError::Malformed {
-                text: args.scene.clone(),
-                expected: "the name of one scene, not of a set",
-            }
-            .into());
-        }
-    };
-    // An unwritable path is found before the work is done.
-    let file = std::fs::OpenOptions::new()
-        .create(true)
-        .write(true)
-        .truncate(false)
-        .open(&args.output)
-        .map_err(|source| Error::Write { path: args.output.clone(), source })?;
-    drop(file);
     let name = scene.name();
     let loaded = scene.load()?;
     for warning in &loaded.scene.warnings {
         context.warn(format_args!("{name}: {warning}"));
     }
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
-    let settings =
-        RaySettings { resolution: [args.size; 2], diffuse: false, ..RaySettings::default() };
+    let settings = settings(args.size, &args.sampling);
+    let plan = EffectPlan::of(&loaded.scene, &settings);
     let threads = args.threads.map_or_else(machine::threads, usize::from);
-    let image = pool(threads)?
+    let (table, image) = pool(threads)?
         .install(|| {
             let tracer = row.entry.build(geometry.prims(), &row.params)?;
-            Ok(render(&loaded.scene, &*tracer, &settings))
+            let table = args.plan.then(|| effect_table::of(&loaded.scene, &*tracer, &plan));
+            let image = output.is_some().then(|| render_plan(&loaded.scene, &*tracer, &plan).image);
+            Ok((table, image))
         })
         .map_err(|source| Error::Build { scene: name.to_owned(), source })?;
-    image
-        .save_png(&args.output)
-        .map_err(|source| Error::Image { path: args.output.clone(), source })?;
-    context.say(format_args!("{name} through {}: {}", row.label(), args.output.display()));
+    if let Some(table) = table {
+        write_table(context.out, &table, context.terminal.colors(color))?;
+        context.out.flush()?;
+    }
+    if let (Some((path, format)), Some(image)) = (output, image) {
+        image
+            .save(path, format)
+            .map_err(|source| Error::Image { path: path.to_owned(), source })?;
+        context.say(format_args!("{name} through {}: {}", row.label(), path.display()));
+    }
     Ok(())
+}
+
+/// The structure that was named, or the default one.
+pub fn structure<'r>(registry: &'r [Entry], named: Option<&str>) -> Result<Row<'r>, PlanError> {
+    match named {
+        Some(text) => Row::parse(registry, text),
+        None => {
+            let default = registry.iter().find(|e| e.info.name == DEFAULT_BASELINE);
+            Row::defaults(default.or(registry.first()).ok_or(PlanError::NoRows)?)
+        }
+    }
+}
+
+/// The scene of that name, which must not be a set.
+pub fn one_scene(scenes: &dyn SceneSource, name: &str) -> Result<Box<dyn KnownScene>, PlanError> {
+    let mut found = scenes.resolve(&[name.to_owned()])?;
+    match (found.pop(), found.is_empty()) {
+        (Some(scene), true) => Ok(scene),
+        _ => Err(PlanError::Malformed {
+            text: name.to_owned(),
+            expected: "the name of one scene, not of a set",
+        }),
+    }
+}
+
+/// The format of an image file; an unwritable path is found before the work is done.
+pub fn writable(path: &Path) -> Result<ImageFormat, Error> {
+    let format = ImageFormat::of(path).ok_or_else(|| PlanError::Malformed {
+        text: path.display().to_string(),
+        expected: "a file name that ends in .png or .exr",
+    })?;
+    std::fs::OpenOptions::new()
+        .create(true)
+        .write(true)
+        .truncate(false)
+        .open(path)
+        .map_err(|source| Error::Write { path: path.to_owned(), source })?;
+    Ok(format)
+}
+
+/// What was typed, as the renderer takes it.
+pub fn settings(size: u32, sampling: &SamplingArgs) -> RenderSettings {
+    RenderSettings {
+        resolution: [size; 2],
+        max_depth: sampling.depth,
+        samples: SampleWishes {
+            supersamples: sampling.supersamples,
+            shadow: sampling.shadow_samples,
+            glossy: sampling.glossy_samples,
+            temporal: sampling.temporal_samples,
+            focal: sampling.focal_samples,
+        },
+        seed: sampling.seed,
+    }
 }

@@ -139,6 +139,6 @@ fn of_ray(all: Vec<Mismatch>, ray: usize) -> Option<String> {
 }
 
 fn told<S: Buildable>(ray: &Ray<S>) -> String {
-    let Ray { origin, direction, t_min, t_max } = ray;
+    let Ray { origin, direction, t_min, t_max, .. } = ray;
     format!("from {origin:?} along {direction:?} in [{t_min:?}, {t_max:?}]")
 }

@@ -6,7 +6,7 @@ use std::io;
 use glam::DVec3;
 
 use super::printed::Printed;
-use crate::scene::{Light, Material, Primitive, Scene, Shape};
+use crate::scene::{Material, Primitive, Scene, Shape};
 
 /// Writes the scene as NFF, numbers with six significant digits ([`Printed`]).
 ///
@@ -42,10 +42,11 @@ fn write_head(scene: &Scene, out: &mut impl io::Write) -> io::Result<()> {
     writeln!(out, "angle {}", Printed(camera.angle))?;
     writeln!(out, "hither {}", Printed(camera.hither))?;
     writeln!(out, "resolution {} {}", camera.resolution[0], camera.resolution[1])?;
-    for Light::Point { position, color } in &scene.lights {
-        write!(out, "l {}", vector(position))?;
-        if let Some(color) = color {
-            write!(out, " {}", Numbers(color))?;
+    // NFF knows neither extents nor lenses nor motion
+    for light in &scene.lights {
+        write!(out, "l {}", vector(&light.position()))?;
+        if let Some(color) = light.color() {
+            write!(out, " {}", Numbers(&color))?;
         }
         writeln!(out)?;
     }

@@ -30,6 +30,7 @@ pub(super) fn stage(view: View, lights: &[[f64; 3]]) -> Scene {
             angle: view.angle,
             hither: view.hither,
             resolution: [512, 512],
+            ..Camera::default()
         },
         background: SKY,
         lights: lights

@@ -96,7 +96,8 @@ pub fn round_to_printed(scene: &mut Scene) {
     round_vectors([&mut camera.from, &mut camera.at, &mut camera.up]);
     round([&mut camera.angle, &mut camera.hither]);
     round(&mut scene.background);
-    for Light::Point { position, color } in &mut scene.lights {
+    for light in &mut scene.lights {
+        let (Light::Point { position, color } | Light::Disc { position, color, .. }) = light;
         round_vectors([position]);
         round(color.iter_mut().flatten());
     }

@@ -1,0 +1,218 @@
+//! The effect plan: what an image must simulate, found in the scene alone, and the stages that do
+//! so and nothing else.
+
+use scene_loading::{SampleWishes, Scene};
+
+use super::eye::{Sampling, sampled};
+use super::focus::Lens;
+use super::gloss::Lobe;
+use super::motion::MovedSurfaces;
+use super::soft_shadows::DiscLights;
+use super::{EFFECTS, Effect, EffectInfo, Pinhole, PointLights, Scatter};
+use crate::camera::EyeRays;
+use crate::tracers::stages::{EyeStage, LightStage, ScatterStage, Stages};
+
+/// How an image is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RenderSettings {
+    /// Pixels of the image.
+    pub resolution: [u32; 2],
+    /// Longest chain of rays; eye rays have depth 1.
+    pub max_depth: u32,
+    /// Numbers of samples that replace those of the scene.
+    pub samples: SampleWishes,
+    /// Seed of all sample patterns.
+    pub seed: u64,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        let (resolution, samples) = ([256, 256], SampleWishes::default());
+        Self { resolution, max_depth: 5, samples, seed: 1 }
+    }
+}
+
+/// Numbers of samples: what the settings say, else what the scene says, else 16 (1 for the area
+/// of a pixel). Those of effects that are not called for are not used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Samples {
+    /// Eye rays a pixel for its area.
+    pub supersamples: u32,
+    /// Shadow rays a hit and light with a radius.
+    pub shadow: u32,
+    /// Rays of the first rough mirror of a path.
+    pub glossy: u32,
+    /// Eye rays a pixel for the time the shutter is open.
+    pub temporal: u32,
+    /// Eye rays a pixel for the area of the lens.
+    pub focal: u32,
+}
+
+impl Samples {
+    /// The numbers for a scene.
+    pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
+        let (typed, wished) = (settings.samples, scene.samples);
+        let number = |typed: Option<u32>, wished: Option<u32>, default: u32| {
+            typed.or(wished).unwrap_or(default).max(1)
+        };
+        Self {
+            supersamples: number(typed.supersamples, wished.supersamples, 1),
+            shadow: number(typed.shadow, wished.shadow, 16),
+            glossy: number(typed.glossy, wished.glossy, 16),
+            temporal: number(typed.temporal, wished.temporal, 16),
+            focal: number(typed.focal, wished.focal, 16),
+        }
+    }
+}
+
+/// An effect that is called for.
+#[derive(Debug, Clone)]
+pub struct Called {
+    /// The effect.
+    pub info: &'static EffectInfo,
+    /// What in the scene calls for it.
+    pub by: String,
+}
+
+/// What an image must simulate.
+#[derive(Debug, Clone)]
+pub struct EffectPlan {
+    /// Effects that are called for, in the order of [`EFFECTS`].
+    pub called: Vec<Called>,
+    /// Numbers of samples.
+    pub samples: Samples,
+    settings: RenderSettings,
+    /// Some material mirrors or transmits, and rays are long enough to show it.
+    scatters: bool,
+    lit: bool,
+}
+
+impl EffectPlan {
+    /// The plan for a scene.
+    pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
+        let called = |info: &&'static EffectInfo| {
+            (info.called_by)(scene, settings).map(|by| Called { info, by })
+        };
+        let called: Vec<Called> = EFFECTS.iter().filter_map(called).collect();
+        let scattering = [Effect::Mirror, Effect::Gloss, Effect::Refraction];
+        let scatters = called.iter().any(|called| scattering.contains(&called.info.effect));
+        Self {
+            called,
+            samples: Samples::of(scene, settings),
+            settings: *settings,
+            scatters,
+            lit: true,
+        }
+    }
+
+    /// The same without an effect: its rays are not sent. Soft shadows become hard, rough mirrors
+    /// perfect; what moves stands where it is when the shutter opens.
+    pub fn without(mut self, effect: Effect) -> Self {
+        self.called.retain(|called| called.info.effect != effect);
+        self
+    }
+
+    /// The same for an image of another size.
+    pub fn at(mut self, resolution: [u32; 2]) -> Self {
+        self.settings.resolution = resolution;
+        self
+    }
+
+    /// The same without any light.
+    pub fn unlit(mut self) -> Self {
+        self.lit = false;
+        self.without(Effect::SoftShadows).without(Effect::HardShadows)
+    }
+
+    /// Whether an effect is part of it.
+    pub fn calls_for(&self, effect: Effect) -> bool {
+        self.called.iter().any(|called| called.info.effect == effect)
+    }
+
+    /// The settings it was made for.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// Number of samples of an effect: 1 where it has none or is not called for.
+    pub fn factor(&self, effect: Effect) -> u32 {
+        if !self.calls_for(effect) {
+            return 1;
+        }
+        match effect {
+            Effect::SoftShadows => self.samples.shadow,
+            Effect::Gloss => self.samples.glossy,
+            Effect::Focus => self.samples.focal,
+            Effect::Motion => self.samples.temporal,
+            Effect::Supersampling => self.samples.supersamples,
+            _ => 1,
+        }
+    }
+
+    /// Eye rays a pixel.
+    pub fn rays_a_pixel(&self) -> u32 {
+        [Effect::Supersampling, Effect::Motion, Effect::Focus]
+            .into_iter()
+            .fold(1_u32, |n, effect| n.saturating_mul(self.factor(effect)))
+    }
+
+    /// The stages of the tracer.
+    pub fn stages<'a>(&self, scene: &'a Scene, eye: EyeRays) -> Stages<'a> {
+        let mut stages = Stages {
+            eye: self.eye(scene, eye),
+            hits: Vec::new(),
+            lights: self.lights(scene),
+            scatter: self.scatter(),
+        };
+        if self.calls_for(Effect::Motion) {
+            stages.hits.push(Box::new(MovedSurfaces::new(scene)));
+        }
+        stages
+    }
+
+    fn eye(&self, scene: &Scene, eye: EyeRays) -> Box<dyn EyeStage> {
+        let flags = [Effect::Supersampling, Effect::Focus, Effect::Motion];
+        let sampling = Sampling {
+            rays: self.rays_a_pixel(),
+            lens: Lens::new(&scene.camera),
+            shutter: scene.camera.shutter,
+            seed: self.settings.seed,
+        };
+        sampled(eye, sampling, flags.map(|effect| self.calls_for(effect)))
+    }
+
+    fn lights(&self, scene: &Scene) -> Option<Box<dyn LightStage>> {
+        if self.calls_for(Effect::SoftShadows) {
+            let lights = DiscLights::new(scene, self.samples.shadow, self.settings.seed);
+            return Some(Box::new(lights));
+        }
+        let lit = self.lit && !scene.lights.is_empty();
+        lit.then(|| Box::new(PointLights::new(scene, true)) as _)
+    }
+
+    fn scatter(&self) -> Option<Box<dyn ScatterStage>> {
+        let lobe = Lobe { samples: self.samples.glossy, seed: self.settings.seed };
+        let [gloss, glass] =
+            [Effect::Gloss, Effect::Refraction].map(|effect| self.calls_for(effect));
+        match (glass, gloss) {
+            (true, true) => Some(Box::new(Scatter::<true, true>::new(lobe))),
+            (true, false) => Some(Box::new(Scatter::<true, false>::new(lobe))),
+            (false, true) => Some(Box::new(Scatter::<false, true>::new(lobe))),
+            (false, false) if self.scatters => Some(Box::new(Scatter::<false, false>::new(lobe))),
+            (false, false) => None,
+        }
+    }
+}
+
+/// The stages of measurement: one ray a pixel, lights at their centres, perfect mirrors, whatever
+/// the scene calls for.
+pub fn plain_stages<'a>(scene: &'a Scene, eye: EyeRays, both_sides: bool) -> Stages<'a> {
+    let lobe = Lobe { samples: 1, seed: 0 };
+    Stages {
+        eye: Box::new(Pinhole::new(eye)),
+        hits: Vec::new(),
+        lights: (!scene.lights.is_empty())
+            .then(|| Box::new(PointLights::new(scene, both_sides)) as _),
+        scatter: Some(Box::new(Scatter::<true, false>::new(lobe))),
+    }
+}

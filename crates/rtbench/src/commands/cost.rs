@@ -1,0 +1,169 @@
+//! `rtbench cost`: the lecture's product with a scene's numbers, predicted and measured; and where
+//! in the image the time goes.
+
+use std::fs;
+use std::path::Path;
+
+use accel_core::structures::BuildError;
+use renderer::heat_map::heat_map;
+use renderer::work::pixel_work;
+use renderer::{EffectPlan, Geometry, RenderSettings};
+use scene_loading::Scene;
+
+use crate::args::{Color, CostArgs};
+use crate::clock::Clock;
+use crate::commands::render::{one_scene, settings, structure};
+use crate::context::Context;
+use crate::cost::model::{Model, Work};
+use crate::cost::{CostRow, counted, factors, is_near, measured, rows, worst};
+use crate::error::Error;
+use crate::export::numbers::{milliseconds, short};
+use crate::export::table::{Cell, Style, Table};
+use crate::export::text::write_table;
+use crate::pools::pool;
+use crate::rows::Row;
+
+/// Scenes that the times are taken from: the first two that are not the one in question.
+const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
+
+/// Prints the table and draws the maps.
+///
+/// # Errors
+/// [`Error`].
+pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
+    let row = structure(context.registry, args.structure.as_deref())?;
+    let scene = one_scene(context.scenes, &args.scene)?;
+    if let Some(folder) = &args.heat_maps {
+        fs::create_dir_all(folder)
+            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+    }
+    let settings = settings(args.size, &args.sampling);
+    let calibration: Vec<&str> =
+        CALIBRATION.iter().copied().filter(|name| *name != scene.name()).take(2).collect();
+    let pool = pool(usize::from(args.threads))?;
+    let mut points = Vec::new();
+    for name in &calibration {
+        let loaded = one_scene(context.scenes, name)?.load()?.scene;
+        let settings = RenderSettings { max_depth: settings.max_depth, ..calibrating() };
+        let clock = context.clock;
+        let found = pool.install(|| calibrate(&row, &loaded, &settings, clock))?;
+        points.extend(found);
+    }
+    let Some(model) = Model::fitted(&points) else {
+        return Err(Error::NoModel { scenes: calibration.join(", ") });
+    };
+    let loaded = scene.load()?.scene;
+    let geometry = Geometry::<f32>::of(&loaded)?;
+    let clock = context.clock;
+    let build = |source: BuildError| Error::Build { scene: scene.name().to_owned(), source };
+    let rows = pool.install(|| {
+        let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
+        let rows = rows(&loaded, &*tracer, &settings, &model, clock);
+        if let Some(folder) = &args.heat_maps {
+            let plan = EffectPlan::of(&loaded, &settings);
+            let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
+            let microseconds: Vec<f64> = work.nanoseconds.iter().map(|t| t / 1e3).collect();
+            for (values, name, unit) in [
+                (&work.tests, "tests.png", "tests/pixel"),
+                (&work.steps, "steps.png", "steps/pixel"),
+                (&microseconds, "time.png", "us/pixel"),
+            ] {
+                save(&heat_map(values, work.resolution[0], unit), &folder.join(name))?;
+            }
+        }
+        Ok::<_, Error>(rows)
+    })?;
+    let table = table(scene.name(), &row.label(), &rows, &model, &calibration);
+    write_table(context.out, &table, context.terminal.colors(color))?;
+    context.out.flush()?;
+    Ok(())
+}
+
+fn save(image: &renderer::Image, path: &Path) -> Result<(), Error> {
+    image.save_png(path).map_err(|source| Error::Image { path: path.to_owned(), source })
+}
+
+/// Images of calibration: small, all factors at 1.
+fn calibrating() -> RenderSettings {
+    RenderSettings { resolution: [192; 2], ..RenderSettings::default() }
+}
+
+/// The work of a scene's images and their seconds.
+fn calibrate(
+    row: &Row<'_>,
+    scene: &Scene,
+    settings: &RenderSettings,
+    clock: &dyn Clock,
+) -> Result<Vec<(Work, f64)>, Error> {
+    let geometry = Geometry::<f32>::of(scene)?;
+    let build = |source: BuildError| Error::Build { scene: scene.name.clone(), source };
+    let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
+    let point = |factor: crate::cost::Factor| {
+        let work = counted(scene, &*tracer, &factor.plan);
+        (work, measured(scene, &*tracer, &factor.plan, clock))
+    };
+    Ok(factors(scene, settings).into_iter().map(point).collect())
+}
+
+fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration: &[&str]) -> Table {
+    let mut table = Table {
+        title: format!("{scene} through {label}: the lecture's product, factor by factor"),
+        header: vec![
+            "factor",
+            "product says",
+            "time grew",
+            "predicted ms",
+            "measured ms",
+            "pred/meas",
+            "the product",
+        ],
+        ..Table::default()
+    };
+    for (i, row) in rows.iter().enumerate() {
+        let grew = if i == 0 { "-".to_owned() } else { format!("x {}", short(row.grew)) };
+        let style = if is_near(row.predicted, row.measured) { Style::Plain } else { Style::Bad };
+        let cells = vec![
+            row.name.to_owned(),
+            row.says.clone(),
+            grew,
+            milliseconds(row.predicted),
+            milliseconds(row.measured),
+            format!("{:.2}", row.predicted / row.measured),
+            judged(i, row),
+        ];
+        table.rows.push(cells.into_iter().map(|text| Cell { text, style }).collect());
+    }
+    let [ray, test, step] = model.terms().map(|s| short(s * 1e9));
+    table.notes.push(format!(
+        "times from {}: {ray} ns a ray with its shading, {test} a test, {step} a step; rays, tests \
+         and steps are counted on a small image",
+        calibration.join(" and ")
+    ));
+    if let (Some(last), Some(worst)) = (rows.last(), worst(rows)) {
+        let ratio = last.predicted / last.measured;
+        table.notes.push(if is_near(last.predicted, last.measured) {
+            format!("predicted over measured: {ratio:.2}, within 0.5 to 2")
+        } else {
+            format!(
+                "predicted over measured: {ratio:.2}, not within 0.5 to 2: most wrong about {}",
+                worst.name
+            )
+        });
+    }
+    table
+}
+
+/// Where the product is off, in words.
+fn judged(i: usize, row: &CostRow) -> String {
+    if i == 0 {
+        let per_ray = |x: f64| short(x / row.work.rays.max(1.0));
+        let (tests, steps) = (per_ray(row.work.tests), per_ray(row.work.steps));
+        return format!("counts every primitive; a ray tests {tests} in {steps} steps");
+    }
+    let ratio = row.nominal / row.grew;
+    match ratio {
+        r if r > 1.25 => format!("overestimates {} times", short(r)),
+        r if r < 0.8 => format!("underestimates {} times", short(1.0 / r)),
+        _ => "is right".to_owned(),
+    }
+}
