@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::polygon::Polygon;
-use super::support::{distance_to_points, extent_of_points};
+use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use super::triangle::{Shear, TriangleTest, Watertight};
 use super::{Cone, PrimSet, PrimitiveError, Sphere, TransmissiveSet};
 use crate::aabb::Aabb;
@@ -211,6 +211,17 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Polygon => self.polygons[i].farthest(&self.polygon_vertices, from),
             PrimitiveKind::Sphere => self.spheres[i].farthest(from),
             PrimitiveKind::Cone => self.cones[i].farthest(from),
+        }
+    }
+
+    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        match tagged.kind() {
+            PrimitiveKind::Triangle => balls_around(&self.triangles[i], 0.0, balls),
+            PrimitiveKind::Polygon => self.polygons[i].hull(&self.polygon_vertices, balls),
+            PrimitiveKind::Sphere => self.spheres[i].hull(balls),
+            PrimitiveKind::Cone => self.cones[i].hull(balls),
         }
     }
 

@@ -14,6 +14,7 @@ pub use cone::Cone;
 pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
 pub use polygon::{Polygon, newell_normal};
 pub use sphere::Sphere;
+pub use support::Ball;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 
 use glam::DVec3;
@@ -67,6 +68,9 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64);
     /// The largest distance from `from` to such a point, world units.
     fn farthest(&self, id: u32, from: DVec3) -> f64;
+    /// Appends balls whose convex hull holds every such point: the vertices of a triangle or a
+    /// polygon in the order of its outline, the sphere itself, the two ends of a cone.
+    fn hull(&self, id: u32, balls: &mut Vec<Ball>);
     /// What kind of primitive it is.
     fn kind(&self, id: u32) -> PrimitiveKind;
     /// Prepares a ray.
