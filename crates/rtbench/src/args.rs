@@ -60,8 +60,8 @@ pub struct RunArgs {
     /// Scenes, scene sets or scene files [default: the set `spd`]
     #[arg(value_name = "SCENE|SET")]
     pub scenes: Vec<String>,
-    /// Structures, each with its settings if any: uniform-grid:resolution=woo:density=1, or `all`
-    /// [default: all structures with all their variants]
+    /// Structures and occluders, each with its settings if any: uniform-grid:resolution=woo:density=1,
+    /// or `all` [default: all with all their variants]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
     /// Overrides a default of a structure: uniform-grid.density=4
@@ -202,6 +202,8 @@ pub struct ListArgs {
 pub enum Listed {
     /// Structures with their parameters
     Structures,
+    /// Occluders, which answer shadow rays, with their parameters
+    Occluders,
     /// Scenes by name
     Scenes,
     /// Sets of scenes

@@ -96,6 +96,7 @@ pub fn run_with(
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut context = Context {
         registry,
+        occluders: accel_core::occluders::REGISTRY,
         scenes,
         clock,
         out: &mut out,
