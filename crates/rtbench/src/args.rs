@@ -221,6 +221,9 @@ pub enum Format {
     Json,
 }
 
+/// `--shadows` for shadow rays that the structure answers.
+pub const STRUCTURE_SHADOWS: &str = "structure";
+
 /// `rtbench render`.
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
@@ -232,6 +235,9 @@ pub struct RenderArgs {
     /// The structure to trace with [default: obvhs-cwbvh, or the first]
     #[arg(short, long, value_name = "STRUCTURE")]
     pub structure: Option<String>,
+    /// What answers shadow rays: the structure, or an occluder like light-buffer:resolution=256
+    #[arg(long, value_name = "OCCLUDER", default_value = STRUCTURE_SHADOWS)]
+    pub shadows: String,
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 512,
           value_parser = clap::value_parser!(u32).range(1..=16384))]

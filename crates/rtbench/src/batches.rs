@@ -2,9 +2,10 @@
 
 use std::borrow::Cow;
 
+use accel_core::occluders::nearest_light;
 use accel_core::structures::Buildable;
 use accel_core::tracer::Tracer;
-use accel_core::{Hit, Ray, Scalar, Vector};
+use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{RayBatches, RayKind};
@@ -125,7 +126,7 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
         let batch = |(kind, expected): (RayKind, _)| {
             let rays = rays.rays(kind);
             let to_lights = if kind.is_occlusion() { rays } else { &[] };
-            let lights = to_lights.iter().map(|ray| light_of(ray, lights)).collect();
+            let lights = to_lights.iter().map(|ray| nearest_light(ray, lights)).collect();
             Batch { kind, rays: rays.into(), lights, expected }
         };
         Self { stride: 1, batches: answers.into_iter().map(batch).collect() }
@@ -156,14 +157,6 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
     pub fn answers(&self) -> Vec<Answers<S>> {
         self.batches.iter().map(|b| Answers::new(b.kind, b.rays.len())).collect()
     }
-}
-
-/// The light nearest to where a shadow ray ends; 0 when there is none.
-fn light_of<S: Scalar>(ray: &Ray<S>, lights: &[DVec3]) -> u32 {
-    let end = ray.at(ray.t_max).to_dvec3();
-    let distance = |i: &usize| lights.get(*i).map_or(f64::INFINITY, |l| l.distance_squared(end));
-    let nearest = (0..lights.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.unwrap_or(0) as u32
 }
 
 /// The answers of `tracer` to all rays of the kinds, kinds without rays left out. Runs in the

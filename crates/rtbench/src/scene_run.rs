@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use accel_core::occluders::OccluderScalar;
 use accel_core::structures::{BuildError, Buildable};
+use glam::DVec3;
 use renderer::{Geometry, RayKind};
-use scene_loading::Light;
+use scene_loading::{Light, Scene};
 
 use crate::batches::BatchSet;
 use crate::check::{Checked, check};
@@ -54,10 +55,7 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         Oracle::new(&exact).map_err(|source| Error::Build { scene: scene.name.clone(), source })?;
     let stage = Stage { scene, geometry: &geometry, oracle: &oracle };
     let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
-    let position = |light: &Light| match *light {
-        Light::Point { position, .. } => position,
-    };
-    let lights: Vec<_> = scene.lights.iter().map(position).collect();
+    let lights = light_positions(scene);
     let all = BatchSet::new(&rays, answers, &lights);
     let scope = Scope {
         plan,
@@ -110,6 +108,14 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         rows,
         peak_rss_bytes: machine::peak_rss(),
     })
+}
+
+/// Where the lights of a scene are.
+pub fn light_positions(scene: &Scene) -> Vec<DVec3> {
+    let position = |light: &Light| match *light {
+        Light::Point { position, .. } => position,
+    };
+    scene.lights.iter().map(position).collect()
 }
 
 fn by_kind<S: Buildable>(

@@ -5,13 +5,14 @@
 //! structure, bit for bit: it chooses which primitives to test, never how.
 
 pub mod light_buffer;
+pub mod shadow_path;
 
 use glam::DVec3;
 
 use crate::counters::WorkCounters;
 use crate::params::{ParamError, Params};
 use crate::ray::Ray;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Vector};
 use crate::structures::{BuildError, PrimsRef, Shape, StructureInfo};
 
 /// Every occluder of the workspace: one line each.
@@ -100,6 +101,19 @@ impl OccluderScalar for f64 {
     fn builder(entry: &Entry) -> Builder<f64> {
         entry.build_f64
     }
+}
+
+/// The light nearest to where a shadow ray ends, for [`Occluder::occlusions`]; 0 without lights.
+pub fn nearest_light<S: Scalar>(ray: &Ray<S>, lights: &[DVec3]) -> u32 {
+    let end = ray.at(ray.t_max).to_dvec3();
+    let mut nearest = (0, f64::INFINITY);
+    for (i, light) in lights.iter().enumerate() {
+        let distance = light.distance_squared(end);
+        if distance < nearest.1 {
+            nearest = (i as u32, distance);
+        }
+    }
+    nearest.0
 }
 
 /// The entry of that name.

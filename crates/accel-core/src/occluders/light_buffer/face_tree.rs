@@ -62,17 +62,49 @@ impl<S: Scalar> Face<S> {
         Self { low: zero, scale: zero, side: S::ZERO, first: 0, shift: 0, bits: 0 }
     }
 
+    /// A face over a rectangle, with 2 to the power of the first of `bits` finest cells a side,
+    /// and of the second a coarse grid that begins at the cell `first`. Also where it begins and
+    /// the extent of a finest cell, in f64.
+    pub(super) fn over(
+        low: DVec2,
+        high: DVec2,
+        margins: &Margins,
+        [finest, coarse]: [u32; 2],
+        first: u32,
+    ) -> (Self, DVec2, DVec2) {
+        let side = f64::from(1u32 << finest);
+        // footprints end well inside, so that no rounding puts a direction they show outside
+        let margin = DVec2::splat(margins.direction * 4.0);
+        let low = (low - margin).to_array().map(|x| S::from_f64(x).next_down());
+        let start = dvec2(low[0].to_f64(), low[1].to_f64());
+        let size = high + margin * 2.0 - start;
+        let scale = size.to_array().map(|x| S::from_f64(side / x).next_down());
+        let step = dvec2(1.0 / scale[0].to_f64(), 1.0 / scale[1].to_f64());
+        let (side, shift) = (S::from_f64(side), finest - coarse);
+        (Self { low, scale, side, first, shift, bits: coarse }, start, step)
+    }
+
+    /// The cell of the coarse grid that a direction is in; `None` outside.
+    pub(super) fn index(&self, at: [S; 2]) -> Option<usize> {
+        let (x, y) = self.finest(at)?;
+        Some((self.first + ((y >> self.shift) << self.bits) + (x >> self.shift)) as usize)
+    }
+
+    /// The finest cell that a direction is in; `None` outside.
+    #[inline(always)]
+    fn finest(&self, at: [S; 2]) -> Option<(u32, u32)> {
+        let x = (at[0] - self.low[0]) * self.scale[0];
+        let y = (at[1] - self.low[1]) * self.scale[1];
+        // also refuses NaN
+        let is_inside = (x >= S::ZERO) & (x < self.side) & (y >= S::ZERO) & (y < self.side);
+        is_inside.then(|| (x.to_i32() as u32, y.to_i32() as u32))
+    }
+
     /// The list for a direction and the levels passed on the way; `None` outside the part that
     /// shows anything.
     #[inline(always)]
     pub(super) fn find(&self, cells: &[u32], at: [S; 2]) -> Option<(u32, u32)> {
-        let x = (at[0] - self.low[0]) * self.scale[0];
-        let y = (at[1] - self.low[1]) * self.scale[1];
-        // also refuses NaN
-        if !(x >= S::ZERO && x < self.side && y >= S::ZERO && y < self.side) {
-            return None;
-        }
-        let (x, y) = (x.to_i32() as u32, y.to_i32() as u32);
+        let (x, y) = self.finest(at)?;
         let mut shift = self.shift;
         let mut cell = cells[(self.first + ((y >> shift) << self.bits) + (x >> shift)) as usize];
         let mut levels = 1;
@@ -181,23 +213,13 @@ impl<'a, S: Scalar> Filling<'a, S> {
         let all = shown.footprints.iter();
         let bounds = (first.low, first.high);
         let (low, high) = all.fold(bounds, |(l, h), f| (l.min(f.low), h.max(f.high)));
-        let side = f64::from(1u32 << limits.bits);
-        // footprints end well inside, so that no rounding puts a direction they show outside
-        let margin = DVec2::splat(margins.direction * 4.0);
-        let low = (low - margin).to_array().map(|x| S::from_f64(x).next_down());
-        let size = high + margin * 2.0 - dvec2(low[0].to_f64(), low[1].to_f64());
-        let scale = size.to_array().map(|x| S::from_f64(side / x).next_down());
-        let mut bits = coarse_bits(shown, dvec2(size.x, size.y)).min(limits.bits);
+        let mut bits = coarse_bits(shown, high - low).min(limits.bits);
         // whole levels below
         bits += (limits.bits - bits) % LEVEL_BITS;
-        let shift = limits.bits - bits;
-        let cells = &mut out.cells;
-        let face =
-            Face { low, scale, side: S::from_f64(side), first: cells.len() as u32, shift, bits };
-        cells.resize(cells.len() + (1 << (2 * bits)), 0);
+        let first = out.cells.len() as u32;
+        let (face, low, step) = Face::over(low, high, margins, [limits.bits, bits], first);
+        out.cells.resize(out.cells.len() + (1 << (2 * bits)), 0);
         out.tally.inner += 1;
-        let low = dvec2(low[0].to_f64(), low[1].to_f64());
-        let step = dvec2(1.0 / scale[0].to_f64(), 1.0 / scale[1].to_f64());
         Filling { shown, limits, margins, out, low, step }.coarse(&face);
         face
     }

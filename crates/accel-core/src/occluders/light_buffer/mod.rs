@@ -17,16 +17,18 @@ mod facing;
 mod fill;
 mod footprint;
 mod margins;
+mod on_demand;
 mod remainder;
 #[cfg(test)]
 mod tests;
 
 use glam::DVec3;
 
-use self::direction_cube::{FACES, place};
+use self::direction_cube::{FACES, Place, place};
 use self::face_tree::{COVERED, Cells, Face, LONG, Limits};
 use self::fill::{Bodies, ID_LIMIT, INDEX_LIMIT, largest_index};
 use self::margins::Margins;
+use self::on_demand::OnDemand;
 use self::remainder::Remainder;
 use super::{BoxedOccluder, Occluder};
 use crate::bounds_rule::{BoundsOf, BoundsRule};
@@ -55,6 +57,13 @@ pub static INFO: StructureInfo = StructureInfo {
             ]),
         },
         ParamSpec {
+            name: "fill",
+            summary: "before: all primitives are projected; demand: a cell remembers the last \
+                      occluder that obvhs-cwbvh found (no other parameter matters then)",
+            default: "before",
+            kind: ParamKind::Choice(&["before", "demand"]),
+        },
+        ParamSpec {
             name: "divide",
             summary: "cells with longer lists are divided",
             default: "4",
@@ -80,6 +89,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "resolution=16 divide=1 longest=2",
         "resolution=512 divide=1000000 longest=1000000",
         "resolution=4096 divide=1",
+        "fill=demand resolution=64",
     ],
     known_defect: no_defect,
     sampled: false,
@@ -96,10 +106,7 @@ struct LightBuffer<'a, S: Scalar, P> {
     prims: &'a P,
     cubes: Vec<Cube<S>>,
     cells: Cells<S>,
-    /// Largest distance on an axis from the end of a ray to its light.
-    end: S,
-    /// See `far_ray.rs`.
-    reach: S,
+    aim: Aim<S>,
     /// Answers what the buffer does not.
     remainder: Remainder<'a, S, P>,
 }
@@ -114,9 +121,87 @@ pub fn build<'a, S: Buildable>(
     params: &Params,
 ) -> Result<BoxedOccluder<'a, S>, BuildError> {
     match prims {
-        PrimsRef::Watertight(p) => Ok(Box::new(LightBuffer::new(p, prims, lights, params)?)),
-        PrimsRef::MoellerTrumbore(p) => Ok(Box::new(LightBuffer::new(p, prims, lights, params)?)),
-        PrimsRef::Mixed(p) => Ok(Box::new(LightBuffer::new(p, prims, lights, params)?)),
+        PrimsRef::Watertight(p) => over(p, prims, lights, params),
+        PrimsRef::MoellerTrumbore(p) => over(p, prims, lights, params),
+        PrimsRef::Mixed(p) => over(p, prims, lights, params),
+    }
+}
+
+fn over<'a, S: Buildable, P: PrimSet<S>>(
+    prims: &'a P,
+    any: PrimsRef<'a, S>,
+    lights: &[DVec3],
+    params: &Params,
+) -> Result<BoxedOccluder<'a, S>, BuildError> {
+    if params.text("fill") == "before" {
+        return Ok(Box::new(LightBuffer::new(prims, any, lights, params)?));
+    }
+    let margins = checked(prims, lights, params.structure())?;
+    let bits = resolution_bits(params);
+    let faces = lights.len() as u128 * FACES as u128;
+    is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, params.structure())?;
+    Ok(Box::new(OnDemand::new(prims, any, lights, &margins, bits)?))
+}
+
+/// Finest cells a side of a face, as a power of 2.
+fn resolution_bits(params: &Params) -> u32 {
+    (params.integer("resolution") as u32).max(1).ilog2()
+}
+
+fn is_below(
+    what: &'static str,
+    needed: u128,
+    limit: u128,
+    structure: &'static str,
+) -> Result<(), BuildError> {
+    match needed < limit {
+        true => Ok(()),
+        false => Err(BuildError::TooLarge { structure, what, needed, limit }),
+    }
+}
+
+/// The margins for a set that can be served.
+fn checked<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    lights: &[DVec3],
+    structure: &'static str,
+) -> Result<Margins, BuildError> {
+    if prims.is_empty() {
+        return Err(BuildError::NoPrimitives { structure });
+    }
+    is_below("number of primitives", prims.len() as u128, ID_LIMIT, structure)?;
+    BoundsOf::new(prims, BoundsRule::Padded)
+        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
+    Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
+}
+
+/// Which rays the cells speak for: those from the scene to the light.
+#[derive(Debug, Clone, Copy)]
+struct Aim<S> {
+    /// Largest distance on an axis from the end of a ray to its light.
+    end: S,
+    /// See `far_ray.rs`.
+    reach: S,
+}
+
+impl<S: Scalar> Aim<S> {
+    fn new<P: PrimSet<S>>(prims: &P, margins: &Margins) -> Self {
+        let reach = far_ray::reach(prims.magnitude());
+        Self { end: S::from_f64(margins.end), reach }
+    }
+
+    /// Where a ray starts as seen from its light, or `None` for a ray that does not run there.
+    #[inline(always)]
+    fn place(&self, ray: &Ray<S>, light: Vec3<S>) -> Option<Place<S>> {
+        let from_light = ray.origin - light;
+        let place = place(from_light);
+        // NaN fails every one of these
+        let is_aimed = is_within::<S>(from_light + ray.direction * ray.t_max, self.end)
+            & is_within::<S>(ray.origin, self.reach)
+            & (place.depth > self.end * S::from_f64(4.0))
+            & (ray.t_min >= S::ZERO);
+        is_aimed.then_some(place)
     }
 }
 
@@ -135,32 +220,21 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         lights: &[DVec3],
         params: &Params,
     ) -> Result<Self, BuildError> {
-        let structure = params.structure();
-        if prims.is_empty() {
-            return Err(BuildError::NoPrimitives { structure });
-        }
-        let too_large = |what, needed, limit| match needed < limit {
-            true => Ok(()),
-            false => Err(BuildError::TooLarge { structure, what, needed, limit }),
-        };
-        too_large("number of primitives", prims.len() as u128, ID_LIMIT)?;
-        BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-        let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
-        let margins = Margins::new::<S>(prims.magnitude().to_f64().max(of_lights));
-        let bodies = Bodies::of(prims, margins.position);
+        let margins = checked(prims, lights, params.structure())?;
         let limits = Limits {
-            bits: (params.integer("resolution") as u32).max(1).ilog2(),
+            bits: resolution_bits(params),
             divide: params.integer("divide") as usize,
             longest: params.integer("longest") as usize,
             cut_off: params.text("cut-off") == "full",
         };
+        let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
         let mut cubes = Vec::with_capacity(lights.len());
         for &light in lights {
             let position = Vec3::<S>::from_dvec3(light);
             let faces = fill::faces(&bodies, position.to_dvec3(), limits, &margins, &mut cells);
-            too_large("number of cells or of references", largest_index(&cells), INDEX_LIMIT)?;
+            let needed = largest_index(&cells);
+            is_below("number of cells or references", needed, INDEX_LIMIT, params.structure())?;
             cubes.push(Cube { position, faces });
         }
         cells.cells.shrink_to_fit();
@@ -169,24 +243,14 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         if cells.tally.long > 0 {
             remainder.make()?;
         }
-        let reach = far_ray::reach(prims.magnitude());
-        Ok(Self { prims, cubes, cells, end: S::from_f64(margins.end), reach, remainder })
+        Ok(Self { prims, cubes, cells, aim: Aim::new(prims, &margins), remainder })
     }
 
     /// One ray.
     #[inline(always)]
     fn answer<C: Counters>(&self, ray: &Ray<S>, light: u32, counters: &mut C) -> Answer {
         let Some(cube) = self.cubes.get(light as usize) else { return Answer::Unknown };
-        let from_light = ray.origin - cube.position;
-        let place = place(from_light);
-        // NaN fails every one of these
-        let is_aimed = is_within::<S>(from_light + ray.direction * ray.t_max, self.end)
-            & is_within::<S>(ray.origin, self.reach)
-            & (place.depth > self.end * S::from_f64(4.0))
-            & (ray.t_min >= S::ZERO);
-        if !is_aimed {
-            return Answer::Unknown;
-        }
+        let Some(place) = self.aim.place(ray, cube.position) else { return Answer::Unknown };
         let Some(face) = cube.faces.get(place.face) else { return Answer::Unknown };
         let Some((first, levels)) = face.find(&self.cells.cells, place.at) else {
             counters.elementary_step(true);

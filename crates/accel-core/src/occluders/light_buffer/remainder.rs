@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use crate::counters::WorkCounters;
 use crate::far_ray::{self, Place};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 use crate::scalar::Scalar;
 use crate::structures::{self, BuildError, Buildable, PrimsRef, obvhs_cwbvh};
 use crate::tracer::{ShadowCount, ShadowRule, Tracer};
@@ -64,6 +64,13 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
         let rays = std::slice::from_ref(ray);
         *work += tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
         answers.iter().all(|a| a.blocked)
+    }
+
+    /// A primitive that blocks the ray: the closest hit, if that is opaque.
+    pub(super) fn occluder(&self, ray: &Ray<S>) -> Option<u32> {
+        let mut hits = [Hit::NONE];
+        self.tracer()?.closest_hits(std::slice::from_ref(ray), &mut hits);
+        hits.iter().find(|h| h.is_hit() && self.prims.is_opaque(h.id)).map(|h| h.id)
     }
 
     fn tracer(&self) -> Option<&(dyn Tracer<S> + 'a)> {
