@@ -183,7 +183,8 @@ impl RowParts<'_, '_> {
             stride: stride as u64,
             rays: rays_by_kind.values().sum(),
             build_s: of(|s| s.build_s),
-            trace_s: of(Sample::total_trace_s),
+            // an occluder in a scene without shadow rays has nothing to trace
+            trace_s: of(Sample::total_trace_s).filter(|_| !rays_by_kind.is_empty()),
             mrays: rays_by_kind.iter().filter_map(rate).collect(),
             rays_by_kind,
             ratio: None,

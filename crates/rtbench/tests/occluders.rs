@@ -129,7 +129,7 @@ fn an_occluder_alone_is_compared_with_the_default_structure() {
 #[test]
 fn an_occluder_that_sees_every_light_is_wrong_and_has_no_times() {
     let folder = Folder::new();
-    let arguments = "run tetra:2 --quick -s obvhs-cwbvh,light-buffer,bright -o";
+    let arguments = "run balls:2 --quick -s obvhs-cwbvh,light-buffer,bright -o";
     let ended = run_planted(&format!("{arguments} {}", folder.path()));
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
     let record = folder.record();
