@@ -36,9 +36,6 @@ const LEVEL_BITS: u32 = 2;
 const FAN: usize = 16;
 /// References that the cells of a coarse grid may have for each primitive, about.
 const COARSE_GROWTH: f64 = 8.0;
-/// By how much the references of a coarse cell may grow as it is divided: a stack of large
-/// primitives would otherwise be divided along its edge without end.
-const MOST_GROWTH: f64 = 64.0;
 
 /// A face: the part of it that shows anything, and its coarse grid.
 #[derive(Debug, Clone, Copy)]
@@ -125,6 +122,9 @@ pub(super) struct Limits {
     pub(super) bits: u32,
     /// Lists longer than this are divided.
     pub(super) divide: usize,
+    /// Cells are not divided where that makes more references than this of one of the coarse
+    /// grid: a stack of large primitives would otherwise be divided along its edge without end.
+    pub(super) growth: f64,
     /// Lists that remain longer than this are left to a structure.
     pub(super) longest: usize,
     /// Whether primitives that cover a cell cut its list off.
@@ -308,7 +308,7 @@ impl<'a, S: Scalar> Filling<'a, S> {
         let growth = growth * (total as f64 / list.len() as f64).max(1.0);
         // not worth it where nearly every primitive is seen in nearly every part
         let is_alike = total * 4 > list.len() * FAN * 3 && !self.pays(&parts, sub, below);
-        if is_alike || growth > MOST_GROWTH {
+        if is_alike || growth > self.limits.growth {
             return self.leaf(list, cover, center, half);
         }
         let first = self.out.cells.len();

@@ -70,6 +70,12 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Integer { min: 1, max: 1_000_000 },
         },
         ParamSpec {
+            name: "growth",
+            summary: "cells are not divided further where that makes more references of one than this",
+            default: "8",
+            kind: ParamKind::Real { min: 1.0, max: 1e6 },
+        },
+        ParamSpec {
             name: "longest",
             summary: "longer lists are left to obvhs-cwbvh",
             default: "64",
@@ -88,7 +94,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "resolution=128 cut-off=none",
         "resolution=16 divide=1 longest=2",
         "resolution=512 divide=1000000 longest=1000000",
-        "resolution=4096 divide=1",
+        "resolution=4096 divide=1 growth=64",
         "fill=demand resolution=64",
     ],
     known_defect: no_defect,
@@ -224,6 +230,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         let limits = Limits {
             bits: resolution_bits(params),
             divide: params.integer("divide") as usize,
+            growth: params.real("growth"),
             longest: params.integer("longest") as usize,
             cut_off: params.text("cut-off") == "full",
         };
