@@ -22,6 +22,7 @@ pub mod distance_field;
 pub mod driving_axis_walk;
 pub mod far_ray;
 pub mod mailbox;
+pub mod occluders;
 pub mod params;
 pub mod primitives;
 pub mod ray;

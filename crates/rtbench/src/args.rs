@@ -62,8 +62,8 @@ pub struct RunArgs {
     /// Scenes, scene sets or scene files [default: the set `spd`]
     #[arg(value_name = "SCENE|SET")]
     pub scenes: Vec<String>,
-    /// Structures, each with its settings if any: uniform-grid:resolution=woo:density=1, or `all`
-    /// [default: all structures with all their variants]
+    /// Structures and occluders, each with its settings if any: uniform-grid:resolution=woo:density=1,
+    /// or `all` [default: all with all their variants]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
     /// Overrides a default of a structure: uniform-grid.density=4
@@ -204,6 +204,8 @@ pub struct ListArgs {
 pub enum Listed {
     /// Structures with their parameters
     Structures,
+    /// Occluders, which answer shadow rays, with their parameters
+    Occluders,
     /// Scenes by name
     Scenes,
     /// Sets of scenes
@@ -221,6 +223,9 @@ pub enum Format {
     Json,
 }
 
+/// `--shadows` for shadow rays that the structure answers.
+pub const STRUCTURE_SHADOWS: &str = "structure";
+
 /// `rtbench render`.
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
@@ -235,6 +240,9 @@ pub struct RenderArgs {
     /// The structure to trace with [default: obvhs-cwbvh, or the first]
     #[arg(short, long, value_name = "STRUCTURE")]
     pub structure: Option<String>,
+    /// What answers shadow rays: the structure, or an occluder like light-buffer:resolution=256
+    #[arg(long, value_name = "OCCLUDER", default_value = STRUCTURE_SHADOWS)]
+    pub shadows: String,
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 512,
           value_parser = clap::value_parser!(u32).range(1..=16384))]

@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
+use accel_core::occluders::nearest_light;
 use accel_core::structures::Buildable;
 use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray, Scalar};
+use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{RayBatches, RayKind};
 
@@ -87,8 +89,22 @@ pub struct Batch<'a, S: Scalar> {
     pub kind: RayKind,
     /// Rays.
     pub rays: Cow<'a, [Ray<S>]>,
+    /// The light that each shadow ray runs to; empty for other kinds.
+    pub lights: Vec<u32>,
     /// The reference's answers.
     pub expected: Answers<S>,
+}
+
+impl<'a, S: Buildable> Batch<'a, S> {
+    /// Every `stride`-th ray.
+    pub fn thinned(&self, stride: usize) -> Batch<'a, S> {
+        Batch {
+            kind: self.kind,
+            rays: Cow::Owned(self.rays.iter().copied().step_by(stride).collect()),
+            lights: self.lights.iter().copied().step_by(stride).collect(),
+            expected: self.expected.thinned(stride),
+        }
+    }
 }
 
 /// Rays of all kinds of a run: every `stride`-th of the scene's.
@@ -101,20 +117,30 @@ pub struct BatchSet<'a, S: Scalar> {
 }
 
 impl<'a, S: Buildable> BatchSet<'a, S> {
-    /// All rays that were answered.
-    pub fn new(rays: &'a RayBatches<S>, answers: Vec<(RayKind, Answers<S>)>) -> Self {
-        let batch = |(kind, expected)| Batch { kind, rays: rays.rays(kind).into(), expected };
+    /// All rays that were answered, in a scene with lights at those places.
+    pub fn new(
+        rays: &'a RayBatches<S>,
+        answers: Vec<(RayKind, Answers<S>)>,
+        lights: &[DVec3],
+    ) -> Self {
+        let batch = |(kind, expected): (RayKind, _)| {
+            let rays = rays.rays(kind);
+            let to_lights = if kind.is_occlusion() { rays } else { &[] };
+            let lights = to_lights.iter().map(|ray| nearest_light(ray, lights)).collect();
+            Batch { kind, rays: rays.into(), lights, expected }
+        };
         Self { stride: 1, batches: answers.into_iter().map(batch).collect() }
     }
 
     /// Every `stride`-th ray of each kind.
     pub fn thinned(&self, stride: usize) -> BatchSet<'a, S> {
-        let thin = |batch: &Batch<'a, S>| Batch {
-            kind: batch.kind,
-            rays: Cow::Owned(batch.rays.iter().copied().step_by(stride).collect()),
-            expected: batch.expected.thinned(stride),
-        };
-        BatchSet { stride, batches: self.batches.iter().map(thin).collect() }
+        BatchSet { stride, batches: self.batches.iter().map(|b| b.thinned(stride)).collect() }
+    }
+
+    /// The rays of some kinds.
+    pub fn restricted(&self, keep: impl Fn(RayKind) -> bool) -> Self {
+        let kept = self.batches.iter().filter(|b| keep(b.kind));
+        Self { stride: self.stride, batches: kept.cloned().collect() }
     }
 
     /// Rays of all kinds together.

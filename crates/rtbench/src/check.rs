@@ -1,17 +1,17 @@
 //! Is a row right, and what does it cost? Before anything of it is timed.
 
+use accel_core::Hit;
 use accel_core::counters::WorkCounters;
+use accel_core::occluders::OccluderScalar;
 use accel_core::structures::{BuildError, Buildable};
-use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
-use accel_core::{Hit, Ray};
 use rayon::prelude::*;
 
-use crate::batches::{Answers, Batch, BatchSet, CHUNK, trace, trace_chunked};
+use crate::batches::{Answers, Batch, BatchSet, CHUNK};
 use crate::clock::Clock;
 use crate::measure::Scope;
+use crate::measured_row::{Built, MeasuredRow};
 use crate::record::{ShapeRecord, Verdict, WorkRecord};
 use crate::reference::{oracle_rays, oracle_sample};
-use crate::rows::Row;
 
 /// Rays of a kind in the first and in the last step of a pilot.
 const PILOT_RAYS: (usize, usize) = (16, 1024);
@@ -41,18 +41,22 @@ pub struct Checked {
 ///
 /// # Errors
 /// [`BuildError`] when it refuses the scene.
-pub fn check<S: Buildable>(scope: &Scope<'_, '_, S>, row: &Row<'_>) -> Result<Checked, BuildError> {
+pub fn check<S: Buildable + OccluderScalar>(
+    scope: &Scope<'_, '_, S>,
+    row: &MeasuredRow<'_>,
+) -> Result<Checked, BuildError> {
     let prims = scope.stage.geometry.prims();
-    let tracer = scope.pools.measured.install(|| row.entry.build(prims, &row.params))?;
-    let full_pass_s = pilot(&*tracer, scope.all, scope.clock);
+    let built = scope.pools.measured.install(|| row.build(prims, scope.lights))?;
+    let asked = scope.all.restricted(|kind| row.answers(kind));
+    let full_pass_s = pilot(&built, &asked, scope.clock);
     let limits = &scope.plan.limits;
     let cap = if row.is_sampled() { limits.sampled_pass } else { limits.checked_pass };
     let stride = stride_for(full_pass_s, cap);
     let thinned;
     let set = if stride == 1 {
-        scope.all
+        &asked
     } else {
-        thinned = scope.all.thinned(stride);
+        thinned = asked.thinned(stride);
         &thinned
     };
     let mut work = WorkCounters::default();
@@ -61,8 +65,8 @@ pub fn check<S: Buildable>(scope: &Scope<'_, '_, S>, row: &Row<'_>) -> Result<Ch
         for batch in &set.batches {
             let mut timed_path = Answers::new(batch.kind, batch.rays.len());
             timed_path.clear();
-            trace_chunked(&*tracer, &batch.rays, &mut timed_path);
-            let (counted_path, counted) = count(&*tracer, batch);
+            built.trace_chunked(batch, &mut timed_path);
+            let (counted_path, counted) = count(&built, batch);
             work += counted;
             let timed = compare(scope, set, batch, &timed_path);
             let counted = compare(scope, set, batch, &counted_path);
@@ -78,7 +82,7 @@ pub fn check<S: Buildable>(scope: &Scope<'_, '_, S>, row: &Row<'_>) -> Result<Ch
     };
     Ok(Checked {
         verdict,
-        shape: shape(&*tracer),
+        shape: shape(&built),
         work: WorkRecord {
             rays: set.total() as u64,
             intersection_tests: work.intersection_tests,
@@ -135,25 +139,25 @@ fn compare<S: Buildable>(
 }
 
 /// Seconds that one call a kind would take for all rays, from a few evenly spread ones.
-fn pilot<S: Buildable>(tracer: &dyn Tracer<S>, set: &BatchSet<'_, S>, clock: &dyn Clock) -> f64 {
+fn pilot<S: Buildable>(built: &Built<'_, S>, set: &BatchSet<'_, S>, clock: &dyn Clock) -> f64 {
     let mut total = 0.0;
     for batch in &set.batches {
         let all = batch.rays.len();
         let mut wanted = PILOT_RAYS.0.min(all);
         loop {
             let stride = (all / wanted.max(1)).max(1);
-            let rays: Vec<Ray<S>> = batch.rays.iter().copied().step_by(stride).collect();
-            let mut answers = Answers::new(batch.kind, rays.len());
+            let few = batch.thinned(stride);
+            let mut answers = Answers::new(batch.kind, few.rays.len());
             let mut ask = || {
                 let start = clock.now();
-                trace(tracer, &rays, &mut answers);
+                built.trace(&few, &mut answers);
                 clock.seconds_since(start)
             };
             // The first time warms up; the smaller of two more is free of most interruptions.
             ask();
             let seconds = ask().min(ask());
             if seconds >= PILOT_SECONDS || wanted >= PILOT_RAYS.1.min(all) {
-                total += seconds / rays.len().max(1) as f64 * all as f64;
+                total += seconds / few.rays.len().max(1) as f64 * all as f64;
                 break;
             }
             wanted = (wanted * 4).min(all);
@@ -163,35 +167,30 @@ fn pilot<S: Buildable>(tracer: &dyn Tracer<S>, set: &BatchSet<'_, S>, clock: &dy
 }
 
 /// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
-fn count<S: Buildable>(tracer: &dyn Tracer<S>, batch: &Batch<'_, S>) -> (Answers<S>, WorkCounters) {
-    let sum = |mut a: WorkCounters, b: WorkCounters| {
-        a += b;
-        a
+fn count<S: Buildable>(built: &Built<'_, S>, batch: &Batch<'_, S>) -> (Answers<S>, WorkCounters) {
+    let Built::Structure(tracer) = built else {
+        let (blocked, work) = built.count_blocked(batch);
+        return (Answers::Blocked(blocked), work);
     };
     if batch.kind.is_occlusion() {
-        let none = ShadowCount { blocked: false, glass: 0 };
-        let mut answers = vec![none; batch.rays.len()];
-        let work = batch
-            .rays
-            .par_chunks(CHUNK)
-            .zip(answers.par_chunks_mut(CHUNK))
-            .map(|(rays, answers)| tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, answers))
-            .reduce(WorkCounters::default, sum);
-        (Answers::Blocked(answers.iter().map(|a| a.blocked).collect()), work)
-    } else {
-        let mut hits = vec![Hit::NONE; batch.rays.len()];
-        let work = batch
-            .rays
-            .par_chunks(CHUNK)
-            .zip(hits.par_chunks_mut(CHUNK))
-            .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
-            .reduce(WorkCounters::default, sum);
-        (Answers::Hits(hits), work)
+        let (blocked, work) = built.count_blocked(batch);
+        return (Answers::Blocked(blocked), work);
     }
+    let mut hits = vec![Hit::NONE; batch.rays.len()];
+    let work = batch
+        .rays
+        .par_chunks(CHUNK)
+        .zip(hits.par_chunks_mut(CHUNK))
+        .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
+        .reduce(WorkCounters::default, |mut a, b| {
+            a += b;
+            a
+        });
+    (Answers::Hits(hits), work)
 }
 
-fn shape<S: Buildable>(tracer: &dyn Tracer<S>) -> ShapeRecord {
-    let shape = tracer.shape();
+fn shape<S: Buildable>(built: &Built<'_, S>) -> ShapeRecord {
+    let shape = built.shape();
     ShapeRecord {
         n_in: shape.inner_cells,
         n_v: shape.cells,

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
@@ -12,6 +13,8 @@ use crate::scene_source::SceneSource;
 pub struct Context<'a> {
     /// The structures there are.
     pub registry: &'a [Entry],
+    /// The occluders there are.
+    pub occluders: &'a [occluders::Entry],
     /// The scenes there are.
     pub scenes: &'a dyn SceneSource,
     /// What times are read from.

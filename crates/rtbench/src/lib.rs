@@ -18,6 +18,7 @@ pub mod error;
 pub mod export;
 pub mod machine;
 pub mod measure;
+pub mod measured_row;
 pub mod oracle;
 pub mod plan;
 pub mod pools;
@@ -40,7 +41,7 @@ use std::ffi::OsString;
 use std::io;
 use std::process::ExitCode;
 
-use accel_core::structures::REGISTRY;
+use accel_core::{occluders, structures::REGISTRY};
 use clap::Parser;
 
 use crate::args::{Cli, Command};
@@ -57,6 +58,7 @@ pub fn main() -> ExitCode {
     let mut err = io::stderr();
     let mut context = Context {
         registry: REGISTRY,
+        occluders: occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
         out: &mut out,

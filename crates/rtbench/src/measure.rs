@@ -3,19 +3,20 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use accel_core::occluders::OccluderScalar;
 use accel_core::structures::Buildable;
-use accel_core::tracer::Tracer;
-use renderer::render;
+use glam::DVec3;
+use renderer::{RayKind, render};
 
-use crate::batches::{Answers, BatchSet, trace, trace_chunked};
+use crate::batches::{Answers, BatchSet};
 use crate::check::{Checked, stride_for};
 use crate::clock::Clock;
+use crate::measured_row::{Built, MeasuredRow};
 use crate::plan::{Plan, Rounds};
 use crate::pools::Pools;
 use crate::progress::Progress;
 use crate::record::Sample;
 use crate::reference::Stage;
-use crate::rows::Row;
 use crate::schedule::round_order;
 
 /// Most rounds that a time budget buys.
@@ -27,6 +28,8 @@ pub struct Scope<'a, 'r, S: Buildable> {
     pub plan: &'a Plan<'r>,
     /// The scene.
     pub stage: &'a Stage<'a, S>,
+    /// Where the lights of the scene are.
+    pub lights: &'a [DVec3],
     /// All rays with the answers expected.
     pub all: &'a BatchSet<'a, S>,
     /// The oracle confirmed those answers.
@@ -63,7 +66,7 @@ type Seconds = BTreeMap<String, f64>;
 
 /// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
 /// for rows that were not built. The result has one entry for each row too.
-pub fn measure<S: Buildable>(
+pub fn measure<S: Buildable + OccluderScalar>(
     scope: &Scope<'_, '_, S>,
     checked: &[Option<Checked>],
     deadline: Option<Duration>,
@@ -85,7 +88,7 @@ pub fn measure<S: Buildable>(
     };
     let mut round = 0;
     while round < at_least || goes_on(scope, round, deadline) {
-        let mut of_reference = BTreeMap::new();
+        let mut of_reference: BTreeMap<usize, Seconds> = BTreeMap::new();
         let order = round_order(plan.seed, &scope.stage.scene.name, round, rows.len());
         for (position, &i) in order.iter().enumerate() {
             let row = rows[i];
@@ -105,9 +108,13 @@ pub fn measure<S: Buildable>(
             scope.progress.step(scope.clock.now());
         }
         for &row in &rows {
-            let reference = strides[row].and_then(|s| of_reference.get(&s)).copied();
+            let reference = strides[row].and_then(|s| of_reference.get(&s));
             if let Some(sample) = timed[row].samples.last_mut() {
-                sample.reference_trace_s = reference;
+                // over the kinds of rays that the row answers
+                sample.reference_trace_s = reference.map(|seconds| {
+                    let own = seconds.iter().filter(|(kind, _)| sample.trace_s.contains_key(*kind));
+                    own.map(|(_, s)| s).sum()
+                });
             }
         }
         round += 1;
@@ -131,7 +138,7 @@ pub fn measure<S: Buildable>(
 /// Every how many-th ray each row is timed on; none for rows that are not timed. No row is timed
 /// on more rays than the baseline, so that both can be timed on the same.
 fn strides(plan: &Plan<'_>, checked: &[Option<Checked>]) -> Vec<Option<usize>> {
-    let own = |(row, checked): (&Row<'_>, &Option<Checked>)| {
+    let own = |(row, checked): (&MeasuredRow<'_>, &Option<Checked>)| {
         let checked = checked.as_ref().filter(|c| c.verdict.is_timed())?;
         let limits = &plan.limits;
         let cap = if row.is_sampled() { limits.sampled_pass } else { limits.timed_pass };
@@ -154,7 +161,7 @@ fn goes_on<S: Buildable>(
 
 /// One row in one round.
 struct Visit<'a, 'r> {
-    row: &'a Row<'r>,
+    row: &'a MeasuredRow<'r>,
     stride: usize,
     is_baseline: bool,
 }
@@ -170,23 +177,24 @@ impl Visit<'_, '_> {
     /// Builds the row and asks it. The baseline answers every other row's sample of rays as well,
     /// so that ratios are taken over the same rays in the same round. None when the row, which
     /// was built before, cannot be built again.
-    fn make<S: Buildable>(
+    fn make<S: Buildable + OccluderScalar>(
         &self,
         scope: &Scope<'_, '_, S>,
         sheets: &mut BTreeMap<usize, Sheet<'_, S>>,
-        of_reference: &mut BTreeMap<usize, f64>,
+        of_reference: &mut BTreeMap<usize, Seconds>,
     ) -> Option<Seen> {
         let prims = scope.stage.geometry.prims();
         scope.pools.measured.install(|| {
             let start = scope.clock.now();
-            let tracer = self.row.entry.build(prims, &self.row.params).ok()?;
+            let built = self.row.build(prims, scope.lights).ok()?;
             let build_s = scope.clock.seconds_since(start);
             let sheet = sheets.get_mut(&self.stride)?;
-            let (trace_s, mismatches) = sheet.ask(&*tracer, scope);
+            let answers = |kind| self.row.answers(kind);
+            let (trace_s, mismatches) = sheet.ask(&built, answers, scope);
             if self.is_baseline {
-                of_reference.insert(self.stride, trace_s.values().sum());
+                of_reference.insert(self.stride, trace_s.clone());
                 for (stride, sheet) in sheets.iter_mut().filter(|(s, _)| **s != self.stride) {
-                    of_reference.insert(*stride, sheet.ask(&*tracer, scope).0.values().sum());
+                    of_reference.insert(*stride, sheet.ask(&built, answers, scope).0);
                 }
             }
             Some(Seen { build_s, trace_s, mismatches })
@@ -195,18 +203,24 @@ impl Visit<'_, '_> {
 }
 
 impl<S: Buildable> Sheet<'_, S> {
-    /// Times the tracer on all batches; with several threads in chunks over them. Also how many
-    /// of its answers are not the ones expected.
-    fn ask(&mut self, tracer: &dyn Tracer<S>, scope: &Scope<'_, '_, S>) -> (Seconds, usize) {
+    /// Times a row on the batches that it answers; with several threads in chunks over them. Also
+    /// how many of its answers are not the ones expected.
+    fn ask(
+        &mut self,
+        built: &Built<'_, S>,
+        is_asked: impl Fn(RayKind) -> bool,
+        scope: &Scope<'_, '_, S>,
+    ) -> (Seconds, usize) {
         let mut mismatches = 0;
         let mut seconds = Seconds::new();
-        for (batch, answers) in self.set.batches.iter().zip(&mut self.answers) {
+        let batches = self.set.batches.iter().zip(&mut self.answers);
+        for (batch, answers) in batches.filter(|(batch, _)| is_asked(batch.kind)) {
             answers.clear();
             let start = scope.clock.now();
             if scope.plan.threads > 1 {
-                trace_chunked(tracer, &batch.rays, answers);
+                built.trace_chunked(batch, answers);
             } else {
-                trace(tracer, &batch.rays, answers);
+                built.trace(batch, answers);
             }
             seconds.insert(batch.kind.name().into(), scope.clock.seconds_since(start));
             if scope.is_confirmed {
@@ -218,7 +232,9 @@ impl<S: Buildable> Sheet<'_, S> {
 }
 
 /// Seconds of the whole image.
-fn render_once<S: Buildable>(scope: &Scope<'_, '_, S>, row: &Row<'_>) -> Option<f64> {
+fn render_once<S: Buildable>(scope: &Scope<'_, '_, S>, row: &MeasuredRow<'_>) -> Option<f64> {
+    // an occluder alone renders nothing
+    let MeasuredRow::Structure(row) = row else { return None };
     let stage = scope.stage;
     scope.pools.measured.install(|| {
         let tracer = row.entry.build(stage.geometry.prims(), &row.params).ok()?;

@@ -5,11 +5,13 @@
 
 use std::time::Duration;
 
+use accel_core::occluders;
 use accel_core::params::ParamError;
 use accel_core::structures::Entry;
 
 use crate::args::{MeasuringArgs, Precision, RunArgs};
-use crate::rows::{self, Row};
+use crate::measured_row::{self, MeasuredRow};
+use crate::rows::Row;
 use crate::scene_source::{KnownScene, LoadError, SceneSource};
 use crate::suggest;
 use crate::sweep::SweepError;
@@ -78,6 +80,12 @@ pub enum PlanError {
         hint: String,
         /// All names.
         valid: String,
+    },
+    /// An occluder, and none of the rays that it answers.
+    #[error("{structure} answers shadow rays only; add shadow to --rays")]
+    NoRaysFor {
+        /// Occluder.
+        structure: &'static str,
     },
     /// There are no structures at all.
     #[error("there are no structures to measure")]
@@ -152,7 +160,7 @@ pub struct Plan<'r> {
     /// Scenes, in the order given, without duplicates.
     pub scenes: Vec<Box<dyn KnownScene>>,
     /// Rows of every scene's table.
-    pub rows: Vec<Row<'r>>,
+    pub rows: Vec<MeasuredRow<'r>>,
     /// Index of the row that ratios are taken to.
     pub baseline: usize,
     /// Structures to compare answers with: the first that the oracle confirms.
@@ -183,13 +191,30 @@ impl<'r> Plan<'r> {
     pub fn new(
         args: &RunArgs,
         registry: &'r [Entry],
+        occluders: &'r [occluders::Entry],
         scenes: &dyn SceneSource,
     ) -> Result<Self, PlanError> {
         let default = [DEFAULT_SET.to_owned()];
         let names = if args.scenes.is_empty() { &default } else { args.scenes.as_slice() };
-        let mut rows = rows::select(registry, &args.structures, &args.overrides)?;
-        let baseline = baseline(registry, &mut rows, args.measuring.reference.as_deref())?;
-        Self::over(scenes.resolve(names)?, rows, baseline, &args.measuring, registry)
+        let (mut rows, occluding) =
+            measured_row::select(registry, occluders, &args.structures, &args.overrides)?;
+        let reference = args.measuring.reference.as_deref();
+        if rows.is_empty() && !occluding.is_empty() && reference.is_none() {
+            // an occluder is compared with a structure
+            rows.push(Row::parse(registry, DEFAULT_BASELINE)?);
+        }
+        let baseline = baseline(registry, &mut rows, reference)?;
+        let scenes = scenes.resolve(names)?;
+        let mut plan = Self::over(scenes, rows, baseline, &args.measuring, registry)?;
+        if plan.kinds.iter().any(|k| k.is_occlusion()) {
+            plan.rows.extend(occluding.into_iter().map(MeasuredRow::Occluder));
+        } else if let Some(row) = occluding.first()
+            && !args.structures.is_empty()
+            && !args.structures.iter().any(|s| s == "all")
+        {
+            return Err(PlanError::NoRaysFor { structure: row.structure() });
+        }
+        Ok(plan)
     }
 
     /// A plan over those scenes and rows; ratios are taken to the row at the index `baseline`.
@@ -220,7 +245,7 @@ impl<'r> Plan<'r> {
         Ok(Self {
             scenes,
             answers: answers(registry)?,
-            rows,
+            rows: rows.into_iter().map(MeasuredRow::from).collect(),
             baseline,
             kinds,
             rounds,

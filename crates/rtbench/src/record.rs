@@ -136,6 +136,28 @@ pub struct OracleRecord {
     pub by_kind: BTreeMap<String, [u64; 2]>,
 }
 
+/// Which rays a row answers.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Answered {
+    /// Rays of every kind: a structure.
+    #[default]
+    #[serde(rename = "all rays")]
+    AllRays,
+    /// Shadow rays only: an occluder. Its times and ratios are over these.
+    #[serde(rename = "shadow rays")]
+    ShadowRays,
+}
+
+impl Answered {
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AllRays => "all rays",
+            Self::ShadowRays => "shadow rays",
+        }
+    }
+}
+
 /// What is said of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
@@ -259,6 +281,9 @@ pub struct RowRecord {
     pub settings: String,
     /// The row that ratios are taken to.
     pub is_reference: bool,
+    /// Which rays it answers.
+    #[serde(default)]
+    pub answers: Answered,
     /// What is said of it.
     pub verdict: Verdict,
     /// The defect it keeps on purpose.
@@ -324,6 +349,9 @@ pub struct SummaryRow {
     pub not_built_scenes: u64,
     /// Wrong answers in all scenes.
     pub mismatches: u64,
+    /// Which rays it answers.
+    #[serde(default)]
+    pub answers: Answered,
     /// Geometric mean over those scenes of the trace ratio.
     pub ratio: Option<Estimate>,
     /// Geometric mean over those scenes of the build ratio.

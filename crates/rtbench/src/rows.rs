@@ -1,36 +1,60 @@
 //! Which structures with which settings: the rows of the tables.
 
+use accel_core::occluders;
 use accel_core::params::{ParamError, ParamSpec, Params};
-use accel_core::structures::Entry;
+use accel_core::structures::{Entry, StructureInfo};
 
 use crate::plan::PlanError;
 use crate::suggest;
 
-/// A structure with settings.
-#[derive(Clone)]
-pub struct Row<'r> {
+/// A line of a registry: of that of structures, or of that of occluders.
+pub trait Registered {
+    /// What it says of itself.
+    fn info(&self) -> &'static StructureInfo;
+}
+
+impl Registered for Entry {
+    fn info(&self) -> &'static StructureInfo {
+        self.info
+    }
+}
+
+impl Registered for occluders::Entry {
+    fn info(&self) -> &'static StructureInfo {
+        self.info
+    }
+}
+
+/// A structure (or occluder) with settings.
+pub struct Row<'r, E = Entry> {
     /// The structure.
-    pub entry: &'r Entry,
+    pub entry: &'r E,
     /// Its settings.
     pub params: Params,
 }
 
-impl std::fmt::Debug for Row<'_> {
+impl<E> Clone for Row<'_, E> {
+    fn clone(&self) -> Self {
+        Self { entry: self.entry, params: self.params.clone() }
+    }
+}
+
+impl<E: Registered> std::fmt::Debug for Row<'_, E> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.label())
     }
 }
 
-impl PartialEq for Row<'_> {
+impl<E> PartialEq for Row<'_, E> {
     fn eq(&self, other: &Self) -> bool {
         self.params == other.params
     }
 }
 
-impl<'r> Row<'r> {
+impl<'r, E: Registered> Row<'r, E> {
     /// The structure's name.
     pub fn structure(&self) -> &'static str {
-        self.entry.info.name
+        self.entry.info().name
     }
 
     /// What differs from the defaults; empty for the defaults.
@@ -45,19 +69,19 @@ impl<'r> Row<'r> {
 
     /// The defect that these settings keep on purpose, if any.
     pub fn known_defect(&self) -> Option<&'static str> {
-        (self.entry.info.known_defect)(&self.params)
+        (self.entry.info().known_defect)(&self.params)
     }
 
     /// Only measured on a sample of the rays.
     pub fn is_sampled(&self) -> bool {
-        self.entry.info.sampled
+        self.entry.info().sampled
     }
 
     /// The structure's defaults.
     ///
     /// # Errors
     /// [`PlanError::Param`] when the registry's own defaults are not valid.
-    pub fn defaults(entry: &'r Entry) -> Result<Self, PlanError> {
+    pub fn defaults(entry: &'r E) -> Result<Self, PlanError> {
         Self::with(entry, &[], &[])
     }
 
@@ -65,18 +89,19 @@ impl<'r> Row<'r> {
     ///
     /// # Errors
     /// [`PlanError::Param`] naming what is valid.
-    pub fn of(entry: &'r Entry, settings: &[(&str, &str)]) -> Result<Self, PlanError> {
+    pub fn of(entry: &'r E, settings: &[(&str, &str)]) -> Result<Self, PlanError> {
         Self::with(entry, &[], settings)
     }
 
     fn with(
-        entry: &'r Entry,
-        overrides: &[Override<'r, '_>],
+        entry: &'r E,
+        overrides: &[Override<'r, '_, E>],
         settings: &[(&str, &str)],
     ) -> Result<Self, PlanError> {
         let own = overrides.iter().filter(|o| std::ptr::eq(o.entry, entry));
         let all = own.map(|o| (o.name, o.value)).chain(settings.iter().copied());
-        let params = entry.params(all).map_err(|e| param_error(e, entry))?;
+        let info = entry.info();
+        let params = Params::new(info.name, info.params, all).map_err(|e| param_error(e, info))?;
         Ok(Self { entry, params })
     }
 
@@ -85,14 +110,14 @@ impl<'r> Row<'r> {
     ///
     /// # Errors
     /// [`PlanError`] naming what is valid.
-    pub fn parse(registry: &'r [Entry], text: &str) -> Result<Self, PlanError> {
+    pub fn parse(registry: &'r [E], text: &str) -> Result<Self, PlanError> {
         Self::parse_over(registry, text, &[])
     }
 
     fn parse_over(
-        registry: &'r [Entry],
+        registry: &'r [E],
         text: &str,
-        overrides: &[Override<'r, '_>],
+        overrides: &[Override<'r, '_, E>],
     ) -> Result<Self, PlanError> {
         let (entry, settings) = parse_settings(registry, text)?;
         Self::with(entry, overrides, &settings)
@@ -106,10 +131,10 @@ pub type Assignments<'t> = Vec<(&'t str, &'t str)>;
 ///
 /// # Errors
 /// [`PlanError`] naming the structures there are, or the form.
-pub fn parse_settings<'r, 't>(
-    registry: &'r [Entry],
+pub fn parse_settings<'r, 't, E: Registered>(
+    registry: &'r [E],
     text: &'t str,
-) -> Result<(&'r Entry, Assignments<'t>), PlanError> {
+) -> Result<(&'r E, Assignments<'t>), PlanError> {
     let mut parts = text.split([':', ' ']).filter(|p| !p.is_empty());
     let entry = find(registry, parts.next().unwrap_or_default())?;
     let settings = parts.map(|p| assignment(p, text)).collect::<Result<Vec<_>, _>>()?;
@@ -117,8 +142,8 @@ pub fn parse_settings<'r, 't>(
 }
 
 /// `--set structure.name=value`.
-struct Override<'r, 't> {
-    entry: &'r Entry,
+struct Override<'r, 't, E> {
+    entry: &'r E,
     name: &'t str,
     value: &'t str,
 }
@@ -129,17 +154,17 @@ struct Override<'r, 't> {
 ///
 /// # Errors
 /// [`PlanError`] naming what is valid.
-pub fn select<'r>(
-    registry: &'r [Entry],
+pub fn select<'r, E: Registered>(
+    registry: &'r [E],
     structures: &[String],
     overrides: &[String],
-) -> Result<Vec<Row<'r>>, PlanError> {
+) -> Result<Vec<Row<'r, E>>, PlanError> {
     let overrides = overrides
         .iter()
         .map(|text| parse_override(registry, text))
         .collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
-    let mut push = |row: Row<'r>| {
+    let mut push = |row: Row<'r, E>| {
         if !rows.contains(&row) {
             rows.push(row);
         }
@@ -155,7 +180,7 @@ pub fn select<'r>(
                 push(Row::with(entry, &overrides, &[])?);
                 continue;
             }
-            for variant in entry.info.variants {
+            for variant in entry.info().variants {
                 let settings = variant
                     .split_whitespace()
                     .map(|p| assignment(p, variant))
@@ -166,16 +191,27 @@ pub fn select<'r>(
     }
     for o in &overrides {
         if !rows.iter().any(|row| std::ptr::eq(row.entry, o.entry)) {
-            return Err(PlanError::OverrideWithoutRow { structure: o.entry.info.name });
+            return Err(PlanError::OverrideWithoutRow { structure: o.entry.info().name });
         }
     }
     Ok(rows)
 }
 
-fn parse_override<'r, 't>(
-    registry: &'r [Entry],
+/// The error for `--set` of a structure that no row is of, or of none at all.
+pub fn override_without_row<E: Registered>(registry: &[E], overrides: &[String]) -> PlanError {
+    for text in overrides {
+        match parse_override(registry, text) {
+            Ok(o) => return PlanError::OverrideWithoutRow { structure: o.entry.info().name },
+            Err(error) => return error,
+        }
+    }
+    PlanError::NoRows
+}
+
+fn parse_override<'r, 't, E: Registered>(
+    registry: &'r [E],
     text: &'t str,
-) -> Result<Override<'r, 't>, PlanError> {
+) -> Result<Override<'r, 't, E>, PlanError> {
     let malformed = || PlanError::Malformed {
         text: text.to_owned(),
         expected: "STRUCTURE.PARAM=VALUE, like uniform-grid.density=4",
@@ -199,9 +235,9 @@ fn assignment<'t>(part: &'t str, whole: &str) -> Result<(&'t str, &'t str), Plan
 ///
 /// # Errors
 /// [`PlanError::UnknownStructure`].
-pub fn find<'r>(registry: &'r [Entry], name: &str) -> Result<&'r Entry, PlanError> {
-    registry.iter().find(|e| e.info.name == name).ok_or_else(|| {
-        let names: Vec<_> = registry.iter().map(|e| e.info.name).collect();
+pub fn find<'r, E: Registered>(registry: &'r [E], name: &str) -> Result<&'r E, PlanError> {
+    registry.iter().find(|e| e.info().name == name).ok_or_else(|| {
+        let names: Vec<_> = registry.iter().map(|e| e.info().name).collect();
         PlanError::UnknownStructure {
             hint: suggest::hint(name, names.iter().copied()),
             name: name.to_owned(),
@@ -219,15 +255,13 @@ pub fn find_param(entry: &Entry, name: &str) -> Result<&'static ParamSpec, PlanE
     params.iter().find(|p| p.name == name).ok_or_else(|| {
         let valid = params.iter().map(|p| p.name).collect();
         let structure = entry.info.name;
-        param_error(ParamError::Unknown { structure, name: name.to_owned(), valid }, entry)
+        param_error(ParamError::Unknown { structure, name: name.to_owned(), valid }, entry.info)
     })
 }
 
-fn param_error(error: ParamError, entry: &Entry) -> PlanError {
+fn param_error(error: ParamError, info: &StructureInfo) -> PlanError {
     let hint = match &error {
-        ParamError::Unknown { name, .. } => {
-            suggest::hint(name, entry.info.params.iter().map(|p| p.name))
-        }
+        ParamError::Unknown { name, .. } => suggest::hint(name, info.params.iter().map(|p| p.name)),
         ParamError::Invalid { .. } => String::new(),
     };
     PlanError::Param { error, hint }

@@ -3,8 +3,11 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use accel_core::occluders::OccluderScalar;
 use accel_core::structures::{BuildError, Buildable};
-use renderer::Geometry;
+use glam::DVec3;
+use renderer::{Geometry, RayKind};
+use scene_loading::{Light, Scene};
 
 use crate::batches::BatchSet;
 use crate::check::{Checked, check};
@@ -12,13 +15,13 @@ use crate::clock::Clock;
 use crate::error::Error;
 use crate::machine;
 use crate::measure::{Scope, Timed, measure};
+use crate::measured_row::MeasuredRow;
 use crate::oracle::Oracle;
 use crate::plan::Plan;
 use crate::pools::Pools;
 use crate::progress::Progress;
-use crate::record::{RowRecord, Sample, SceneRecord, Verdict};
+use crate::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
 use crate::reference::{Reference, Stage};
-use crate::rows::Row;
 use crate::scene_source::LoadedScene;
 use crate::statistics::{estimate, median};
 
@@ -37,7 +40,7 @@ pub struct Equipment<'a> {
 ///
 /// # Errors
 /// [`Error`] when the scene has no usable geometry or no structure can be built over it.
-pub fn run_scene<S: Buildable>(
+pub fn run_scene<S: Buildable + OccluderScalar>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
     equipment: &Equipment<'_>,
@@ -52,10 +55,12 @@ pub fn run_scene<S: Buildable>(
         Oracle::new(&exact).map_err(|source| Error::Build { scene: scene.name.clone(), source })?;
     let stage = Stage { scene, geometry: &geometry, oracle: &oracle };
     let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
-    let all = BatchSet::new(&rays, answers);
+    let lights = light_positions(scene);
+    let all = BatchSet::new(&rays, answers, &lights);
     let scope = Scope {
         plan,
         stage: &stage,
+        lights: &lights,
         all: &all,
         is_confirmed: judged.reference.is_some(),
         pools: equipment.pools,
@@ -98,20 +103,29 @@ pub fn run_scene<S: Buildable>(
         primitives: geometry.len() as u64,
         geometry_bytes: geometry.bytes() as u64,
         warnings: scene.warnings.iter().map(ToString::to_string).collect(),
-        rays: by_kind(&all),
+        rays: by_kind(&all, |_| true),
         oracle: judged,
         rows,
         peak_rss_bytes: machine::peak_rss(),
     })
 }
 
-fn by_kind<S: Buildable>(set: &BatchSet<'_, S>) -> BTreeMap<String, u64> {
-    set.batches.iter().map(|b| (b.kind.name().to_owned(), b.rays.len() as u64)).collect()
+/// Where the lights of a scene are; of those with an extent, their centres.
+pub fn light_positions(scene: &Scene) -> Vec<DVec3> {
+    scene.lights.iter().map(Light::position).collect()
+}
+
+fn by_kind<S: Buildable>(
+    set: &BatchSet<'_, S>,
+    is_asked: impl Fn(RayKind) -> bool,
+) -> BTreeMap<String, u64> {
+    let asked = set.batches.iter().filter(|b| is_asked(b.kind));
+    asked.map(|b| (b.kind.name().to_owned(), b.rays.len() as u64)).collect()
 }
 
 /// What there is to record of a row.
 struct RowParts<'a, 'r> {
-    row: &'a Row<'r>,
+    row: &'a MeasuredRow<'r>,
     checked: Option<Checked>,
     error: Option<String>,
     timed: Timed,
@@ -132,7 +146,10 @@ impl RowParts<'_, '_> {
         let rays_by_kind: BTreeMap<String, u64> = if samples.is_empty() {
             BTreeMap::new()
         } else {
-            by_kind(all).into_iter().map(|(k, n)| (k, n.div_ceil(stride as u64))).collect()
+            by_kind(all, |kind| row.answers(kind))
+                .into_iter()
+                .map(|(k, n)| (k, n.div_ceil(stride as u64)))
+                .collect()
         };
         let of = |f: fn(&Sample) -> f64| {
             let values: Vec<f64> = samples.iter().map(f).collect();
@@ -148,6 +165,10 @@ impl RowParts<'_, '_> {
             structure: row.structure().into(),
             settings: row.settings(),
             is_reference: false,
+            answers: match row.is_occluder() {
+                true => Answered::ShadowRays,
+                false => Answered::AllRays,
+            },
             verdict,
             known_defect: row.known_defect().map(Into::into),
             error,
@@ -159,7 +180,8 @@ impl RowParts<'_, '_> {
             stride: stride as u64,
             rays: rays_by_kind.values().sum(),
             build_s: of(|s| s.build_s),
-            trace_s: of(Sample::total_trace_s),
+            // an occluder in a scene without shadow rays has nothing to trace
+            trace_s: of(Sample::total_trace_s).filter(|_| !rays_by_kind.is_empty()),
             mrays: rays_by_kind.iter().filter_map(rate).collect(),
             rays_by_kind,
             ratio: None,

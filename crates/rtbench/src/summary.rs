@@ -48,6 +48,7 @@ fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryR
         wrong_scenes: wrong + shipped,
         not_built_scenes: not_built,
         mismatches,
+        answers: row.answers,
         ratio: mean(&ratios),
         build_ratio: mean(&builds),
         verdict: match () {

@@ -142,6 +142,7 @@ fn a_closed_pipe_ends_quietly() {
         let mut err = Vec::new();
         let mut context = Context {
             registry: PLANTED,
+            occluders: accel_core::occluders::REGISTRY,
             scenes: &Installed,
             clock: &SystemClock::default(),
             out: &mut Closed,

@@ -10,6 +10,7 @@
 
 use glam::DVec3;
 
+use super::Ball;
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
@@ -98,6 +99,17 @@ impl<S: Scalar> Cone<S> {
             (along - reach, along + reach)
         });
         (base.0.min(apex.0), base.1.max(apex.1))
+    }
+
+    /// See [`super::PrimSet::hull`]. The square of a hit's distance from the axis is off by a few
+    /// ulps of the square of the cone's size, which the balls make up for.
+    pub(super) fn hull(&self, balls: &mut Vec<Ball>) {
+        let [base, apex] = self.discs();
+        let size = self.length.to_f64() + base.1.max(apex.1);
+        let rounding = 16.0 * S::EPSILON.to_f64() * size * size;
+        for (center, radius) in [base, apex] {
+            balls.push(Ball { center, radius: (radius * radius + rounding).sqrt() });
+        }
     }
 
     /// Largest distance from `from` to a point of the two discs, world units.

@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::collinear::without_sliver;
 use super::moving::{InMotion, Motion};
 use super::polygon::Polygon;
-use super::support::{distance_to_points, extent_of_points};
+use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use super::triangle::{Shear, TriangleTest, Watertight};
 use super::{Cone, PrimSet, PrimitiveError, Sphere, TransmissiveSet};
 use crate::aabb::Aabb;
@@ -189,7 +189,7 @@ impl<S: Scalar> MixedSetBuilder<S> {
 
 impl<S: Scalar> MixedSet<S> {
     /// Whether any primitive moves.
-    pub fn moves(&self) -> bool {
+    pub fn has_motion(&self) -> bool {
         self.motion.any()
     }
 
@@ -249,6 +249,29 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         };
         // the distance is convex along the way: one of its ends is farthest
         still(from).max(still(from - self.motion.way(id)))
+    }
+
+    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
+        let first = balls.len();
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        match tagged.kind() {
+            PrimitiveKind::Triangle => balls_around(&self.triangles[i], 0.0, balls),
+            PrimitiveKind::Polygon => self.polygons[i].hull(&self.polygon_vertices, balls),
+            PrimitiveKind::Sphere => self.spheres[i].hull(balls),
+            PrimitiveKind::Cone => self.cones[i].hull(balls),
+        }
+        let way = self.motion.way(id);
+        if way != DVec3::ZERO {
+            for still in first..balls.len() {
+                let ball = balls[still];
+                balls.push(Ball { center: ball.center + way, ..ball });
+            }
+        }
+    }
+
+    fn moves(&self, id: u32) -> bool {
+        self.motion.way(id) != DVec3::ZERO
     }
 
     fn kind(&self, id: u32) -> PrimitiveKind {

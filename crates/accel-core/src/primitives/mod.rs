@@ -17,6 +17,7 @@ pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
 pub use moving::InMotion;
 pub use polygon::{Polygon, newell_normal};
 pub use sphere::Sphere;
+pub use support::Ball;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 
 use glam::DVec3;
@@ -70,6 +71,14 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64);
     /// The largest distance from `from` to such a point, world units.
     fn farthest(&self, id: u32, from: DVec3) -> f64;
+    /// Appends balls whose convex hull holds every such point: the vertices of a triangle or a
+    /// polygon in the order of its outline, the sphere itself, the two ends of a cone; and, for
+    /// one that moves, the same where it ends.
+    fn hull(&self, id: u32, balls: &mut Vec<Ball>);
+    /// Whether rays of different times meet it in different places.
+    fn moves(&self, _id: u32) -> bool {
+        false
+    }
     /// What kind of primitive it is.
     fn kind(&self, id: u32) -> PrimitiveKind;
     /// Prepares a ray.

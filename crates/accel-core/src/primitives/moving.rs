@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 
-use super::{MixedSet, PrimSet, PrimitiveKind};
+use super::{Ball, MixedSet, PrimSet, PrimitiveKind};
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
@@ -113,6 +113,14 @@ impl<S: Scalar> PrimSet<S> for InMotion<S> {
 
     fn farthest(&self, id: u32, from: DVec3) -> f64 {
         self.set.farthest(id, from)
+    }
+
+    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
+        self.set.hull(id, balls);
+    }
+
+    fn moves(&self, id: u32) -> bool {
+        PrimSet::moves(&self.set, id)
     }
 
     fn kind(&self, id: u32) -> PrimitiveKind {

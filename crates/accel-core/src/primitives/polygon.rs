@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::collinear::are_collinear;
-use super::support::{distance_to_points, extent_of_points};
+use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use super::triangle::{Shear, edge_function};
 use crate::aabb::Aabb;
 use crate::ray::Ray;
@@ -87,6 +87,11 @@ impl<S: Scalar> Polygon<S> {
     /// Largest distance from `from` to such a point, world units.
     pub(super) fn farthest(&self, store: &[[S; 3]], from: DVec3) -> f64 {
         distance_to_points(self.outline(store), from) + self.off_plane(store)
+    }
+
+    /// See [`super::PrimSet::hull`]: balls as large as the vertices are off the plane.
+    pub(super) fn hull(&self, store: &[[S; 3]], balls: &mut Vec<Ball>) {
+        balls_around(self.outline(store), self.off_plane(store).max(0.0), balls);
     }
 
     /// How far vertices lie off the plane: 0 but for rounding if the polygon is planar.

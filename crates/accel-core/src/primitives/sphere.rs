@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::Ball;
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
@@ -51,6 +52,11 @@ impl<S: Scalar> Sphere<S> {
         let along = self.center.to_dvec3().dot(direction);
         let reach = self.radius.to_f64() * direction.length();
         (along - reach, along + reach)
+    }
+
+    /// See [`super::PrimSet::hull`].
+    pub(super) fn hull(&self, balls: &mut Vec<Ball>) {
+        balls.push(Ball { center: self.center.to_dvec3(), radius: self.radius.to_f64() });
     }
 
     /// Largest distance from `from` to a point of the surface, world units.

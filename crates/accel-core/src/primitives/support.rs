@@ -7,6 +7,21 @@ use glam::DVec3;
 
 use crate::scalar::{Scalar, Vec3, Vector};
 
+/// A ball, for the convex hulls of [`super::PrimSet::hull`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ball {
+    /// Centre.
+    pub center: DVec3,
+    /// Radius, world units; 0 for a point.
+    pub radius: f64,
+}
+
+/// Appends a ball of that radius around each point.
+pub(super) fn balls_around<S: Scalar>(points: &[[S; 3]], radius: f64, balls: &mut Vec<Ball>) {
+    let ball = |&p| Ball { center: Vec3::<S>::from_array(p).to_dvec3(), radius };
+    balls.extend(points.iter().map(ball));
+}
+
 /// Smallest and largest dot product of a point with `direction`; an empty interval (infinite,
 /// minus infinite) without points.
 pub(super) fn extent_of_points<S: Scalar>(points: &[[S; 3]], direction: DVec3) -> (f64, f64) {
@@ -120,6 +135,39 @@ mod tests {
                 assert!(sampled >= distance - 1e-3, "primitive {id}: {sampled} {distance}");
             }
         }
+    }
+
+    /// Whether every point lies within the hull of the balls, up to `tolerance`, as far as these
+    /// directions tell.
+    fn hull_holds(balls: &[Ball], points: &[DVec3], tolerance: f64) -> bool {
+        directions().into_iter().filter(|n| *n != DVec3::ZERO).all(|n| {
+            let n = n.normalize();
+            let reach = |b: &Ball| b.center.dot(n) + b.radius;
+            let hi = balls.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
+            points.iter().all(|p| p.dot(n) <= hi + tolerance)
+        })
+    }
+
+    fn hulls_hold_the_surface<S: Scalar>() {
+        let (set, surfaces) = primitives::<S>();
+        let rounding = 8.0 * S::EPSILON.to_f64();
+        for (id, points) in surfaces.iter().enumerate() {
+            let mut balls = Vec::new();
+            set.hull(id as u32, &mut balls);
+            assert!(hull_holds(&balls, points, rounding), "{} primitive {id}", S::NAME);
+            // planted fault: without any one of its balls the hull is too small
+            for i in 0..balls.len() {
+                let mut fewer = balls.clone();
+                fewer.remove(i);
+                assert!(!hull_holds(&fewer, points, rounding), "{} primitive {id}", S::NAME);
+            }
+        }
+    }
+
+    #[test]
+    fn hulls_are_those_of_the_surface() {
+        hulls_hold_the_surface::<f32>();
+        hulls_hold_the_surface::<f64>();
     }
 
     #[test]

@@ -12,7 +12,7 @@ use std::marker::PhantomData;
 use glam::DVec3;
 
 use super::collinear::without_sliver;
-use super::support::{distance_to_points, extent_of_points};
+use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use super::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
 use crate::aabb::Aabb;
 use crate::ray::Ray;
@@ -244,6 +244,9 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     }
     fn farthest(&self, id: u32, from: DVec3) -> f64 {
         distance_to_points(&self.triangles[id as usize], from)
+    }
+    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
+        balls_around(&self.triangles[id as usize], 0.0, balls);
     }
     fn kind(&self, _: u32) -> PrimitiveKind {
         PrimitiveKind::Triangle

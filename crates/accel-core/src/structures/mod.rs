@@ -252,7 +252,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
     match prims {
         PrimsRef::Watertight(p) => over::<S, _, T>(p, params),
         PrimsRef::MoellerTrumbore(p) => over::<S, _, T>(p, params),
-        PrimsRef::Mixed(p) if p.moves() => {
+        PrimsRef::Mixed(p) if p.has_motion() => {
             // built from the bounds of the whole way, so the structure is that of any mixed set
             let mailbox = mailbox::<S, _>(p, params)?;
             let bound = Bound::new(p.in_motion(), T::build(p, params)?).with_mailbox(mailbox);

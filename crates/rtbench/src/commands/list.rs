@@ -19,6 +19,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         Listed::Structures => {
             context.registry.iter().map(|e| structure(e.info)).collect::<Vec<_>>()
         }
+        Listed::Occluders => context.occluders.iter().map(|e| structure(e.info)).collect(),
         Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
         Listed::Sets => context
             .scenes
@@ -43,6 +44,11 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         }
         Format::Text if args.what == Listed::Structures => {
             for e in context.registry {
+                write_structure(out, e.info)?;
+            }
+        }
+        Format::Text if args.what == Listed::Occluders => {
+            for e in context.occluders {
                 write_structure(out, e.info)?;
             }
         }

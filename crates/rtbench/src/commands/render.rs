@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
+use accel_core::occluders;
+use accel_core::occluders::shadow_path::ShadowPath;
 use accel_core::structures::Entry;
+use accel_core::tracer::Tracer;
 use renderer::{EffectPlan, Geometry, ImageFormat, RenderSettings, render_plan};
 use scene_loading::SampleWishes;
 
-use crate::args::{Color, RenderArgs, SamplingArgs};
+use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 use crate::context::Context;
 use crate::effect_table;
 use crate::error::Error;
@@ -15,7 +18,9 @@ use crate::machine;
 use crate::plan::{DEFAULT_BASELINE, PlanError};
 use crate::pools::pool;
 use crate::rows::Row;
+use crate::scene_run::light_positions;
 use crate::scene_source::{KnownScene, SceneSource};
+use crate::suggest;
 
 /// Renders, or prints the plan, or both.
 ///
@@ -28,6 +33,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
         Some(path) => Some((path.as_path(), writable(path)?)),
         None => None,
     };
+    let occluder = shadows(context, &args.shadows)?;
     let name = scene.name();
     let loaded = scene.load()?;
     for warning in &loaded.scene.warnings {
@@ -39,7 +45,16 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let threads = args.threads.map_or_else(machine::threads, usize::from);
     let (table, image) = pool(threads)?
         .install(|| {
-            let tracer = row.entry.build(geometry.prims(), &row.params)?;
+            let structure = row.entry.build(geometry.prims(), &row.params)?;
+            let tracer: Box<dyn Tracer<f32>> = match &occluder {
+                None => structure,
+                Some(occluder) => {
+                    let lights = light_positions(&loaded.scene);
+                    let shadows =
+                        occluder.entry.build(geometry.prims(), &lights, &occluder.params)?;
+                    Box::new(ShadowPath::new(structure, shadows, lights))
+                }
+            };
             let table = args.plan.then(|| effect_table::of(&loaded.scene, &*tracer, &plan));
             let image = output.is_some().then(|| render_plan(&loaded.scene, &*tracer, &plan).image);
             Ok((table, image))
@@ -110,4 +125,26 @@ pub fn settings(size: u32, sampling: &SamplingArgs) -> RenderSettings {
         },
         seed: sampling.seed,
     }
+}
+
+/// The occluder that `--shadows` names; none when shadow rays stay with the structure.
+fn shadows<'r>(
+    context: &Context<'r>,
+    text: &str,
+) -> Result<Option<Row<'r, occluders::Entry>>, PlanError> {
+    if text == STRUCTURE_SHADOWS {
+        return Ok(None);
+    }
+    Row::parse(context.occluders, text).map(Some).map_err(|error| match error {
+        PlanError::UnknownStructure { name, .. } => {
+            let occluders = context.occluders.iter().map(|e| e.info.name);
+            let names: Vec<_> = std::iter::once(STRUCTURE_SHADOWS).chain(occluders).collect();
+            PlanError::UnknownStructure {
+                hint: suggest::hint(&name, names.iter().copied()),
+                name,
+                valid: names.join(", "),
+            }
+        }
+        other => other,
+    })
 }

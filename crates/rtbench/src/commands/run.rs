@@ -13,7 +13,7 @@ use crate::plan::Plan;
 /// # Errors
 /// [`Error`] for what ends the run early: the command line, a scene, an output.
 pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8, Error> {
-    let plan = Plan::new(args, context.registry, context.scenes)?;
+    let plan = Plan::new(args, context.registry, context.occluders, context.scenes)?;
     let colors = context.terminal.colors(color);
     let mut outputs = Outputs::of_run(args)?;
     let measured = measure_scenes(context, &plan, &mut outputs, |context, record, scene| {

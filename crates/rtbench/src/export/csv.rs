@@ -8,7 +8,7 @@ use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict, WorkRecord};
 use crate::statistics::Estimate;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 34] = [
+pub const COLUMNS: [&str; 35] = [
     "scene",
     "primitives",
     "structure",
@@ -23,6 +23,7 @@ pub const COLUMNS: [&str; 34] = [
     "n_ets",
     "n_eets",
     "saved_part",
+    "answers",
     "rays",
     "memory_bytes",
     "pending_cells",
@@ -95,6 +96,7 @@ pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
         None => fields.extend(blanks(4)),
     }
     fields.push(number(row.work.as_ref().and_then(WorkRecord::saved_part)));
+    fields.push(row.answers.name().to_owned());
     fields.push(row.rays.to_string());
     fields.push(row.shape.as_ref().map(|s| s.memory_bytes.to_string()).unwrap_or_default());
     let pending = row.shape.as_ref().and_then(|s| s.pending_cells);

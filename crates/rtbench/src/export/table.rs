@@ -1,7 +1,7 @@
 //! The tables themselves, before any markup: text and Markdown differ only in how they draw them.
 
 use crate::export::numbers;
-use crate::record::{RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
+use crate::record::{Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
 
 /// How a cell looks where there are colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,7 +77,11 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
         cells
     });
     let mut rows: Vec<Vec<Cell>> = rows.collect();
-    let ratios = scene.rows.iter().map(|row| row.ratio.filter(|_| row.verdict == Verdict::Ok));
+    let ratios = scene.rows.iter().map(|row| {
+        // a ratio over shadow rays alone is none to compare with the others
+        let is_comparable = row.verdict == Verdict::Ok && row.answers == Answered::AllRays;
+        row.ratio.filter(|_| is_comparable)
+    });
     mark_best(&mut rows, header.iter().position(|h| *h == "ratio [95%]"), ratios);
     Table { title: scene_title(scene), header, rows, notes: scene_notes(scene) }
 }
@@ -148,6 +152,9 @@ fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
     let text = match row.verdict {
         Verdict::NotBuilt => row.verdict.name().to_owned(),
+        Verdict::Ok if row.answers == Answered::ShadowRays => {
+            format!("ok on {} shadow rays", row.checked_rays)
+        }
         Verdict::Ok if row.checked_rays < all_rays => format!("ok on {} rays", row.checked_rays),
         Verdict::Ok => "ok".to_owned(),
         Verdict::Wrong | Verdict::WrongAsShipped => {
@@ -200,6 +207,7 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
         let label = row.label();
         notes.extend(saved_note(row));
         notes.extend(on_demand_note(row));
+        notes.extend(shadow_note(row));
         let reasons = [&row.error, &row.example, &row.known_defect];
         match row.verdict {
             Verdict::Ok => {}
@@ -219,6 +227,16 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
 fn saved_note(row: &RowRecord) -> Option<String> {
     let part = row.work.as_ref()?.saved_part()?;
     Some(format!("{}: the mailbox spared {:.1}% of the tests", row.label(), part * 100.0))
+}
+
+/// Which rays the figures of an occluder are over.
+fn shadow_note(row: &RowRecord) -> Option<String> {
+    (row.answers == Answered::ShadowRays).then(|| {
+        format!(
+            "{}: answers shadow rays only; its trace time and ratio are over these",
+            row.label()
+        )
+    })
 }
 
 /// What a structure that builds on demand never built, and when its first image was done.
@@ -254,7 +272,10 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
         cells.push(summary_verdict(row));
         rows.push(cells);
     }
-    let ratios = run.summary.iter().map(|r| r.ratio.filter(|_| r.verdict == Verdict::Ok));
+    let ratios = run.summary.iter().map(|r| {
+        let is_comparable = r.verdict == Verdict::Ok && r.answers == Answered::AllRays;
+        r.ratio.filter(|_| is_comparable)
+    });
     mark_best(&mut rows, Some(2), ratios);
     let notes = vec![format!(
         "Ratios to {}: geometric means over {} scene(s).",
@@ -266,6 +287,9 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
 
 fn summary_verdict(row: &SummaryRow) -> Cell {
     let text = match row.verdict {
+        Verdict::Ok if row.answers == Answered::ShadowRays => {
+            return "ok (shadow rays)".to_owned().into();
+        }
         Verdict::Ok => return "ok".to_owned().into(),
         Verdict::NotBuilt => format!("not built in {} scenes", row.not_built_scenes),
         v => format!("{}: {} rays in {} scenes", v.name(), row.mismatches, row.wrong_scenes),

@@ -287,7 +287,7 @@ mod tests {
     }
 
     fn labels(sweep: &Sweep<'_>) -> Vec<String> {
-        sweep.plan.rows.iter().map(Row::label).collect()
+        sweep.plan.rows.iter().map(|r| r.label()).collect()
     }
 
     #[test]

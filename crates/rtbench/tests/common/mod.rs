@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use accel_core::Ray;
 use accel_core::Scalar;
+use accel_core::occluders;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
@@ -93,9 +94,21 @@ pub fn run_with(
     clock: &dyn Clock,
     arguments: &str,
 ) -> Ended {
+    run_over(registry, occluders::REGISTRY, scenes, clock, arguments)
+}
+
+/// The same with occluders of the test's choice.
+pub fn run_over(
+    registry: &[Entry],
+    occluders: &[occluders::Entry],
+    scenes: &dyn SceneSource,
+    clock: &dyn Clock,
+    arguments: &str,
+) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut context = Context {
         registry,
+        occluders,
         scenes,
         clock,
         out: &mut out,

@@ -1,0 +1,82 @@
+//! The direction cube: which face of it a direction meets, and where.
+//!
+//! A face is named by its axis and sign. On it, a direction with components (x, y, z), z along
+//! the axis, is at (u, v) = (x / z, y / z), both in [-1, 1]; its depth is z. Depths along a
+//! direction order as distances do and need no square root. A direction on an edge of the cube
+//! belongs to either face.
+
+use glam::DVec3;
+
+use crate::scalar::{Scalar, Vec3, Vector};
+
+/// Faces of a cube.
+pub(super) const FACES: usize = 6;
+
+/// Where a direction meets the cube.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place<S> {
+    /// The face.
+    pub(super) face: usize,
+    /// u and v.
+    pub(super) at: [S; 2],
+    /// Length along the axis of the face.
+    pub(super) depth: S,
+}
+
+/// Where `v` meets the cube; u and v are NaN for a zero vector.
+#[inline(always)]
+pub(super) fn place<S: Scalar>(v: Vec3<S>) -> Place<S> {
+    let [x, y, z] = v.to_array();
+    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    let (axis, along, across) = if ax >= ay && ax >= az {
+        (0, x, [y, z])
+    } else if ay >= az {
+        (1, y, [z, x])
+    } else {
+        (2, z, [x, y])
+    };
+    let depth = along.abs();
+    let inverse = S::ONE / depth;
+    let face = axis * 2 + usize::from(along < S::ZERO);
+    Place { face, at: [across[0] * inverse, across[1] * inverse], depth }
+}
+
+/// `v` in the frame of a face: x and y along u and v, z along the axis.
+pub(super) fn in_frame(face: usize, v: DVec3) -> DVec3 {
+    let sign = if face % 2 == 1 { -1.0 } else { 1.0 };
+    match face / 2 {
+        0 => DVec3::new(v.y, v.z, v.x * sign),
+        1 => DVec3::new(v.z, v.x, v.y * sign),
+        _ => DVec3::new(v.x, v.y, v.z * sign),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ways_to_a_face_agree() {
+        // HARD_CASES Gr11: diagonals of the cube among them
+        let values = [-1.0, -0.5, -0.0, 0.0, 0.25, 1.0];
+        let mut faces = [0; FACES];
+        for x in values {
+            for y in values {
+                for z in values {
+                    let v = DVec3::new(x, y, z);
+                    if v == DVec3::ZERO {
+                        assert!(place::<f64>(v).at[0].is_nan());
+                        continue;
+                    }
+                    let p = place::<f64>(v);
+                    let local = in_frame(p.face, v);
+                    assert_eq!(p.depth, local.z, "{v}");
+                    assert_eq!(p.at, [local.x / local.z, local.y / local.z], "{v}");
+                    assert!(p.at.iter().all(|c| c.abs() <= 1.0), "{v}");
+                    faces[p.face] += 1;
+                }
+            }
+        }
+        assert!(faces.iter().all(|&n| n > 10), "{faces:?}");
+    }
+}

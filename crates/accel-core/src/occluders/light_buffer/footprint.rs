@@ -1,0 +1,191 @@
+//! Where a primitive may be seen on a face of the direction cube: a convex outline that holds its
+//! projection, and the least depth at which it can be met.
+//!
+//! Instead of clipping and projecting polygons, the outline is the intersection of half-planes,
+//! each found from the angles under which the light sees the balls whose hull holds the primitive.
+//! That needs no case for primitives that pass beside or behind the light, or hold it.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
+
+use glam::{DVec2, DVec3, dvec2};
+
+use super::margins::Margins;
+use crate::primitives::Ball;
+
+/// Outlines with more vertices than this get bounds on the diagonals instead of their edges.
+const MOST_EDGES: usize = 8;
+
+/// The part of a face within `normal . (u, v) <= limit`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HalfPlane {
+    /// Unit normal.
+    pub(super) normal: DVec2,
+    /// Largest dot product.
+    pub(super) limit: f64,
+}
+
+/// What a face shows of a primitive.
+#[derive(Debug, Clone)]
+pub(super) struct Footprint {
+    /// The primitive.
+    pub(super) id: u32,
+    /// Its lower and upper bounds on the face.
+    pub(super) low: DVec2,
+    /// See `low`.
+    pub(super) high: DVec2,
+    /// Its other half-planes, in a store of all.
+    pub(super) sides: Range<u32>,
+    /// A lower bound on the depth at which it is met.
+    pub(super) near: f64,
+    /// Index of its plane in a store, for triangles and polygons seen well from the light.
+    pub(super) plane: Option<u32>,
+}
+
+/// A body as the light sees it: balls in the frame of a face, the light at the origin.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// Their hull holds the primitive; margins are in the radii.
+    pub(super) balls: Vec<Ball>,
+    /// The balls are the vertices of an outline, in order.
+    pub(super) is_outline: bool,
+}
+
+impl Seen {
+    /// Nothing of the body is within the pyramid of the face.
+    fn is_out_of_pyramid(&self) -> bool {
+        let beyond = |normal: DVec3, length: f64| {
+            self.balls.iter().all(|b| b.center.dot(normal) > b.radius * length)
+        };
+        let slant = std::f64::consts::SQRT_2;
+        beyond(DVec3::NEG_Z, 1.0)
+            || [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y]
+                .into_iter()
+                .any(|n| beyond(n - DVec3::Z, slant))
+    }
+
+    /// Bounds on `normal . (u, v)` over the body; infinite where there are none, `None` when
+    /// nothing of it is before the light.
+    fn bounds(&self, normal: DVec2) -> Option<(f64, f64)> {
+        let flat = |b: &Ball| (normal.x * b.center.x + normal.y * b.center.y, b.center.z);
+        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+        if self.balls.iter().all(|b| b.center.z > 2.0 * b.radius) {
+            // tangents of a disc, in the plane of the normal and the axis
+            for b in &self.balls {
+                let ((a, z), r) = (flat(b), b.radius);
+                let root = r * (a * a + z * z - r * r).max(0.0).sqrt();
+                let inverse = 1.0 / (z * z - r * r);
+                lo = lo.min((a * z - root) * inverse);
+                hi = hi.max((a * z + root) * inverse);
+            }
+            return Some((lo, hi));
+        }
+        for b in &self.balls {
+            let (a, z) = flat(b);
+            let distance = a.hypot(z);
+            if distance <= b.radius * (1.0 + 1e-9) {
+                return Some((f64::NEG_INFINITY, f64::INFINITY));
+            }
+            let (middle, half) = (a.atan2(z), (b.radius / distance).asin());
+            lo = lo.min(middle - half);
+            hi = hi.max(middle + half);
+        }
+        if hi - lo >= PI * (1.0 - 1e-9) {
+            return Some((f64::NEG_INFINITY, f64::INFINITY));
+        }
+        if lo >= FRAC_PI_2 || hi <= -FRAC_PI_2 {
+            return None;
+        }
+        let tangent =
+            |angle: f64, none: f64| if angle.abs() < FRAC_PI_2 { angle.tan() } else { none };
+        Some((tangent(lo, f64::NEG_INFINITY), tangent(hi, f64::INFINITY)))
+    }
+
+    /// A lower bound on the depth of the body on any face: its distance on the axis where that is
+    /// largest.
+    fn least_depth(&self) -> f64 {
+        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for b in &self.balls {
+            lo = lo.min(b.center - b.radius);
+            hi = hi.max(b.center + b.radius);
+        }
+        lo.max(-hi).max_element().max(0.0)
+    }
+
+    /// Normals of the half-planes that are worth having, and which side of each is.
+    fn normals(&self, out: &mut Vec<DVec2>) {
+        out.clear();
+        let edge = |a: &Ball, b: &Ball| a.center.cross(b.center).truncate().try_normalize();
+        let n = self.balls.len();
+        if self.is_outline && n <= MOST_EDGES {
+            let next = |i: usize| &self.balls[(i + 1) % n];
+            let edges = self.balls.iter().enumerate().filter_map(|(i, b)| edge(b, next(i)));
+            out.extend(edges);
+        } else if let [a, b] = self.balls.as_slice()
+            && let Some(across) = edge(a, b)
+        {
+            out.extend([across, across.perp()]);
+        } else {
+            let half = std::f64::consts::FRAC_1_SQRT_2;
+            out.extend([dvec2(half, half), dvec2(half, -half)]);
+        }
+    }
+}
+
+/// Makes footprints on one face.
+pub(super) struct Projection<'a> {
+    /// Margins for rounding; those of positions are in the balls already.
+    pub(super) margins: &'a Margins,
+    /// Store of half-planes.
+    pub(super) sides: &'a mut Vec<HalfPlane>,
+    /// Room for normals.
+    pub(super) normals: &'a mut Vec<DVec2>,
+}
+
+impl Projection<'_> {
+    /// The footprint of a body, or `None` when the face does not show it.
+    pub(super) fn of(&mut self, id: u32, seen: &Seen) -> Option<Footprint> {
+        if seen.is_out_of_pyramid() {
+            return None;
+        }
+        let pad = self.margins.direction;
+        let border = 1.0 + pad;
+        let (u, v) = (seen.bounds(DVec2::X)?, seen.bounds(DVec2::Y)?);
+        let low = dvec2(u.0 - pad, v.0 - pad).max(DVec2::splat(-border));
+        let high = dvec2(u.1 + pad, v.1 + pad).min(DVec2::splat(border));
+        if low.x > high.x || low.y > high.y {
+            return None;
+        }
+        let first = self.sides.len() as u32;
+        let mut normals = std::mem::take(self.normals);
+        seen.normals(&mut normals);
+        for &normal in &normals {
+            let Some((lo, hi)) = seen.bounds(normal) else { continue };
+            for (normal, limit) in [(normal, hi), (-normal, -lo)] {
+                let limit = limit + 2.0 * pad;
+                let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
+                // only what cuts something off the rectangle
+                if limit < normal.dot(center) + normal.abs().dot(half) {
+                    self.sides.push(HalfPlane { normal, limit });
+                }
+            }
+        }
+        *self.normals = normals;
+        let sides = first..self.sides.len() as u32;
+        Some(Footprint { id, low, high, sides, near: seen.least_depth(), plane: None })
+    }
+}
+
+impl Footprint {
+    /// Whether it may reach into the rectangle.
+    #[inline(always)]
+    pub(super) fn overlaps(&self, sides: &[HalfPlane], center: DVec2, half: DVec2) -> bool {
+        let (low, high) = (center - half, center + half);
+        if self.low.x > high.x || self.high.x < low.x || self.low.y > high.y || self.high.y < low.y
+        {
+            return false;
+        }
+        let own = &sides[self.sides.start as usize..self.sides.end as usize];
+        own.iter().all(|s| s.normal.dot(center) - s.normal.abs().dot(half) <= s.limit)
+    }
+}

@@ -1,0 +1,352 @@
+//! The light buffer: around each point light a cube of directions, whose cells list what a shadow
+//! ray from there may meet, sorted by depth.
+//!
+//! Paper: E. Haines, D. Greenberg, "The Light Buffer: A Shadow-Testing Accelerator", IEEE CG&A
+//! 6(9), 1986.
+//!
+//! Deviations: a face is not one grid but covers only what it shows, and its cells divide into
+//! 4 x 4 where lists are long, down to the resolution asked for (a flat cube fails on scenes whose
+//! detail is clustered); lists that remain long are left to a structure; a cell that one primitive
+//! covers lists nothing behind that one; depths are lengths along the axis of the face, which
+//! order as distances do. Everything is conservative (see `margins.rs`), so that answers are those
+//! of every structure.
+
+mod direction_cube;
+mod face_tree;
+mod facing;
+mod fill;
+mod footprint;
+mod margins;
+mod on_demand;
+mod remainder;
+#[cfg(test)]
+mod tests;
+
+use glam::DVec3;
+
+use self::direction_cube::{FACES, Place, place};
+use self::face_tree::{COVERED, Cells, Face, LONG, Limits};
+use self::fill::{Bodies, ID_LIMIT, INDEX_LIMIT, largest_index};
+use self::margins::Margins;
+use self::on_demand::OnDemand;
+use self::remainder::Remainder;
+use super::{BoxedOccluder, Occluder};
+use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::counters::{Counters, NoCounters, WorkCounters};
+use crate::far_ray;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::{Scalar, Vec3, Vector};
+use crate::structures::{BuildError, Buildable, PrimsRef, Shape, StructureInfo, no_defect};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "light-buffer",
+    summary: "a cube of directions around each light, lists of occluders sorted by depth",
+    paper: "Haines, Greenberg 1986",
+    deviations: "faces cover only what they show; cells divide 4 x 4 where lists are long; lists \
+                 that stay long are left to a BVH",
+    params: &[
+        ParamSpec {
+            name: "resolution",
+            summary: "finest cells a side of a face",
+            default: "1024",
+            kind: ParamKind::Choice(&[
+                "16", "32", "64", "128", "256", "512", "1024", "2048", "4096",
+            ]),
+        },
+        ParamSpec {
+            name: "fill",
+            summary: "before: all primitives are projected; demand: a cell remembers the last \
+                      occluder that obvhs-cwbvh found (no other parameter matters then)",
+            default: "before",
+            kind: ParamKind::Choice(&["before", "demand"]),
+        },
+        ParamSpec {
+            name: "divide",
+            summary: "cells with longer lists are divided",
+            default: "4",
+            kind: ParamKind::Integer { min: 1, max: 1_000_000 },
+        },
+        ParamSpec {
+            name: "growth",
+            summary: "cells are not divided further where that makes more references of one than this",
+            default: "8",
+            kind: ParamKind::Real { min: 1.0, max: 1e6 },
+        },
+        ParamSpec {
+            name: "longest",
+            summary: "longer lists are left to obvhs-cwbvh",
+            default: "64",
+            kind: ParamKind::Integer { min: 1, max: 1_000_000 },
+        },
+        ParamSpec {
+            name: "cut-off",
+            summary: "full: what a cell's covering primitive hides is not listed; none: it is",
+            default: "full",
+            kind: ParamKind::Choice(&["full", "none"]),
+        },
+    ],
+    variants: &[""],
+    also_tested: &[
+        "resolution=64",
+        "resolution=128 cut-off=none",
+        "resolution=16 divide=1 longest=2",
+        "resolution=512 divide=1000000 longest=1000000",
+        "resolution=4096 divide=1 growth=64",
+        "fill=demand resolution=64",
+    ],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// A light and what it sees.
+struct Cube<S: Scalar> {
+    position: Vec3<S>,
+    faces: [Face<S>; FACES],
+}
+
+/// A built light buffer with its primitives.
+struct LightBuffer<'a, S: Scalar, P> {
+    prims: &'a P,
+    cubes: Vec<Cube<S>>,
+    cells: Cells<S>,
+    aim: Aim<S>,
+    /// Answers what the buffer does not.
+    remainder: Remainder<'a, S, P>,
+}
+
+/// Builds a light buffer; see [`super::Entry::build`].
+///
+/// # Errors
+/// [`BuildError`] when the set cannot be served.
+pub fn build<'a, S: Buildable>(
+    prims: PrimsRef<'a, S>,
+    lights: &[DVec3],
+    params: &Params,
+) -> Result<BoxedOccluder<'a, S>, BuildError> {
+    match prims {
+        PrimsRef::Watertight(p) => over(p, prims, lights, params),
+        PrimsRef::MoellerTrumbore(p) => over(p, prims, lights, params),
+        PrimsRef::Mixed(p) if p.has_motion() => over(p.in_motion(), prims, lights, params),
+        PrimsRef::Mixed(p) => over(p, prims, lights, params),
+    }
+}
+
+fn over<'a, S: Buildable, P: PrimSet<S>>(
+    prims: &'a P,
+    any: PrimsRef<'a, S>,
+    lights: &[DVec3],
+    params: &Params,
+) -> Result<BoxedOccluder<'a, S>, BuildError> {
+    if params.text("fill") == "before" {
+        return Ok(Box::new(LightBuffer::new(prims, any, lights, params)?));
+    }
+    let margins = checked(prims, lights, params.structure())?;
+    let bits = resolution_bits(params);
+    let faces = lights.len() as u128 * FACES as u128;
+    is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, params.structure())?;
+    Ok(Box::new(OnDemand::new(prims, any, lights, &margins, bits)?))
+}
+
+/// Finest cells a side of a face, as a power of 2.
+fn resolution_bits(params: &Params) -> u32 {
+    (params.integer("resolution") as u32).max(1).ilog2()
+}
+
+fn is_below(
+    what: &'static str,
+    needed: u128,
+    limit: u128,
+    structure: &'static str,
+) -> Result<(), BuildError> {
+    match needed < limit {
+        true => Ok(()),
+        false => Err(BuildError::TooLarge { structure, what, needed, limit }),
+    }
+}
+
+/// The margins for a set that can be served.
+fn checked<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    lights: &[DVec3],
+    structure: &'static str,
+) -> Result<Margins, BuildError> {
+    if prims.is_empty() {
+        return Err(BuildError::NoPrimitives { structure });
+    }
+    is_below("number of primitives", prims.len() as u128, ID_LIMIT, structure)?;
+    BoundsOf::new(prims, BoundsRule::Padded)
+        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
+    Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
+}
+
+/// Which rays the cells speak for: those from the scene to the light.
+#[derive(Debug, Clone, Copy)]
+struct Aim<S> {
+    /// Largest distance on an axis from the end of a ray to its light.
+    end: S,
+    /// See `far_ray.rs`.
+    reach: S,
+}
+
+impl<S: Scalar> Aim<S> {
+    fn new<P: PrimSet<S>>(prims: &P, margins: &Margins) -> Self {
+        let reach = far_ray::reach(prims.magnitude());
+        Self { end: S::from_f64(margins.end), reach }
+    }
+
+    /// Where a ray starts as seen from its light, or `None` for a ray that does not run there.
+    #[inline(always)]
+    fn place(&self, ray: &Ray<S>, light: Vec3<S>) -> Option<Place<S>> {
+        let from_light = ray.origin - light;
+        let place = place(from_light);
+        // NaN fails every one of these
+        let is_aimed = is_within::<S>(from_light + ray.direction * ray.t_max, self.end)
+            & is_within::<S>(ray.origin, self.reach)
+            & (place.depth > self.end * S::from_f64(4.0))
+            & (ray.t_min >= S::ZERO);
+        is_aimed.then_some(place)
+    }
+}
+
+/// What the buffer says of a ray.
+enum Answer {
+    Free,
+    Blocked,
+    /// The remainder has to be asked.
+    Unknown,
+}
+
+impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
+    fn new(
+        prims: &'a P,
+        any: PrimsRef<'a, S>,
+        lights: &[DVec3],
+        params: &Params,
+    ) -> Result<Self, BuildError> {
+        let margins = checked(prims, lights, params.structure())?;
+        let limits = Limits {
+            bits: resolution_bits(params),
+            divide: params.integer("divide") as usize,
+            growth: params.real("growth"),
+            longest: params.integer("longest") as usize,
+            cut_off: params.text("cut-off") == "full",
+        };
+        let bodies = Bodies::of(prims, margins.position);
+        let mut cells = Cells::new();
+        let mut cubes = Vec::with_capacity(lights.len());
+        for &light in lights {
+            let position = Vec3::<S>::from_dvec3(light);
+            let faces = fill::faces(&bodies, position.to_dvec3(), limits, &margins, &mut cells);
+            let needed = largest_index(&cells);
+            is_below("number of cells or references", needed, INDEX_LIMIT, params.structure())?;
+            cubes.push(Cube { position, faces });
+        }
+        cells.cells.shrink_to_fit();
+        cells.records.shrink_to_fit();
+        let remainder = Remainder::new(prims, any);
+        if cells.tally.long > 0 {
+            remainder.make()?;
+        }
+        Ok(Self { prims, cubes, cells, aim: Aim::new(prims, &margins), remainder })
+    }
+
+    /// One ray.
+    #[inline(always)]
+    fn answer<C: Counters>(&self, ray: &Ray<S>, light: u32, counters: &mut C) -> Answer {
+        let Some(cube) = self.cubes.get(light as usize) else { return Answer::Unknown };
+        let Some(place) = self.aim.place(ray, cube.position) else { return Answer::Unknown };
+        let Some(face) = cube.faces.get(place.face) else { return Answer::Unknown };
+        let Some((first, levels)) = face.find(&self.cells.cells, place.at) else {
+            counters.elementary_step(true);
+            return Answer::Free;
+        };
+        if C::ENABLED {
+            (1..levels).for_each(|_| counters.inner_step());
+            counters.elementary_step(first == 0);
+        }
+        let Some(mut list) = self.cells.records.get(first as usize..) else {
+            return Answer::Unknown;
+        };
+        if let [head, rest @ ..] = list
+            && head.id == COVERED
+        {
+            if place.depth > head.near {
+                // the covering primitive is hit at a parameter of at least t_min
+                let room = (place.depth - head.near) * ray.t_max;
+                let certain = room > ray.t_min * place.depth * S::from_f64(1.001);
+                return if certain { Answer::Blocked } else { Answer::Unknown };
+            }
+            list = rest;
+        }
+        let mut setup = None;
+        for record in list {
+            if record.near > place.depth {
+                break;
+            }
+            if record.id >= LONG {
+                return Answer::Unknown;
+            }
+            counters.intersection_tests(1);
+            let setup = setup.get_or_insert_with(|| self.prims.setup(ray));
+            if self.prims.intersect(record.id, ray, setup, ray.t_max).is_some() {
+                return Answer::Blocked;
+            }
+        }
+        Answer::Free
+    }
+}
+
+/// Whether no component is larger than `limit`; false for NaN.
+#[inline(always)]
+fn is_within<S: Scalar>(v: Vec3<S>, limit: S) -> bool {
+    let [x, y, z] = v.to_array();
+    (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit)
+}
+
+impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
+    fn occlusions(&self, rays: &[Ray<S>], lights: &[u32], blocked: &mut [bool]) {
+        for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
+            *blocked = match self.answer(ray, light, &mut NoCounters) {
+                Answer::Free => false,
+                Answer::Blocked => true,
+                Answer::Unknown => self.remainder.is_blocked(ray),
+            };
+        }
+    }
+
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        lights: &[u32],
+        blocked: &mut [bool],
+    ) -> WorkCounters {
+        let mut work = WorkCounters::default();
+        for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
+            *blocked = match self.answer(ray, light, &mut work) {
+                Answer::Free => false,
+                Answer::Blocked => true,
+                Answer::Unknown => self.remainder.count_blocked(ray, &mut work),
+            };
+        }
+        work
+    }
+
+    fn shape(&self) -> Shape {
+        let (cells, tally) = (&self.cells, &self.cells.tally);
+        let bytes = size_of_val(cells.cells.as_slice())
+            + size_of_val(cells.records.as_slice())
+            + size_of_val(self.cubes.as_slice());
+        Shape {
+            inner_cells: tally.inner,
+            cells: tally.leaves,
+            empty_cells: tally.empty,
+            references: tally.references,
+            bytes: bytes as u64 + self.remainder.bytes(),
+            ..Shape::default()
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! A light buffer filled on demand: a cell remembers the last primitive that was found to block a
+//! ray through it, and the next ray tests that one before the structure is asked.
+//!
+//! Paper: as `mod.rs`; Haines and Greenberg fill cells as occluders are found, too. Deviation: a
+//! cell holds one occluder, not a list.
+//!
+//! An occluder is tested like any other candidate, and a ray that it does not block is the
+//! structure's, so no answer depends on what a cell holds or which thread put it there.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use glam::DVec3;
+
+use super::Aim;
+use super::direction_cube::{FACES, in_frame};
+use super::face_tree::Face;
+use super::footprint::{Projection, Seen};
+use super::margins::Margins;
+use super::remainder::Remainder;
+use crate::counters::{Counters, NoCounters, WorkCounters};
+use crate::occluders::Occluder;
+use crate::primitives::{Ball, PrimSet};
+use crate::ray::{MISS, Ray};
+use crate::scalar::{Scalar, Vec3, Vector};
+use crate::structures::{BuildError, Buildable, PrimsRef, Shape};
+
+/// A light, and the faces of its cube, each one flat grid over what shows the scene.
+struct FlatCube<S: Scalar> {
+    position: Vec3<S>,
+    faces: [Face<S>; FACES],
+}
+
+/// A buffer filled on demand, with its primitives.
+pub(super) struct OnDemand<'a, S: Scalar, P> {
+    prims: &'a P,
+    cubes: Vec<FlatCube<S>>,
+    /// The last occluder found in each cell, or [`MISS`].
+    cells: Vec<AtomicU32>,
+    aim: Aim<S>,
+    remainder: Remainder<'a, S, P>,
+}
+
+impl<'a, S: Buildable, P: PrimSet<S>> OnDemand<'a, S, P> {
+    /// An empty buffer with faces of 2 to the power `bits` cells a side, and its structure.
+    ///
+    /// # Errors
+    /// [`BuildError`] of the structure.
+    pub(super) fn new(
+        prims: &'a P,
+        any: PrimsRef<'a, S>,
+        lights: &[DVec3],
+        margins: &Margins,
+        bits: u32,
+    ) -> Result<Self, BuildError> {
+        let remainder = Remainder::new(prims, any);
+        remainder.make()?;
+        let scene = prims.scene_bounds();
+        let corners = [scene.min.to_dvec3(), scene.max.to_dvec3()];
+        let mut count = 0;
+        let cube = |light: &DVec3| {
+            let position = Vec3::<S>::from_dvec3(*light);
+            let face = |face| scene_on_face(corners, position.to_dvec3(), face, margins);
+            let faces = std::array::from_fn(|i| match face(i) {
+                None => Face::empty(),
+                Some((low, high)) => {
+                    let first = count;
+                    count += 1 << (2 * bits);
+                    Face::over(low, high, margins, [bits, bits], first as u32).0
+                }
+            });
+            FlatCube { position, faces }
+        };
+        let cubes: Vec<FlatCube<S>> = lights.iter().map(cube).collect();
+        let cells = (0..count).map(|_| AtomicU32::new(MISS)).collect();
+        Ok(Self { prims, cubes, cells, aim: Aim::new(prims, margins), remainder })
+    }
+
+    /// The cell of a ray: `Err` for one that the buffer does not speak for, `None` where no
+    /// primitive is seen.
+    fn cell(&self, ray: &Ray<S>, light: u32) -> Result<Option<usize>, ()> {
+        let cube = self.cubes.get(light as usize).ok_or(())?;
+        let place = self.aim.place(ray, cube.position).ok_or(())?;
+        Ok(cube.faces.get(place.face).ok_or(())?.index(place.at))
+    }
+
+    fn is_blocked_by<C: Counters>(&self, ray: &Ray<S>, id: u32, counters: &mut C) -> bool {
+        if id == MISS {
+            return false;
+        }
+        counters.intersection_tests(1);
+        let setup = self.prims.setup(ray);
+        self.prims.intersect(id, ray, &setup, ray.t_max).is_some()
+    }
+}
+
+/// Where a face shows the scene's box.
+fn scene_on_face(
+    corners: [DVec3; 2],
+    light: DVec3,
+    face: usize,
+    margins: &Margins,
+) -> Option<(glam::DVec2, glam::DVec2)> {
+    let corner = |i: usize| {
+        let pick = |k: usize| corners[i >> k & 1][k];
+        let center = in_frame(face, DVec3::new(pick(0), pick(1), pick(2)) - light);
+        Ball { center, radius: margins.position }
+    };
+    let seen = Seen { balls: (0..8).map(corner).collect(), is_outline: false };
+    let (mut sides, mut normals) = (Vec::new(), Vec::new());
+    let mut projection = Projection { margins, sides: &mut sides, normals: &mut normals };
+    projection.of(0, &seen).map(|f| (f.low, f.high))
+}
+
+impl<S: Buildable, P: PrimSet<S>> Occluder<S> for OnDemand<'_, S, P> {
+    fn occlusions(&self, rays: &[Ray<S>], lights: &[u32], blocked: &mut [bool]) {
+        for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
+            let cell = match self.cell(ray, light) {
+                Ok(None) => {
+                    *blocked = false;
+                    continue;
+                }
+                Ok(Some(i)) => self.cells.get(i),
+                Err(()) => None,
+            };
+            let last = cell.map_or(MISS, |c| c.load(Ordering::Relaxed));
+            *blocked = self.is_blocked_by(ray, last, &mut NoCounters);
+            if !*blocked {
+                *blocked = self.remainder.is_blocked(ray);
+                if *blocked && let (Some(cell), Some(id)) = (cell, self.remainder.occluder(ray)) {
+                    cell.store(id, Ordering::Relaxed);
+                }
+            }
+        }
+    }
+
+    /// Counts from an empty buffer for every batch, so that counters do not depend on what was
+    /// asked before, or by which thread.
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        lights: &[u32],
+        blocked: &mut [bool],
+    ) -> WorkCounters {
+        let mut work = WorkCounters::default();
+        let mut cells: HashMap<usize, u32> = HashMap::new();
+        for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
+            let cell = self.cell(ray, light);
+            work.elementary_step(cell == Ok(None));
+            *blocked = match cell {
+                Ok(None) => false,
+                Err(()) => self.remainder.count_blocked(ray, &mut work),
+                Ok(Some(i)) => {
+                    let last = cells.get(&i).copied().unwrap_or(MISS);
+                    self.is_blocked_by(ray, last, &mut work) || {
+                        let is_blocked = self.remainder.count_blocked(ray, &mut work);
+                        if is_blocked && let Some(id) = self.remainder.occluder(ray) {
+                            cells.insert(i, id);
+                        }
+                        is_blocked
+                    }
+                }
+            };
+        }
+        work
+    }
+
+    fn shape(&self) -> Shape {
+        let filled = self.cells.iter().filter(|c| c.load(Ordering::Relaxed) != MISS).count();
+        let bytes = size_of_val(self.cells.as_slice()) + size_of_val(self.cubes.as_slice());
+        Shape {
+            cells: self.cells.len() as u64,
+            empty_cells: (self.cells.len() - filled) as u64,
+            references: filled as u64,
+            bytes: bytes as u64 + self.remainder.bytes(),
+            ..Shape::default()
+        }
+    }
+}

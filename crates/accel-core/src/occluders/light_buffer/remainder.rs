@@ -1,0 +1,103 @@
+//! The rays that a light buffer leaves to a structure: those of long lists, and those that do not
+//! run from the scene to a light.
+
+use std::sync::OnceLock;
+
+use crate::counters::WorkCounters;
+use crate::far_ray::{self, Place};
+use crate::primitives::PrimSet;
+use crate::ray::{Hit, Ray};
+use crate::scalar::Scalar;
+use crate::structures::{self, BuildError, Buildable, PrimsRef, obvhs_cwbvh};
+use crate::tracer::{ShadowCount, ShadowRule, Tracer};
+
+/// A structure made when it is first needed, over the same primitives.
+pub(super) struct Remainder<'a, S: Scalar, P> {
+    prims: &'a P,
+    any: PrimsRef<'a, S>,
+    reach: S,
+    /// None when the structure refuses the scene: then all primitives are tested.
+    made: OnceLock<Option<Box<dyn Tracer<S> + 'a>>>,
+}
+
+impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
+    /// Builds nothing yet.
+    pub(super) fn new(prims: &'a P, any: PrimsRef<'a, S>) -> Self {
+        let reach = far_ray::reach(prims.magnitude());
+        Self { prims, any, reach, made: OnceLock::new() }
+    }
+
+    /// Builds the structure now.
+    ///
+    /// # Errors
+    /// [`BuildError`] of the structure.
+    pub(super) fn make(&self) -> Result<(), BuildError> {
+        if self.made.get().is_none() {
+            let _ = self.made.set(structure(self.any)?);
+        }
+        Ok(())
+    }
+
+    /// Bytes of what was built.
+    pub(super) fn bytes(&self) -> u64 {
+        let made = self.made.get().and_then(Option::as_ref);
+        made.map_or(0, |tracer| tracer.shape().bytes)
+    }
+
+    /// Whether the ray is blocked.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn is_blocked(&self, ray: &Ray<S>) -> bool {
+        let Some(tracer) = self.tracer() else { return self.tested_all(ray) };
+        let mut blocked = [false];
+        tracer.occlusions(std::slice::from_ref(ray), &mut blocked);
+        blocked == [true]
+    }
+
+    /// The same, counting the work.
+    pub(super) fn count_blocked(&self, ray: &Ray<S>, work: &mut WorkCounters) -> bool {
+        let Some(tracer) = self.tracer() else {
+            work.intersection_tests += self.prims.len() as u64;
+            return self.tested_all(ray);
+        };
+        let mut answers = [ShadowCount::default()];
+        let rays = std::slice::from_ref(ray);
+        *work += tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
+        answers.iter().all(|a| a.blocked)
+    }
+
+    /// A primitive that blocks the ray: the closest hit, if that is opaque.
+    pub(super) fn occluder(&self, ray: &Ray<S>) -> Option<u32> {
+        let mut hits = [Hit::NONE];
+        self.tracer()?.closest_hits(std::slice::from_ref(ray), &mut hits);
+        hits.iter().find(|h| h.is_hit() && self.prims.is_opaque(h.id)).map(|h| h.id)
+    }
+
+    fn tracer(&self) -> Option<&(dyn Tracer<S> + 'a)> {
+        self.made.get_or_init(|| structure(self.any).unwrap_or(None)).as_deref()
+    }
+
+    /// As a structure would answer, from all primitives.
+    fn tested_all(&self, ray: &Ray<S>) -> bool {
+        let test = |ray: &Ray<S>| {
+            let setup = self.prims.setup(ray);
+            let blocks = |&id: &u32| {
+                self.prims.is_opaque(id)
+                    && self.prims.intersect(id, ray, &setup, ray.t_max).is_some()
+            };
+            (0..self.prims.len() as u32).any(|id| blocks(&id))
+        };
+        match far_ray::place(ray, self.reach) {
+            Place::Near => test(ray),
+            Place::Moved(near, _) => test(&near),
+            Place::Nowhere => false,
+        }
+    }
+}
+
+fn structure<'a, S: Buildable>(
+    prims: PrimsRef<'a, S>,
+) -> Result<Option<Box<dyn Tracer<S> + 'a>>, BuildError> {
+    let Some(entry) = structures::find(obvhs_cwbvh::INFO.name) else { return Ok(None) };
+    Ok(Some(entry.build(prims, &entry.params([])?)?))
+}

@@ -1,0 +1,71 @@
+//! An occluder as the shadow path of a renderer: a tracer whose closest hits come from a structure
+//! and whose shadow rays go to the occluder.
+
+use glam::DVec3;
+
+use super::{BoxedOccluder, nearest_light};
+use crate::counters::WorkCounters;
+use crate::ray::{Hit, Ray};
+use crate::scalar::Scalar;
+use crate::structures::Shape;
+use crate::tracer::{ShadowCount, ShadowRule, Tracer};
+
+/// A structure and an occluder over the same primitives, as one tracer.
+pub struct ShadowPath<'a, S: Scalar> {
+    structure: Box<dyn Tracer<S> + 'a>,
+    occluder: BoxedOccluder<'a, S>,
+    lights: Vec<DVec3>,
+}
+
+impl<'a, S: Scalar> ShadowPath<'a, S> {
+    /// Joins them; `lights` are those that the occluder was built for, in the same order.
+    pub fn new(
+        structure: Box<dyn Tracer<S> + 'a>,
+        occluder: BoxedOccluder<'a, S>,
+        lights: Vec<DVec3>,
+    ) -> Self {
+        Self { structure, occluder, lights }
+    }
+
+    /// The light that each ray runs to.
+    fn lights_of(&self, rays: &[Ray<S>]) -> Vec<u32> {
+        rays.iter().map(|ray| nearest_light(ray, &self.lights)).collect()
+    }
+}
+
+impl<S: Scalar> Tracer<S> for ShadowPath<'_, S> {
+    fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        self.structure.closest_hits(rays, hits);
+    }
+
+    fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        self.occluder.occlusions(rays, &self.lights_of(rays), blocked);
+    }
+
+    fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
+        self.structure.count_closest_hits(rays, hits)
+    }
+
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+    ) -> WorkCounters {
+        if rule != ShadowRule::OpaqueBlocks {
+            // these ask for glass as well, of which an occluder knows nothing
+            return self.structure.count_occlusions(rays, rule, answers);
+        }
+        let mut blocked = vec![false; rays.len().min(answers.len())];
+        let work = self.occluder.count_occlusions(rays, &self.lights_of(rays), &mut blocked);
+        for (answer, blocked) in answers.iter_mut().zip(blocked) {
+            *answer = ShadowCount { blocked, glass: 0 };
+        }
+        work
+    }
+
+    fn shape(&self) -> Shape {
+        let shape = self.structure.shape();
+        Shape { bytes: shape.bytes + self.occluder.shape().bytes, ..shape }
+    }
+}
