@@ -287,6 +287,9 @@ pub struct VerifyArgs {
     #[arg(short = 'j', long, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Print what zero, infinite and NaN rays cost each structure, over normal rays
+    #[arg(long)]
+    pub timing: bool,
     /// Repeat one trial: a line that an earlier run printed
     #[arg(long, value_name = "LINE")]
     pub replay: Option<String>,

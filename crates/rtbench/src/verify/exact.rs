@@ -28,6 +28,26 @@ impl Meeting {
     }
 }
 
+/// Triangles with balls around them, so that those far from a ray are left out quickly.
+#[derive(Debug, Clone)]
+pub struct Soup {
+    triangles: Vec<Corners>,
+    /// Centre and squared radius of each ball.
+    balls: Vec<(DVec3, f64)>,
+}
+
+impl Soup {
+    /// Puts balls around triangles.
+    pub fn new(triangles: &[Corners]) -> Self {
+        let ball = |&[a, b, c]: &Corners| {
+            let centre = (a + b + c) / 3.0;
+            let farthest = [a, b, c].map(|p| p.distance_squared(centre));
+            (centre, farthest.into_iter().fold(0.0, f64::max))
+        };
+        Self { triangles: triangles.to_vec(), balls: triangles.iter().map(ball).collect() }
+    }
+}
+
 /// A ray as two points of its line.
 #[derive(Debug, Clone, Copy)]
 pub struct ExactRay {
@@ -46,23 +66,22 @@ impl ExactRay {
 
     /// All triangles whose plane the line crosses no farther than `margin` (in barycentric
     /// coordinates) outside, by rising parameter; equal ones by id.
-    pub fn meetings(&self, triangles: &[Corners], margin: f64) -> Vec<Meeting> {
+    pub fn meetings(&self, soup: &Soup, margin: f64) -> Vec<Meeting> {
         let near = |m: &Meeting| m.depth >= -margin;
-        let close = (0_u32..).zip(triangles).filter(|(_, t)| self.passes(t, margin));
-        let all = close.filter_map(|(id, t)| self.meeting(id, t));
+        let along = self.to - self.from;
+        // barycentric coordinates of at least -margin: their sizes sum up to 1 + 6 margin at most
+        let grown = (1.1 + 6.0 * margin) * (1.1 + 6.0 * margin);
+        let limit = grown * along.length_squared();
+        let close = (0_u32..).zip(&soup.balls).filter(|(_, (centre, radius))| {
+            let nearest = (*centre - self.from).cross(along).length_squared();
+            // false for NaN too: overflow must not lose a triangle
+            let is_far = nearest > radius * limit && nearest.is_finite();
+            !is_far
+        });
+        let all = close.filter_map(|(id, _)| self.meeting(id, soup.triangles.get(id as usize)?));
         let mut found: Vec<Meeting> = all.filter(near).collect();
         found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         found
-    }
-
-    /// False only where the line is far from the triangle: spares the predicates.
-    fn passes(&self, &[a, b, c]: &Corners, margin: f64) -> bool {
-        let along = self.to - self.from;
-        let size = a.distance(b).max(a.distance(c)) * (1.1 + 3.0 * margin);
-        let nearest = (a - self.from).cross(along).length();
-        // false for NaN too: overflow must not lose a triangle
-        let is_far = nearest > size * along.length() && nearest.is_finite();
-        !is_far
     }
 
     /// Where the line crosses the plane; `None` when they are parallel.
@@ -101,7 +120,7 @@ mod tests {
 
     fn depth(x: f64, y: f64) -> f64 {
         let ray = Ray::<f64>::new(dvec3(x, y, -2.0), dvec3(0.0, 0.0, 4.0));
-        let found = ExactRay::new(&ray).unwrap().meetings(&[TRIANGLE], 9.0);
+        let found = ExactRay::new(&ray).unwrap().meetings(&Soup::new(&[TRIANGLE]), 9.0);
         assert_eq!((found.len(), found[0].t), (1, 0.5));
         found[0].depth
     }

@@ -2,8 +2,7 @@
 
 use accel_core::{Ray, Scalar};
 
-use super::exact::{ExactRay, Meeting};
-use super::model::Corners;
+use super::exact::{ExactRay, Meeting, Soup};
 use super::round::Expected;
 
 /// How far outside a triangle, in barycentric coordinates, rounding may still find a hit; and how
@@ -12,7 +11,7 @@ const UNCLEAR: f64 = 1e-3;
 
 /// On a closed mesh, or within a sheet: there is a hit about where the exact one is. Which of the
 /// triangles at an edge is hit is left to rounding.
-pub fn on_mesh<S: Scalar>(mesh: &[Corners], ray: &Ray<S>, slack: f64) -> Option<Expected> {
+pub fn on_mesh<S: Scalar>(mesh: &Soup, ray: &Ray<S>, slack: f64) -> Option<Expected> {
     let meetings = ExactRay::new(ray)?.meetings(mesh, 0.0);
     let first = meetings.iter().find(|m| m.is_hit() && m.t > 0.0)?;
     Some(Expected::hit_at(first.t, slack))
@@ -20,7 +19,7 @@ pub fn on_mesh<S: Scalar>(mesh: &[Corners], ray: &Ray<S>, slack: f64) -> Option<
 
 /// Where all arithmetic of the primitive test is exact (whole numbers, the largest component of
 /// the direction a power of two): the lowest id among the nearest, and `t` to an ulp.
-pub fn on_lattice<S: Scalar>(triangles: &[Corners], ray: &Ray<S>) -> Option<Expected> {
+pub fn on_lattice<S: Scalar>(triangles: &Soup, ray: &Ray<S>) -> Option<Expected> {
     let meetings = ExactRay::new(ray)?.meetings(triangles, 0.0);
     let mut hits = meetings.iter().filter(|m| m.is_hit() && is_within(ray, m.t));
     let Some(first) = hits.next() else { return Some(Expected::Miss) };
@@ -34,7 +33,7 @@ pub fn on_lattice<S: Scalar>(triangles: &[Corners], ray: &Ray<S>) -> Option<Expe
 
 /// Among loose triangles: the hit, where it is clear of all edges and of other triangles in the
 /// same place; otherwise whatever brute force says.
-pub fn in_soup<S: Scalar>(triangles: &[Corners], ray: &Ray<S>) -> Option<Expected> {
+pub fn in_soup<S: Scalar>(triangles: &Soup, ray: &Ray<S>) -> Option<Expected> {
     let meetings = ExactRay::new(ray)?.meetings(triangles, UNCLEAR);
     let mut ahead = meetings.iter().filter(|m| m.t > -UNCLEAR);
     let Some(first) = ahead.next() else { return Some(Expected::Miss) };
