@@ -256,7 +256,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         if prims.is_empty() {
             return Err(BuildError::NoPrimitives { structure: params.structure() });
         }
-        refuse_out_of_scale(prims.magnitude(), params.structure())?;
+        refuse_out_of_scale::<S, S>(prims.magnitude(), params.structure())?;
         let mailbox = Setting::of(params, prims.len(), prims.bytes());
         Ok(Box::new(Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox)))
     }
@@ -267,17 +267,20 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
     }
 }
 
-/// Refuses a scene whose largest coordinate lies outside [`Scalar::SCENE_EXPONENTS`]; one that lies
-/// at the very origin has no scale.
-fn refuse_out_of_scale<S: Scalar>(magnitude: S, structure: &'static str) -> Result<(), BuildError> {
-    let (largest, served) = (magnitude.to_f64(), S::SCENE_EXPONENTS);
+/// Refuses a scene whose largest coordinate lies outside [`Scalar::SCENE_EXPONENTS`] of the scalar
+/// `C` that a structure computes in; one that lies at the very origin has no scale.
+fn refuse_out_of_scale<S: Scalar, C: Scalar>(
+    magnitude: S,
+    structure: &'static str,
+) -> Result<(), BuildError> {
+    let (largest, served) = (magnitude.to_f64(), C::SCENE_EXPONENTS);
     let exponent = largest.log2().floor();
     if largest == 0.0 || (f64::from(served[0])..f64::from(served[1])).contains(&exponent) {
         return Ok(());
     }
     // f64 has exponents down to -1074 only; infinity saturates
     let exponent = exponent as i32;
-    Err(BuildError::OutOfScale { structure, exponent, precision: S::NAME, served })
+    Err(BuildError::OutOfScale { structure, exponent, precision: C::NAME, served })
 }
 
 /// A registry entry for a generic structure and its description.

@@ -12,7 +12,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use super::obvhs_adapter::{
     ALSO_TESTED, BoxRay, Groups, PARAMS, VARIANTS, build_params, is_robust, items, known_defect,
 };
-use super::{BuildError, Shape, Structure, StructureInfo};
+use super::{BuildError, Shape, Structure, StructureInfo, refuse_out_of_scale};
 use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -47,6 +47,8 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
     const DUPLICATES: bool = false;
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        // obvhs knows f32 alone
+        refuse_out_of_scale::<S, f32>(prims.magnitude(), params.structure())?;
         let items = items(prims, params)?;
         let bvh = build_cwbvh(&items.boxes, build_params(params), &mut Duration::default());
         let depth = depth(&bvh);

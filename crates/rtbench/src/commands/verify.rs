@@ -8,7 +8,7 @@ use crate::error::{Error, SUCCESS, WRONG_HITS};
 use crate::export::text::write_table;
 use crate::machine;
 use crate::plan::PlanError;
-use crate::pools::pool;
+use crate::pools::deep_pool;
 use crate::progress::Progress;
 use crate::verify::check::{PRECISIONS, Plan, Replayed, replay};
 use crate::verify::registry::{find, select};
@@ -52,7 +52,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
 fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Result<Report, Error> {
     write_file(args.export_csv.as_deref(), || Ok(String::new()))?;
     write_file(args.export_json.as_deref(), || Ok(String::new()))?;
-    let pool = pool(args.threads.map_or_else(machine::threads, usize::from))?;
+    let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
     let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
     let steps = plan.cases.len() * PRECISIONS.len();
     let progress = Progress::new(visible, steps as u64, None);

@@ -49,6 +49,13 @@ impl ConeShape {
         }
         let size = length.max(self.base.1).max(self.apex.1);
         let unclear = UNCLEAR * size;
+        let is_tip = |(tip, radius): (DVec3, f64)| {
+            let passing = (tip - origin).cross(direction).length() / direction.length();
+            radius < unclear && passing < 2.0 * unclear
+        };
+        if is_tip(self.base) || is_tip(self.apex) {
+            return Expected::Anything;
+        }
         // the part of the ray between the planes of the discs, a little more on both sides
         let along = direction.dot(axis) / length;
         let height = (origin - self.base.0).dot(axis) / length;

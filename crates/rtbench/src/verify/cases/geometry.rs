@@ -265,7 +265,7 @@ fn nearly_parallel<S: Buildable>(
         let crossing = crossing * size;
         let back = size * (3.0 + crossing.length() / size);
         let ray: Ray<S> = ray(single(crossing - d * back), single(d));
-        let is_missed = |exact: ExactRay| exact.meetings(&soup, 0.0).is_empty();
+        let is_missed = |exact: ExactRay| exact.meetings(&soup, 0.0, 0.0).is_empty();
         if ExactRay::new(&ray).is_some_and(is_missed) {
             round.push(ray, Expected::Miss);
         }

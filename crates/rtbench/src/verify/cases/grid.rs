@@ -33,7 +33,7 @@ const GR2: Case = case!("Gr2", "exact", long_scene, "a scene 10^9 times as long 
 const GR3: Case = case!(
     "Gr3",
     "exact",
-    scattered,
+    specks,
     "a virtual grid of 2048^3 = 2^33 cells",
     10,
     &["hashed-grid resolution=2048x2048x2048"]
@@ -166,6 +166,15 @@ fn scattered<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>,
     let mut triangles = soup(random, 80, 0.02);
     triangles.extend(soup(random, 80, 0.2));
     triangles.extend(soup(random, 4, 0.6));
+    soup_round(random, rays, &triangles, |random| {
+        let target = point_within(random, &triangles);
+        toward(random, target, 1.5)
+    })
+}
+
+/// Triangles of a few cells of a very fine grid.
+fn specks<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let triangles = soup(random, 150, 0.006);
     soup_round(random, rays, &triangles, |random| {
         let target = point_within(random, &triangles);
         toward(random, target, 1.5)

@@ -60,7 +60,7 @@ pub fn examine<S: Buildable, B: MailboxSource>(
     let mut findings = Findings::default();
     let hits = answers(&triangles, &rays, mailbox);
     match hits {
-        Ok((hits, expected)) => {
+        Ok([hits, expected]) => {
             for (hit, right) in hits.iter().zip(&expected) {
                 let is_right = hit.id == right.id && (!hit.is_hit() || hit.t == right.t);
                 let what = || format!("said {hit:?}, brute force {right:?}");
@@ -77,7 +77,7 @@ fn answers<S: Buildable, B: MailboxSource>(
     triangles: &[crate::verify::model::Corners],
     rays: &[Ray<S>],
     mailbox: B,
-) -> Result<(Vec<Hit<S>>, Vec<Hit<S>>), String> {
+) -> Result<[Vec<Hit<S>>; 2], String> {
     let model = Model::<S>::triangles(triangles).map_err(|e| e.to_string())?;
     let Model::Triangles(set) = &model else { return Err("no triangles".to_owned()) };
     let params = Params::new(INFO.name, INFO.params, [("density", "8")]);
@@ -88,5 +88,5 @@ fn answers<S: Buildable, B: MailboxSource>(
     let mut expected = vec![Hit::NONE; rays.len()];
     with_brute_force(model.prims(), |t: &dyn Tracer<S>| t.closest_hits(rays, &mut expected))
         .map_err(|e| e.to_string())?;
-    Ok((hits, expected))
+    Ok([hits, expected])
 }

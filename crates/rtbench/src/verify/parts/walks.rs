@@ -217,7 +217,7 @@ fn published_rays(random: &mut Random, rays: usize) -> Vec<Question> {
         let (from, to) = if i.is_multiple_of(2) { first } else { second };
         let mut whole = || crate::verify::draw::whole(random, 64);
         let by = if i < 2 { DVec3::ZERO } else { dvec3(whole(), whole(), whole()) };
-        let sign = if i / 2 % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if (i / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
         // 1024ths, so that single precision holds the ends and their difference
         let exact = |p: DVec3| ((p * 1024.0).round() / 1024.0 + by) * sign;
         let (from, to) = (exact(from), exact(to));
