@@ -218,12 +218,20 @@ impl Report {
             let Line { case, precision, structure, tolerated, .. } = l;
             format!("{case} {precision} {structure}: {tolerated} departures within the tolerance")
         }));
-        let refused = self.lines.iter().filter_map(|l| l.reason.as_ref().map(|why| (l, why)));
-        notes.extend(refused.map(|(l, why)| {
-            format!(
-                "{} {} {}: {} rounds refused: {why}",
-                l.case, l.precision, l.structure, l.refused
-            )
+        // one note for all that say the same: brute force refuses for all
+        let mut refused: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
+        for line in &self.lines {
+            if let Some(why) = &line.reason {
+                let said = (line.case, line.precision, line.refused, why.as_str());
+                refused.entry(said).or_default().push(&line.structure);
+            }
+        }
+        notes.extend(refused.into_iter().map(|((case, precision, rounds, why), structures)| {
+            let who = match structures.as_slice() {
+                [one] => (*one).to_owned(),
+                many => format!("{} structures", many.len()),
+            };
+            format!("{case} {precision} {who}: {rounds} rounds refused: {why}")
         }));
         notes
     }

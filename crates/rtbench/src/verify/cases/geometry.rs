@@ -33,6 +33,7 @@ pub static GROUP: Group = Group {
         shapes::G9,
         shapes::G10,
         shapes::G11,
+        shapes::G11_RIM,
         shapes::G12,
         G13,
         G13_SCALED,

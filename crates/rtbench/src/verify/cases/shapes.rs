@@ -29,6 +29,13 @@ pub const G11: Case = case!(
     cones,
     "cones and cylinders: along the axis, through the apex, from within, without height"
 );
+/// The rim of G11.
+pub const G11_RIM: Case = case!(
+    "G11rim",
+    "bisection in f64",
+    rims,
+    "rays at the rim where two parts of a cone or cylinder meet: it is no gap"
+);
 /// G12.
 pub const G12: Case = case!(
     "G12",
@@ -89,9 +96,21 @@ fn spheres_within<S: Buildable>(
     Ok(round)
 }
 
-/// A cone, a cylinder, a truncated cone or one without height, alone in its scene; or a cylinder of
-/// two parts, whose common rim is crossed once.
+/// A cone, a cylinder, a truncated cone or one without height, alone in its scene.
 fn cones<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    around_cone(random, rays, false)
+}
+
+/// The same in two parts of half the height.
+fn rims<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    around_cone(random, rays, true)
+}
+
+fn around_cone<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    is_split: bool,
+) -> Result<Round<S>, PrimitiveError> {
     let axis = one_of(random, &[DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Z, dvec3(0.6, 0.0, 0.8)]);
     let base = single(point(random));
     let (radii, height): ([f64; 2], f64) = one_of(
@@ -100,7 +119,6 @@ fn cones<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     );
     let apex = single(base + axis * height);
     let shape = ConeShape { base: (base, radii[0]), apex: (apex, radii[1]) };
-    let is_split = height > 0.0 && random.below(3) == 0;
     let model = Model::mixed(|set| {
         let middle = ((base + apex) / 2.0, (radii[0] + radii[1]) / 2.0);
         if !is_split {

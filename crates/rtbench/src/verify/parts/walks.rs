@@ -178,7 +178,7 @@ impl Question {
 
 /// Origins in 1024ths of a cell, directions of whole numbers up to 2^20, each ray in a grid of
 /// 16, 32, ... 1024 cells an axis: so many rays for each.
-fn lattice_rays(random: &mut Random, rays: usize) -> Vec<Question> {
+pub fn lattice_rays(random: &mut Random, rays: usize) -> Vec<Question> {
     let sizes = (4..=10).map(|power| 1_u32 << power);
     sizes.flat_map(|n| (0..rays).map(|_| lattice_ray(random, n)).collect::<Vec<_>>()).collect()
 }
