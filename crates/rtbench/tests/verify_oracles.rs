@@ -283,9 +283,9 @@ impl MailboxSource for Stale {
 #[test]
 fn a_mailbox_that_skips_wrongly_is_refuted() {
     let random = || Random::new(1, "mailboxes");
-    let stale = Stale { stamps: vec![0; 1000], ray: 0 };
+    let stale = Stale { stamps: vec![0; 4000], ray: 0 };
     assert!(!mailboxes::examine::<f32, _>(&mut random(), 1500, stale).wrong.is_empty());
-    let cleared = Stamps::<u8>::dense(1000);
+    let cleared = Stamps::<u8>::dense(4000);
     let right = mailboxes::examine::<f32, _>(&mut random(), 1500, cleared);
     assert!(right.wrong.is_empty() && right.trials == 1500);
 }

@@ -19,7 +19,7 @@ use crate::verify::round::ray;
 use crate::verify::subject::with_brute_force;
 
 /// Triangles of a scene; most stand in several cells.
-const TRIANGLES: usize = 120;
+const TRIANGLES: usize = 2000;
 
 /// Large ones among them.
 const LARGE: usize = 10;
@@ -52,8 +52,8 @@ pub fn examine<S: Buildable, B: MailboxSource>(
     rays: usize,
     mailbox: B,
 ) -> Findings {
-    // most are met by one ray in a hundred: a stamp left from before is not renewed in time
-    let mut triangles = soup(random, TRIANGLES - LARGE, 0.15);
+    // most are met by one ray in some hundreds: a stamp left from before is not renewed in time
+    let mut triangles = soup(random, TRIANGLES - LARGE, 0.05);
     triangles.extend(soup(random, LARGE, 0.6));
     let mut rays_so_far: Vec<Ray<S>> = Vec::new();
     for i in 0..rays.max(AT_LEAST) {
