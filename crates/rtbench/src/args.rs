@@ -276,7 +276,7 @@ pub struct VerifyArgs {
     /// Structures as for `run` [default: all with all their variants, and the negative control]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Rays a case and precision; the default takes about 100 s of processor time
+    /// Rays a case and precision; the default takes about 5 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000,
           value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub rays: u32,
