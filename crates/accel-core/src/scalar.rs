@@ -42,6 +42,10 @@ pub trait Scalar:
     const EPSILON: Self;
     /// `f32` or `f64`.
     const NAME: &'static str;
+    /// Powers of two between which the largest coordinate of a scene must lie: triangle tests
+    /// multiply three coordinates, cone tests four, and rays start up to 8 magnitudes away. Beyond
+    /// them such products overflow, or underflow for details that are small within the scene.
+    const SCENE_EXPONENTS: [i32; 2];
 
     /// Rounds to nearest.
     fn from_f64(x: f64) -> Self;
@@ -129,7 +133,7 @@ pub trait Vector<S: Scalar>:
 }
 
 macro_rules! scalar {
-    ($s:ty, $v:ty, $name:literal, $mantissa_bits:literal) => {
+    ($s:ty, $v:ty, $name:literal, $mantissa_bits:literal, $exponents:expr) => {
         impl Scalar for $s {
             type Vec3 = $v;
             const ZERO: Self = 0.0;
@@ -137,6 +141,7 @@ macro_rules! scalar {
             const INFINITY: Self = <$s>::INFINITY;
             const EPSILON: Self = <$s>::EPSILON;
             const NAME: &'static str = $name;
+            const SCENE_EXPONENTS: [i32; 2] = $exponents;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
@@ -232,8 +237,8 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, glam::Vec3, "f32", 23);
-scalar!(f64, glam::DVec3, "f64", 52);
+scalar!(f32, glam::Vec3, "f32", 23, [-30, 32]);
+scalar!(f64, glam::DVec3, "f64", 52, [-240, 240]);
 
 #[cfg(test)]
 mod tests {

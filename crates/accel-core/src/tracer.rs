@@ -127,7 +127,9 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
         });
     }
 
-    fn count_closest<B: MailboxSource>(
+    /// [`Tracer::count_closest_hits`] with a mailbox of the caller's, in place of that of the
+    /// settings.
+    pub fn count_closest<B: MailboxSource>(
         &self,
         rays: &[Ray<S>],
         hits: &mut [Hit<S>],

@@ -344,7 +344,7 @@ pub struct VerifyArgs {
     /// Structures as for `run` [default: all with all their variants, and the negative control]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Rays a case and precision; the default takes about 100 s of processor time
+    /// Rays a case and precision; the default takes about 5 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000,
           value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub rays: u32,
@@ -355,6 +355,9 @@ pub struct VerifyArgs {
     #[arg(short = 'j', long, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Print what zero, infinite and NaN rays cost each structure, over normal rays
+    #[arg(long)]
+    pub timing: bool,
     /// Repeat one trial: a line that an earlier run printed
     #[arg(long, value_name = "LINE")]
     pub replay: Option<String>,

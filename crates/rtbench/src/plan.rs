@@ -87,6 +87,9 @@ pub enum PlanError {
         /// Occluder.
         structure: &'static str,
     },
+    /// The cases asked for concern none of the structures asked for.
+    #[error("these cases ask none of these structures: leave out -s, or ask for other cases")]
+    NothingAsked,
     /// There are no structures at all.
     #[error("there are no structures to measure")]
     NoRows,

@@ -29,8 +29,21 @@ impl Pools {
 /// # Errors
 /// [`Error::Threads`].
 pub fn pool(threads: usize) -> Result<ThreadPool, Error> {
-    ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| Error::Threads { threads, source })
+    started(ThreadPoolBuilder::new(), threads)
+}
+
+/// Bytes of stack that [`deep_pool`] reserves a thread; only what is used takes memory.
+const DEEP: usize = 256 << 20;
+
+/// The same with deep stacks: obvhs as shipped recurses once a level, and builds a level for each of
+/// ten thousand equal boxes. On a usual stack that ends the process.
+///
+/// # Errors
+/// [`Error::Threads`].
+pub fn deep_pool(threads: usize) -> Result<ThreadPool, Error> {
+    started(ThreadPoolBuilder::new().stack_size(DEEP), threads)
+}
+
+fn started(builder: ThreadPoolBuilder, threads: usize) -> Result<ThreadPool, Error> {
+    builder.num_threads(threads).build().map_err(|source| Error::Threads { threads, source })
 }

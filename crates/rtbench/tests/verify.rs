@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::time::Duration;
+
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
@@ -11,7 +13,7 @@ use accel_core::structures::{
 use accel_core::{Ray, Scalar, Vector};
 use common::{Ended, Folder, PLANTED, run_with};
 use renderer::leaving::OffsetRule;
-use rtbench::clock::SystemClock;
+use rtbench::clock::{SteppingClock, SystemClock};
 use rtbench::context::{Context, Terminal, Verbosity};
 use rtbench::random::Random;
 use rtbench::scene_source::Installed;
@@ -44,6 +46,13 @@ impl Fault for LongDirections {
     }
 }
 
+struct ShortDirections;
+impl Fault for ShortDirections {
+    fn loses(direction: [f64; 3]) -> bool {
+        direction.iter().all(|x| x.abs() < 1e-2)
+    }
+}
+
 struct Panics;
 impl Fault for Panics {
     fn loses(_: [f64; 3]) -> bool {
@@ -69,6 +78,7 @@ impl<S: Scalar, F: Fault> Structure<S> for Faulty<S, F> {
 
 type LosesNegativeZeros<S> = Faulty<S, NegativeZeros>;
 type LosesLongDirections<S> = Faulty<S, LongDirections>;
+type LosesShortDirections<S> = Faulty<S, ShortDirections>;
 type AlwaysPanics<S> = Faulty<S, Panics>;
 
 const INFO: StructureInfo = StructureInfo {
@@ -84,11 +94,13 @@ const INFO: StructureInfo = StructureInfo {
 };
 static ZEROS: StructureInfo = INFO;
 static LONG: StructureInfo = StructureInfo { name: "long-directions", ..INFO };
+static SHORT: StructureInfo = StructureInfo { name: "short-directions", ..INFO };
 static PANICS: StructureInfo = StructureInfo { name: "panics", ..INFO };
 
 static FAULTS: &[Entry] = &[
     accel_core::entry!(LosesNegativeZeros, ZEROS),
     accel_core::entry!(LosesLongDirections, LONG),
+    accel_core::entry!(LosesShortDirections, SHORT),
     accel_core::entry!(AlwaysPanics, PANICS),
 ];
 
@@ -100,6 +112,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut context = Context {
         registry,
+        occluders: accel_core::occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
         out: &mut out,
@@ -118,12 +131,21 @@ fn offered(out: &str) -> String {
     out.split_once("--replay '").unwrap().1.split_once('\'').unwrap().0.to_owned()
 }
 
+/// Without G8, whose ten thousand triangles take longer than all others together.
 #[test]
 fn all_structures_pass_a_fast_subset() {
-    let ended = verify(REGISTRY, "--rays 60");
+    let ended = verify(
+        REGISTRY,
+        "--cases ray,G1,G1far,G2,G3,G4,G5,G6,G7,G9,G10,G11,G11rim,G12,G13,G13scaled,K1,P1,grid,traversal,secondary \
+         --rays 60",
+    );
     let table = ended.out.lines().take(40).collect::<Vec<_>>().join("\n");
     assert_eq!(ended.code, 0, "{table}\n{}", ended.err);
     assert!(ended.out.contains("obvhs-cwbvh adapter=as-shipped"), "{table}");
+    for subject in ["t-next-walk", "hashed-grid hash=constant", "chessboard cloud"] {
+        assert!(ended.out.lines().any(|l| l.starts_with(subject)), "{subject}: {table}");
+    }
+    assert!(ended.out.contains("f32 serves 2^-30 to 2^32"), "{table}");
 }
 
 #[test]
@@ -165,6 +187,7 @@ fn twins_catch_what_agreement_alone_cannot() {
     };
     assert!(wrong("R1", "negative-zeros").contains("zeros of the other sign"));
     assert!(wrong("R3", "long-directions").contains("direction by 2^"));
+    assert!(wrong("K1", "short-directions").contains("scaled by 2^-"));
     assert!(wrong("R1", "panics").contains("panicked"));
 }
 
@@ -174,9 +197,15 @@ fn what_is_not_there_is_an_error_that_names_what_is() {
     assert!(ended.code == 2 && ended.err.contains("G13"), "{}", ended.err);
     let ended = verify(REGISTRY, "-s unifrom-grid");
     assert!(ended.code == 2 && ended.err.contains("uniform-grid"), "{}", ended.err);
-    for line in
-        ["G1", "G1 f32 seed=1 round=0 ray=100000 brute-force", "X f32 seed=1 round=0 ray=0 a"]
-    {
+    let ended = verify(REGISTRY, "--cases T1 -s uniform-grid");
+    assert!(ended.code == 2 && ended.err.contains("ask none"), "{}", ended.err);
+    for line in [
+        "G1",
+        "G1 f32 seed=1 round=0 rays=500 ray=100000 brute-force",
+        "G1 f32 seed=1 round=0 rays=50000000 ray=1 brute-force",
+        "X f32 seed=1 round=0 rays=500 ray=0 a",
+        "T1 f32 seed=1 round=0 rays=5 ray=0 brute-force",
+    ] {
         assert_eq!(replay(REGISTRY, line).code, 2, "{line}");
     }
 }
@@ -185,7 +214,7 @@ fn what_is_not_there_is_an_error_that_names_what_is() {
 fn an_offset_of_zero_hits_what_it_leaves() {
     let hits_with = |rule| {
         let mut random = Random::new(1, "offsets");
-        let rounds = (0..40).map(|_| leaving_a_shape_under::<f32>(&mut random, rule).unwrap());
+        let rounds = (0..40).map(|_| leaving_a_shape_under::<f32>(&mut random, 500, rule).unwrap());
         let judged = rounds.map(|round| {
             let brute_force = Subject::parse(REGISTRY, "brute-force").unwrap();
             match Judge::new(&round).unwrap().judge(&brute_force) {
@@ -199,4 +228,32 @@ fn an_offset_of_zero_hits_what_it_leaves() {
     assert!(hits_with(OffsetRule::None) > 1000);
     // absolute lengths are right at one scale only
     assert!(hits_with(OffsetRule::Fixed(1e-4)) > 100);
+}
+
+#[test]
+fn parts_are_asked_by_name_and_their_trials_replay() {
+    let ended = verify(REGISTRY, "--cases T1,T3 -s driving-axis-walk --rays 20");
+    assert!(ended.code == 0 && !ended.out.contains("t-next-walk"), "{}", ended.out);
+    // 20 rays in each of seven grids, 20 of T3, both precisions
+    assert!(ended.out.contains(" 0/320 "), "{}", ended.out);
+    let line = "T1 f32 seed=1 round=0 rays=20 ray=139 driving-axis-walk";
+    assert!(replay(REGISTRY, line).out.contains("driving-axis-walk: right"));
+    assert_eq!(replay(REGISTRY, &line.replace("139", "140")).code, 2);
+}
+
+#[test]
+fn the_cost_of_odd_rays_is_printed_and_recorded() {
+    let folder = Folder::new();
+    let clock = SteppingClock::new(Duration::from_millis(1));
+    let arguments = format!(
+        "verify --cases R4 --rays 20 -s uniform-grid,kd-tree --timing --export-json {}/verify.json",
+        folder.path()
+    );
+    let ended = run_with(REGISTRY, &Installed, &clock, &arguments);
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let row = ended.out.lines().rfind(|l| l.starts_with("kd-tree")).unwrap();
+    // every interval of this clock is a millisecond
+    assert_eq!(row.split_whitespace().collect::<Vec<_>>(), ["kd-tree", "1.00", "1.00"]);
+    let record: serde_json::Value = serde_json::from_str(&folder.text("verify.json")).unwrap();
+    assert_eq!(record["timing"][0]["meaningless"], 1.0);
 }

@@ -43,6 +43,12 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "0.5",
             kind: ParamKind::Real { min: 0.05, max: 1.0 },
         },
+        ParamSpec {
+            name: "hash",
+            summary: "how keys are spread; 'constant' gives all the same first choice: the worst case",
+            default: "multiplicative",
+            kind: ParamKind::Choice(&["multiplicative", "constant"]),
+        },
         Traversal::PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
@@ -202,7 +208,9 @@ impl CellStorage for HashedCells {
         contents: &Contents<S, P>,
         params: &Params,
     ) -> Result<Self, TooManyReferences> {
-        Self::with_hash(contents, params.real("load-factor"), GOLDEN)
+        // times 0, every key hashes to 0
+        let multiplier = if params.text("hash") == "constant" { 0 } else { GOLDEN };
+        Self::with_hash(contents, params.real("load-factor"), multiplier)
     }
 
     #[inline(always)]

@@ -110,6 +110,22 @@ pub enum BuildError {
         /// The first of the farthest primitives.
         id: u32,
     },
+    /// The scene's coordinates are all too small, or the largest too large, for the products of
+    /// primitive tests.
+    #[error(
+        "{structure}: the scene's largest coordinate is about 2^{exponent}; {precision} serves \
+         2^{} to 2^{}: scale the scene", .served[0], .served[1]
+    )]
+    OutOfScale {
+        /// Structure.
+        structure: &'static str,
+        /// Logarithm of the largest coordinate, base 2, rounded down.
+        exponent: i32,
+        /// `f32` or `f64`.
+        precision: &'static str,
+        /// What would be served.
+        served: [i32; 2],
+    },
     /// A limit on memory would be exceeded.
     #[error("{structure}: {what} would be {needed}, more than the limit of {limit}")]
     TooLarge {
@@ -247,6 +263,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         if prims.is_empty() {
             return Err(BuildError::NoPrimitives { structure: params.structure() });
         }
+        refuse_out_of_scale::<S, S>(prims.magnitude(), params.structure())?;
         Ok(Setting::of(params, prims.len(), prims.bytes()))
     }
     match prims {
@@ -260,6 +277,22 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         }
         PrimsRef::Mixed(p) => over::<S, _, T>(p, params),
     }
+}
+
+/// Refuses a scene whose largest coordinate lies outside [`Scalar::SCENE_EXPONENTS`] of the scalar
+/// `C` that a structure computes in; one that lies at the very origin has no scale.
+fn refuse_out_of_scale<S: Scalar, C: Scalar>(
+    magnitude: S,
+    structure: &'static str,
+) -> Result<(), BuildError> {
+    let (largest, served) = (magnitude.to_f64(), C::SCENE_EXPONENTS);
+    let exponent = largest.log2().floor();
+    if largest == 0.0 || (f64::from(served[0])..f64::from(served[1])).contains(&exponent) {
+        return Ok(());
+    }
+    // f64 has exponents down to -1074 only; infinity saturates
+    let exponent = exponent as i32;
+    Err(BuildError::OutOfScale { structure, exponent, precision: C::NAME, served })
 }
 
 /// A registry entry for a generic structure and its description.

@@ -14,7 +14,7 @@ use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::ray::Ray as ObvhsRay;
 
-use super::BuildError;
+use super::{BuildError, refuse_out_of_scale};
 use crate::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
@@ -112,6 +112,10 @@ pub(super) fn items<S: Scalar, P: PrimSet<S>>(
 ) -> Result<Items<S>, BuildError> {
     let structure = params.structure();
     let robust = is_robust(params);
+    if !robust {
+        // obvhs knows f32 alone
+        refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
+    }
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
     // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32

@@ -145,15 +145,17 @@ fn octant_of<S: Scalar>(ray: &Ray<S>) -> usize {
 }
 
 /// How a ray jumps.
-struct Jumps<S: Scalar> {
+#[derive(Debug, Clone, Copy)]
+pub struct Jumps<S: Scalar> {
     /// Voxels crossed on each axis while the parameter grows by 1.
     rate: [S; 3],
     metric: Metric,
 }
 
 impl<S: Scalar> Jumps<S> {
+    /// For a ray through a grid whose distances are measured so.
     #[inline(always)]
-    fn new(frame: &GridFrame<S>, ray: &Ray<S>, metric: Metric) -> Self {
+    pub fn new(frame: &GridFrame<S>, ray: &Ray<S>, metric: Metric) -> Self {
         let (d, cell) = (ray.direction.to_array(), frame.cell_size());
         Self { rate: std::array::from_fn(|k| d[k].abs() / cell[k]), metric }
     }
@@ -161,7 +163,7 @@ impl<S: Scalar> Jumps<S> {
     /// Moves on to the first voxel that may be occupied when everything nearer than `free` is
     /// empty; false when the ray leaves the grid. No voxel at distance `free` or beyond is passed.
     #[inline(always)]
-    fn jump(&self, walk: &mut VoxelWalk<S>, free: i32) -> bool {
+    pub fn jump(&self, walk: &mut VoxelWalk<S>, free: i32) -> bool {
         let steps = match self.metric {
             Metric::Chessboard => Some(self.across_a_cube(walk, free)),
             Metric::CityBlock => self.within_a_diamond(walk, free),

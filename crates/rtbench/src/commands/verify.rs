@@ -2,19 +2,20 @@
 
 use std::path::Path;
 
-use crate::args::{Color, Precision, VerifyArgs};
+use crate::args::{Color, VerifyArgs};
 use crate::context::{Context, Verbosity};
 use crate::error::{Error, SUCCESS, WRONG_HITS};
 use crate::export::text::write_table;
 use crate::machine;
 use crate::plan::PlanError;
-use crate::pools::pool;
+use crate::pools::deep_pool;
 use crate::progress::Progress;
 use crate::verify::check::{PRECISIONS, Plan, Replayed, replay};
 use crate::verify::registry::{find, select};
 use crate::verify::replay::Replay;
 use crate::verify::report::Report;
 use crate::verify::subject::Subject;
+use crate::verify::timing;
 
 /// Verifies, or repeats one trial, and returns the exit code.
 ///
@@ -26,6 +27,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     }
     let plan = Plan {
         cases: select(&args.cases)?,
+        registry: context.registry,
         subjects: Subject::all(context.registry, &args.structures)?,
         rays: args.rays as usize,
         seed: args.seed,
@@ -38,6 +40,10 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     for example in report.examples() {
         writeln!(context.out, "{example}")?;
     }
+    if args.timing {
+        writeln!(context.out)?;
+        write_table(context.out, &timing::table(&report.timing), colors)?;
+    }
     context.out.flush()?;
     Ok(if report.is_failure() { WRONG_HITS } else { SUCCESS })
 }
@@ -46,7 +52,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
 fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Result<Report, Error> {
     write_file(args.export_csv.as_deref(), || Ok(String::new()))?;
     write_file(args.export_json.as_deref(), || Ok(String::new()))?;
-    let pool = pool(args.threads.map_or_else(machine::threads, usize::from))?;
+    let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
     let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
     let steps = plan.cases.len() * PRECISIONS.len();
     let progress = Progress::new(visible, steps as u64, None);
@@ -56,11 +62,17 @@ fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Res
     for &listed in &plan.cases {
         progress.message(format!("{}: {}", listed.1.id, listed.1.summary));
         for precision in PRECISIONS {
-            report.lines.extend(pool.install(|| plan.check(listed, precision)));
+            report.lines.extend(pool.install(|| plan.check(listed, precision))?);
             progress.step(context.clock.now());
         }
     }
     progress.finish();
+    if report.lines.is_empty() {
+        return Err(PlanError::NothingAsked.into());
+    }
+    if args.timing {
+        report.timing = timing::timed(&plan.subjects, context.clock, plan.seed)?;
+    }
     report.seconds = context.clock.seconds_since(start);
     Ok(report)
 }
@@ -77,12 +89,8 @@ fn write_file(
 fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
     let (_, case) = find(&line.case)?;
     let subject = Subject::parse(context.registry, &line.subject)?;
-    let replayed = match line.precision {
-        Precision::F32 => replay(line, case.single, &subject),
-        Precision::F64 => replay(line, case.double, &subject),
-    };
     let scene = || format!("{} round {}", case.id, line.round);
-    let Replayed { ray, expected, wrong, refused } = replayed
+    let Replayed { question, wrong, refused } = replay(case, line, &subject)
         .map_err(|source| Error::Build { scene: scene(), source })?
         .ok_or_else(|| PlanError::Malformed {
             text: line.to_string(),
@@ -90,8 +98,9 @@ fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
         })?;
     let out = &mut *context.out;
     writeln!(out, "{}: {} (oracle: {})", case.id, case.summary, case.oracle)?;
-    writeln!(out, "ray {ray}")?;
-    writeln!(out, "expected: {expected:?}")?;
+    if let Some(question) = question {
+        writeln!(out, "{question}")?;
+    }
     let verdict = refused.map(|why| format!("refused: {why}")).or_else(|| wrong.clone());
     writeln!(out, "{}: {}", subject.label(), verdict.as_deref().unwrap_or("right"))?;
     out.flush()?;

@@ -19,12 +19,57 @@ pub struct Meeting {
     pub t: f64,
     /// How deep inside the triangle: the smallest barycentric coordinate. The sign is exact.
     pub depth: f64,
+    /// By how much `t` and `depth` change, at most, when the ray is moved sideways by a unit of
+    /// length: much, where it runs nearly in the triangle's plane.
+    pub blur: Blur,
+}
+
+/// See [`Meeting::blur`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blur {
+    /// Of the parameter.
+    pub t: f64,
+    /// Of the barycentric coordinates.
+    pub depth: f64,
 }
 
 impl Meeting {
     /// Inside, on an edge or on a corner.
     pub fn is_hit(&self) -> bool {
         self.depth >= 0.0
+    }
+}
+
+/// Triangles with balls around them, so that those far from a ray are left out quickly.
+#[derive(Debug, Clone)]
+pub struct Soup {
+    triangles: Vec<Corners>,
+    /// Centre and squared radius of each ball.
+    balls: Vec<(DVec3, f64)>,
+    bounds: [DVec3; 2],
+}
+
+impl Soup {
+    /// Puts balls around triangles.
+    pub fn new(triangles: &[Corners]) -> Self {
+        let ball = |&[a, b, c]: &Corners| {
+            let centre = (a + b + c) / 3.0;
+            let farthest = [a, b, c].map(|p| p.distance_squared(centre));
+            (centre, farthest.into_iter().fold(0.0, f64::max))
+        };
+        let corners = triangles.as_flattened().iter();
+        let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let bounds = corners.fold(empty, |[low, high], p| [low.min(*p), high.max(*p)]);
+        let balls = triangles.iter().map(ball).collect();
+        Self { triangles: triangles.to_vec(), balls, bounds }
+    }
+
+    /// The distance from there to the farthest corner on any axis; of far origins, to where
+    /// the product moves them first (`accel_core::far_ray`).
+    pub fn reach(&self, from: DVec3) -> f64 {
+        let [low, high] = self.bounds;
+        let far = (from - low).abs().max((from - high).abs()).max_element();
+        far.min(9.0 * low.abs().max(high.abs()).max_element())
     }
 }
 
@@ -45,24 +90,25 @@ impl ExactRay {
     }
 
     /// All triangles whose plane the line crosses no farther than `margin` (in barycentric
-    /// coordinates) outside, by rising parameter; equal ones by id.
-    pub fn meetings(&self, triangles: &[Corners], margin: f64) -> Vec<Meeting> {
-        let near = |m: &Meeting| m.depth >= -margin;
-        let close = (0_u32..).zip(triangles).filter(|(_, t)| self.passes(t, margin));
-        let all = close.filter_map(|(id, t)| self.meeting(id, t));
+    /// coordinates) outside, or that it would meet when moved by `shift`, a length; by rising
+    /// parameter; equal ones by id.
+    pub fn meetings(&self, soup: &Soup, margin: f64, shift: f64) -> Vec<Meeting> {
+        let near = |m: &Meeting| m.depth >= -(margin + shift * m.blur.depth);
+        let along = self.to - self.from;
+        // barycentric coordinates of at least -margin: their sizes sum up to 1 + 6 margin at most
+        let grown = (1.1 + 6.0 * margin) * (1.1 + 6.0 * margin);
+        let limit = grown * along.length_squared();
+        let close = (0_u32..).zip(&soup.balls).filter(|(_, (centre, radius))| {
+            let nearest = (*centre - self.from).cross(along).length_squared();
+            let radius = radius + shift * shift;
+            // false for NaN too: overflow must not lose a triangle
+            let is_far = nearest > radius * limit && nearest.is_finite();
+            !is_far
+        });
+        let all = close.filter_map(|(id, _)| self.meeting(id, soup.triangles.get(id as usize)?));
         let mut found: Vec<Meeting> = all.filter(near).collect();
         found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         found
-    }
-
-    /// False only where the line is far from the triangle: spares the predicates.
-    fn passes(&self, &[a, b, c]: &Corners, margin: f64) -> bool {
-        let along = self.to - self.from;
-        let size = a.distance(b).max(a.distance(c)) * (1.1 + 3.0 * margin);
-        let nearest = (a - self.from).cross(along).length();
-        // false for NaN too: overflow must not lose a triangle
-        let is_far = nearest > size * along.length() && nearest.is_finite();
-        !is_far
     }
 
     /// Where the line crosses the plane; `None` when they are parallel.
@@ -75,7 +121,13 @@ impl ExactRay {
             return None;
         }
         let depth = sides.iter().map(|s| s / sum).fold(f64::INFINITY, f64::min);
-        Some(Meeting { id, t: low / (low - high), depth })
+        let length = (self.to - self.from).length();
+        let normal = (b - a).cross(c - a).length();
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        // of the angle between line and plane
+        let sine = (low - high).abs() / (normal * length);
+        let blur = Blur { t: 1.0 / (sine * length), depth: longest / (normal * sine) };
+        Some(Meeting { id, t: low / (low - high), depth, blur })
     }
 }
 
@@ -101,9 +153,24 @@ mod tests {
 
     fn depth(x: f64, y: f64) -> f64 {
         let ray = Ray::<f64>::new(dvec3(x, y, -2.0), dvec3(0.0, 0.0, 4.0));
-        let found = ExactRay::new(&ray).unwrap().meetings(&[TRIANGLE], 9.0);
+        let found = ExactRay::new(&ray).unwrap().meetings(&Soup::new(&[TRIANGLE]), 9.0, 0.0);
         assert_eq!((found.len(), found[0].t), (1, 0.5));
         found[0].depth
+    }
+
+    #[test]
+    fn a_slanting_ray_blurs() {
+        let ray = Ray::<f64>::new(dvec3(-7.0, 1.0, -1.0), dvec3(8.0, 0.0, 1.0));
+        let found = ExactRay::new(&ray).unwrap().meetings(&Soup::new(&[TRIANGLE]), 0.0, 0.0);
+        // a unit sideways is 8 along the plane and more: 2 in barycentric coordinates
+        let Meeting { t, blur, .. } = found[0];
+        assert!(t == 1.0 && (1.0..1.1).contains(&blur.t), "{blur:?}");
+        assert!((2.8..2.9).contains(&blur.depth), "{blur:?}");
+        let beside = Ray::<f64>::new(dvec3(-12.0, 1.0, -1.0), dvec3(8.0, 0.0, 1.0));
+        let beside = ExactRay::new(&beside).unwrap();
+        let soup = Soup::new(&[TRIANGLE]);
+        assert!(beside.meetings(&soup, 0.0, 0.1).is_empty());
+        assert_eq!(beside.meetings(&soup, 0.0, 0.6).len(), 1);
     }
 
     #[test]

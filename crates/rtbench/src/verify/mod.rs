@@ -3,20 +3,24 @@
 //!
 //! The way of a check: [`registry`] (a line a case) -> a case draws a [`round::Round`] from a
 //! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
-//! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
-//! [`replay::Replay`] names one trial.
+//! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. Cases of
+//! [`parts`] (walks, mailboxes, clouds) make their trials themselves. A [`replay::Replay`] names
+//! one trial. [`timing`] says what meaningless rays cost.
 
 pub mod cases;
 pub mod check;
+pub mod closed_form;
 pub mod draw;
 pub mod exact;
 pub mod expect;
 pub mod judge;
 pub mod meshes;
 pub mod model;
+pub mod parts;
 pub mod registry;
 pub mod replay;
 pub mod report;
 pub mod round;
 pub mod subject;
+pub mod timing;
 pub mod twin;

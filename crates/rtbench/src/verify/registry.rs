@@ -3,13 +3,31 @@
 use accel_core::primitives::PrimitiveError;
 
 use super::cases;
+use super::parts::Part;
 use super::round::Round;
 use crate::plan::PlanError;
 use crate::random::Random;
 use crate::suggest;
 
-/// Draws a round.
-pub type Draw<S> = fn(&mut Random) -> Result<Round<S>, PrimitiveError>;
+/// Draws a round of at most so many rays.
+pub type Draw<S> = fn(&mut Random, usize) -> Result<Round<S>, PrimitiveError>;
+
+/// Who is asked what.
+#[derive(Debug)]
+pub enum Ask {
+    /// Structures, for hits.
+    Rays {
+        /// Rounds in single precision.
+        single: Draw<f32>,
+        /// Rounds in double precision.
+        double: Draw<f64>,
+        /// Structures with settings of the case's own, as labels; all that are asked for when
+        /// there are none.
+        rows: &'static [&'static str],
+    },
+    /// Parts of structures; each makes its trials.
+    Parts(&'static [Part]),
+}
 
 /// One line of the catalogue.
 #[derive(Debug)]
@@ -20,22 +38,34 @@ pub struct Case {
     pub summary: &'static str,
     /// What says which answer is right.
     pub oracle: &'static str,
-    /// Rounds in single precision.
-    pub single: Draw<f32>,
-    /// Rounds in double precision.
-    pub double: Draw<f64>,
+    /// Who is asked what.
+    pub ask: Ask,
+    /// One ray of so many asked for is drawn: for scenes that make rays dear.
+    pub share: usize,
 }
 
-/// A case whose rounds `$draw` makes in both precisions.
+/// A case whose rounds `$draw` makes in both precisions, or that examines `parts`.
 #[macro_export]
 macro_rules! case {
-    ($id:literal, $oracle:literal, $draw:path, $summary:literal) => {
+    ($id:literal, $oracle:literal, parts $parts:expr, $summary:literal) => {
         $crate::verify::registry::Case {
             id: $id,
             summary: $summary,
             oracle: $oracle,
-            single: $draw,
-            double: $draw,
+            ask: $crate::verify::registry::Ask::Parts($parts),
+            share: 1,
+        }
+    };
+    ($id:literal, $oracle:literal, $draw:path, $summary:literal) => {
+        $crate::case!($id, $oracle, $draw, $summary, 1, &[])
+    };
+    ($id:literal, $oracle:literal, $draw:path, $summary:literal, $share:literal, $rows:expr) => {
+        $crate::verify::registry::Case {
+            id: $id,
+            summary: $summary,
+            oracle: $oracle,
+            ask: $crate::verify::registry::Ask::Rays { single: $draw, double: $draw, rows: $rows },
+            share: $share,
         }
     };
 }
@@ -57,6 +87,16 @@ pub static GROUPS: &[&Group] = &[
     &cases::traversal::GROUP,
     &cases::secondary::GROUP,
 ];
+
+/// All parts that cases examine, each name once.
+pub fn parts() -> impl Iterator<Item = &'static str> {
+    let of = |case: &'static Case| match case.ask {
+        Ask::Parts(parts) => parts,
+        Ask::Rays { .. } => &[],
+    };
+    let mut seen = std::collections::BTreeSet::new();
+    all().flat_map(move |(_, case)| of(case)).map(|p| p.name).filter(move |name| seen.insert(*name))
+}
 
 /// A case and its group.
 pub type Listed = (&'static Group, &'static Case);

@@ -1,7 +1,8 @@
-//! A line that names one trial: `G1 f32 seed=1 round=17 ray=233 uniform-grid density=4`.
+//! A line that names one trial: `G1 f32 seed=1 round=17 rays=500 ray=233 uniform-grid density=4`.
 
 use std::fmt;
 
+use super::round::MOST_RAYS;
 use crate::args::Precision;
 use crate::plan::PlanError;
 
@@ -16,7 +17,9 @@ pub struct Replay {
     pub seed: u64,
     /// Number of the round.
     pub round: u64,
-    /// Index of the ray.
+    /// Rays that the round was drawn with.
+    pub rays: usize,
+    /// Index of the ray, or of the trial of a part.
     pub ray: usize,
     /// Label of the subject.
     pub subject: String,
@@ -24,9 +27,9 @@ pub struct Replay {
 
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { case, seed, round, ray, subject, .. } = self;
+        let Self { case, seed, round, rays, ray, subject, .. } = self;
         let precision = precision_name(self.precision);
-        write!(f, "{case} {precision} seed={seed} round={round} ray={ray} {subject}")
+        write!(f, "{case} {precision} seed={seed} round={round} rays={rays} ray={ray} {subject}")
     }
 }
 
@@ -38,7 +41,7 @@ impl Replay {
     pub fn parse(line: &str) -> Result<Self, PlanError> {
         Self::read(line).ok_or_else(|| PlanError::Malformed {
             text: line.to_owned(),
-            expected: "CASE f32|f64 seed=N round=N ray=N STRUCTURE [PARAM=VALUE ...]",
+            expected: "CASE f32|f64 seed=N round=N rays=N ray=N STRUCTURE [PARAM=VALUE ...]",
         })
     }
 
@@ -54,9 +57,10 @@ impl Replay {
             words.next()?.strip_prefix(name)?.strip_prefix('=')?.parse().ok()
         };
         let (seed, round) = (number("seed")?, number("round")?);
+        let rays = usize::try_from(number("rays")?).ok().filter(|n| *n <= MOST_RAYS)?;
         let ray = usize::try_from(number("ray")?).ok()?;
         let subject = words.collect::<Vec<_>>().join(" ");
-        (!subject.is_empty()).then_some(Self { case, precision, seed, round, ray, subject })
+        (!subject.is_empty()).then_some(Self { case, precision, seed, round, rays, ray, subject })
     }
 }
 
@@ -74,14 +78,14 @@ mod tests {
 
     #[test]
     fn lines_come_back_and_others_are_refused() {
-        let line = "G1 f32 seed=1 round=17 ray=233 uniform-grid density=4";
+        let line = "G1 f32 seed=1 round=17 rays=500 ray=233 uniform-grid density=4";
         assert_eq!(Replay::parse(line).unwrap().to_string(), line);
         for bad in [
             "",
-            "G1 f16 seed=1 round=1 ray=1 x",
-            "G1 f32 seed=-1 round=1 ray=1 x",
-            "G1 f32 seed=1 round=1 ray=1",
-            "G1 f32 round=1 seed=1 ray=1 x",
+            "G1 f16 seed=1 round=1 rays=1 ray=1 x",
+            "G1 f32 seed=-1 round=1 rays=1 ray=1 x",
+            "G1 f32 seed=1 round=1 rays=1 ray=1",
+            "G1 f32 seed=1 round=1 ray=1 x",
         ] {
             assert!(matches!(Replay::parse(bad), Err(PlanError::Malformed { .. })), "{bad}");
         }

@@ -6,8 +6,10 @@ use csv::Writer;
 use serde::Serialize;
 
 use super::judge::{Judged, Mismatch};
+use super::parts::Findings;
 use super::replay::{Replay, precision_name};
 use super::subject::{CONTROL, Subject};
+use super::timing::Timed;
 use crate::args::Precision;
 use crate::error::Error;
 use crate::export::table::{Cell, Style, Table};
@@ -20,6 +22,7 @@ const SHOWN: usize = 3;
 pub struct Tally {
     trials: u64,
     mismatches: u64,
+    tolerated: u64,
     refused: u64,
     /// Why the first of the refused rounds was.
     reason: Option<(u64, String)>,
@@ -46,6 +49,12 @@ impl Tally {
         }
     }
 
+    /// Of one round of trials with a part.
+    pub fn found(round: u64, Findings { trials, wrong, tolerated }: Findings) -> Self {
+        let asked = Self::of(round, trials as usize, Judged::Asked(wrong));
+        Self { tolerated, ..asked }
+    }
+
     /// Of a round that was refused.
     pub fn refused(round: u64, why: String) -> Self {
         Self { refused: 1, reason: Some((round, why)), ..Self::default() }
@@ -55,6 +64,7 @@ impl Tally {
     pub fn add(&mut self, other: Self) {
         self.trials += other.trials;
         self.mismatches += other.mismatches;
+        self.tolerated += other.tolerated;
         self.refused += other.refused;
         self.reason = self.reason.take().into_iter().chain(other.reason).min();
         self.first.extend(other.first);
@@ -89,6 +99,8 @@ pub struct Line {
     pub trials: u64,
     /// Rays answered wrongly.
     pub mismatches: u64,
+    /// Departures from the oracle within the tolerance that the case states.
+    pub tolerated: u64,
     /// Rounds whose scene was refused with a typed error.
     pub refused: u64,
     /// Why the first of them was.
@@ -119,6 +131,7 @@ impl Line {
             known_defect: subject.known_defect(),
             trials: tally.trials,
             mismatches: tally.mismatches,
+            tolerated: tally.tolerated,
             refused: tally.refused,
             reason: tally.reason.as_ref().map(|(_, why)| why.clone()),
             examples: tally.first.iter().map(example).collect(),
@@ -144,6 +157,8 @@ pub struct Report {
     pub seconds: f64,
     /// A line a case, precision and subject.
     pub lines: Vec<Line>,
+    /// What odd rays cost; nothing where it was not asked for.
+    pub timing: Vec<Timed>,
 }
 
 impl Report {
@@ -198,12 +213,25 @@ impl Report {
         if self.is_powerless() {
             notes.push("the negative control missed nothing: this run proves nothing".into());
         }
-        let refused = self.lines.iter().filter_map(|l| l.reason.as_ref().map(|why| (l, why)));
-        notes.extend(refused.map(|(l, why)| {
-            format!(
-                "{} {} {}: {} rounds refused: {why}",
-                l.case, l.precision, l.structure, l.refused
-            )
+        let tolerated = self.lines.iter().filter(|l| l.tolerated > 0);
+        notes.extend(tolerated.map(|l| {
+            let Line { case, precision, structure, tolerated, .. } = l;
+            format!("{case} {precision} {structure}: {tolerated} departures within the tolerance")
+        }));
+        // one note for all that say the same: brute force refuses for all
+        let mut refused: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
+        for line in &self.lines {
+            if let Some(why) = &line.reason {
+                let said = (line.case, line.precision, line.refused, why.as_str());
+                refused.entry(said).or_default().push(&line.structure);
+            }
+        }
+        notes.extend(refused.into_iter().map(|((case, precision, rounds, why), structures)| {
+            let who = match structures.as_slice() {
+                [one] => (*one).to_owned(),
+                many => format!("{} structures", many.len()),
+            };
+            format!("{case} {precision} {who}: {rounds} rounds refused: {why}")
         }));
         notes
     }
@@ -251,7 +279,7 @@ impl Report {
     }
 }
 
-const COLUMNS: [&str; 10] = [
+const COLUMNS: [&str; 11] = [
     "group",
     "case",
     "precision",
@@ -260,11 +288,12 @@ const COLUMNS: [&str; 10] = [
     "trials",
     "mismatches",
     "bound_95",
+    "tolerated",
     "refused_rounds",
     "replay",
 ];
 
-fn fields(line: &Line) -> [String; 10] {
+fn fields(line: &Line) -> [String; 11] {
     [
         line.group.to_owned(),
         line.case.to_owned(),
@@ -274,6 +303,7 @@ fn fields(line: &Line) -> [String; 10] {
         line.trials.to_string(),
         line.mismatches.to_string(),
         bound(line.trials, line.mismatches).map(|b| format!("{b:.3e}")).unwrap_or_default(),
+        line.tolerated.to_string(),
         line.refused.to_string(),
         line.examples.first().map(|e| e.replay.clone()).unwrap_or_default(),
     ]

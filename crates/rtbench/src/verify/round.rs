@@ -6,8 +6,12 @@ use glam::DVec3;
 use super::model::Model;
 use super::twin::Twin;
 
-/// Rays of a round; a case may have fewer.
-pub const RAYS_A_ROUND: usize = 500;
+/// The fewest rays that a round is drawn with, when so many are asked for: few, so that there are
+/// many scenes.
+pub const FEWEST_RAYS: usize = 500;
+
+/// The most: many, so that large runs do not spend their time on building.
+pub const MOST_RAYS: usize = 20_000;
 
 /// What the oracle of a case says of the closest hit of a ray. Agreement with brute force is
 /// demanded in any case.
@@ -50,7 +54,7 @@ impl Expected {
 pub struct Round<S: Scalar> {
     /// The scene.
     pub model: Model<S>,
-    /// The rays, at most [`RAYS_A_ROUND`].
+    /// The rays.
     pub rays: Vec<Ray<S>>,
     /// What is expected of each.
     pub expected: Vec<Expected>,
@@ -68,15 +72,6 @@ impl<S: Scalar> Round<S> {
     pub fn push(&mut self, ray: Ray<S>, expected: Expected) {
         self.rays.push(ray);
         self.expected.push(expected);
-    }
-
-    /// Leaves the first `count` rays.
-    pub fn truncate(&mut self, count: usize) {
-        self.rays.truncate(count);
-        self.expected.truncate(count);
-        for twin in &mut self.twins {
-            twin.rays.truncate(count);
-        }
     }
 }
 

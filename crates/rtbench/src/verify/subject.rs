@@ -1,10 +1,11 @@
-//! What is put to the test: a structure, or the negative control.
+//! What is put to the test: a structure, a part of structures, or the negative control.
 
 use accel_core::primitives::{MoellerTrumbore, TriangleSet};
 use accel_core::structures::{BuildError, Buildable, Entry, PrimsRef, find};
 use accel_core::tracer::Tracer;
 
 use super::model::Model;
+use super::registry::{Ask, Case, parts};
 use crate::plan::PlanError;
 use crate::rows::{Row, select};
 
@@ -12,27 +13,64 @@ use crate::rows::{Row, select};
 pub const CONTROL: &str = "moeller-trumbore";
 
 /// Who answers.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Subject<'r> {
     /// A structure with settings, over the primitive tests that are the default.
     Structure(Row<'r>),
     /// Brute force over plain Moeller-Trumbore tests, which leak at edges: where it misses
     /// nothing, the rays have no power.
     Control,
+    /// A part that cases examine by themselves.
+    Part(&'static str),
 }
 
 impl<'r> Subject<'r> {
-    /// The structures that `-s` asks for, and the control where it asks for everything.
+    /// The structures and parts that `-s` asks for; all of them and the control where it asks for
+    /// nothing in particular.
     ///
     /// # Errors
     /// [`PlanError`] naming what is valid.
     pub fn all(registry: &'r [Entry], structures: &[String]) -> Result<Vec<Self>, PlanError> {
-        let rows = select(registry, structures, &[])?;
-        let mut subjects: Vec<Self> = rows.into_iter().map(Self::Structure).collect();
+        let is_part = |name: &String| parts().any(|part| part == name);
+        let (named, rest): (Vec<String>, Vec<String>) =
+            structures.iter().cloned().partition(is_part);
+        let mut subjects = Vec::new();
+        if structures.is_empty() || !rest.is_empty() {
+            subjects.extend(select(registry, &rest, &[])?.into_iter().map(Self::Structure));
+        }
         if structures.is_empty() {
             subjects.push(Self::Control);
         }
+        let is_asked = |part: &&str| structures.is_empty() || named.iter().any(|n| n == part);
+        subjects.extend(parts().filter(is_asked).map(Self::Part));
         Ok(subjects)
+    }
+
+    /// Those of `subjects` that a case asks, with the settings that it asks for.
+    ///
+    /// # Errors
+    /// [`PlanError`] when the case's own settings are not valid.
+    pub fn asked(
+        case: &Case,
+        subjects: &[Subject<'r>],
+        registry: &'r [Entry],
+    ) -> Result<Vec<Self>, PlanError> {
+        let of_its_own = match case.ask {
+            Ask::Rays { rows: [], .. } => {
+                let answers = |s: &&Self| !matches!(s, Self::Part(_));
+                return Ok(subjects.iter().filter(answers).cloned().collect());
+            }
+            Ask::Parts(parts) => {
+                let names = parts.iter().map(|part| Self::Part(part.name));
+                return Ok(names.filter(|part| subjects.contains(part)).collect());
+            }
+            Ask::Rays { rows, .. } => rows,
+        };
+        let is_asked = |name: &str| {
+            subjects.iter().any(|s| matches!(s, Self::Structure(row) if row.structure() == name))
+        };
+        let name = |label: &&&str| label.split(' ').next().is_some_and(is_asked);
+        of_its_own.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
     }
 
     /// The one of that label.
@@ -43,6 +81,9 @@ impl<'r> Subject<'r> {
         if label == CONTROL {
             return Ok(Self::Control);
         }
+        if let Some(part) = parts().find(|part| *part == label) {
+            return Ok(Self::Part(part));
+        }
         Row::parse(registry, label).map(Self::Structure)
     }
 
@@ -51,6 +92,7 @@ impl<'r> Subject<'r> {
         match self {
             Self::Structure(row) => row.label(),
             Self::Control => CONTROL.to_owned(),
+            Self::Part(name) => (*name).to_owned(),
         }
     }
 
@@ -59,6 +101,15 @@ impl<'r> Subject<'r> {
         match self {
             Self::Structure(row) => row.known_defect(),
             Self::Control => Some("negative control: leaks at edges"),
+            Self::Part(_) => None,
+        }
+    }
+
+    /// Brute force with its defaults, which is the reference: it need not be asked twice.
+    pub fn is_reference(&self) -> bool {
+        match self {
+            Self::Structure(row) => find("brute-force").is_some_and(|e| std::ptr::eq(e, row.entry)),
+            _ => false,
         }
     }
 
@@ -81,6 +132,7 @@ impl<'r> Subject<'r> {
                 let Some(set) = leaky else { return Ok(None) };
                 with_brute_force(PrimsRef::MoellerTrumbore(&set), ask).map(Some)
             }
+            Self::Part(_) => Ok(None),
         }
     }
 }

@@ -6,11 +6,22 @@ use glam::DVec3;
 use super::model::{Corners, Model};
 use super::round::ray;
 
+/// What must not change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Same {
+    /// The parameter of the hit, to the last bit, and the primitive.
+    Bits,
+    /// The primitive, where the oracle says which it is: sums are made in another order.
+    Ids,
+}
+
 /// The same scene and rays, told differently.
 #[derive(Debug)]
 pub struct Twin<S: Scalar> {
     /// What was done to it.
     pub name: String,
+    /// What must be the same.
+    pub same: Same,
     /// The scene.
     pub model: Model<S>,
     /// The rays, in the order of the round.
@@ -60,12 +71,26 @@ impl<S: Scalar> Original<'_, S> {
         self.moved(format!("mirrored {mask:03b}"), 1.0, |p| p * sign, |d| d * sign)
     }
 
+    /// The axes in another order, the `order`-th of six, and mirrored as well.
+    pub fn permuted(&self, order: usize, mask: u8) -> Option<Twin<S>> {
+        const ORDERS: [[usize; 3]; 6] =
+            [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let axes = ORDERS.get(order)?;
+        let moved = |p: DVec3| {
+            let at = |k: usize| if mask >> k & 1 == 1 { -p[axes[k]] } else { p[axes[k]] };
+            DVec3::from_array([0, 1, 2].map(at))
+        };
+        let twin = self.moved(format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
+        Some(Twin { same: if order == 0 { Same::Bits } else { Same::Ids }, ..twin })
+    }
+
     /// The triangles in another order: `order[new] = old`.
     pub fn renumbered(&self, order: Vec<u32>) -> Option<Twin<S>> {
         let moved = order.iter().filter_map(|&old| self.triangles.get(old as usize).copied());
         let model = Model::triangles(&moved.collect::<Vec<_>>()).ok()?;
         let name = "renumbered".to_owned();
-        Some(Twin { name, model, rays: self.rays.to_vec(), factor: 1.0, ids: order })
+        let rays = self.rays.to_vec();
+        Some(Twin { name, same: Same::Bits, model, rays, factor: 1.0, ids: order })
     }
 
     /// `None` when the numbers do not fit.
@@ -85,6 +110,6 @@ impl<S: Scalar> Original<'_, S> {
         };
         let model = Model::triangles(&triangles).ok()?;
         let rays = self.rays.iter().map(told).collect();
-        Some(Twin { name, model, rays, factor, ids: Vec::new() })
+        Some(Twin { name, same: Same::Bits, model, rays, factor, ids: Vec::new() })
     }
 }

@@ -4,6 +4,8 @@ pub mod geometry;
 pub mod grid;
 pub mod ray;
 pub mod secondary;
+pub mod shapes;
+pub mod symmetry;
 pub mod traversal;
 
 use accel_core::primitives::PrimitiveError;
@@ -11,9 +13,10 @@ use accel_core::structures::Buildable;
 use glam::{DVec3, dvec3};
 
 use super::draw::{one_of, point, unit, whole};
+use super::exact::Soup;
 use super::expect::{in_soup, on_lattice};
 use super::model::{Corners, Model};
-use super::round::{RAYS_A_ROUND, Round, ray};
+use super::round::{Round, ray};
 use crate::random::Random;
 
 /// Side of the cube that holds the lattice scenes.
@@ -43,14 +46,16 @@ fn sign_direction(random: &mut Random) -> DVec3 {
 /// exact oracle.
 fn lattice_round<S: Buildable>(
     random: &mut Random,
+    rays: usize,
     triangles: &[Corners],
     mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
 ) -> Result<Round<S>, PrimitiveError> {
     let mut round = Round::new(Model::triangles(triangles)?);
-    for _ in 0..RAYS_A_ROUND {
+    let exact = Soup::new(triangles);
+    for _ in 0..rays {
         let (origin, direction) = draw(random);
         let ray = ray(origin, direction);
-        if let Some(expected) = on_lattice(triangles, &ray) {
+        if let Some(expected) = on_lattice(&exact, &ray) {
             round.push(ray, expected);
         }
     }
@@ -60,14 +65,16 @@ fn lattice_round<S: Buildable>(
 /// A round over loose triangles: rays of `draw`, held against the exact oracle.
 fn soup_round<S: Buildable>(
     random: &mut Random,
+    rays: usize,
     triangles: &[Corners],
     mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
 ) -> Result<Round<S>, PrimitiveError> {
     let mut round = Round::new(Model::triangles(triangles)?);
-    for _ in 0..RAYS_A_ROUND {
+    let exact = Soup::new(triangles);
+    for _ in 0..rays {
         let (origin, direction) = draw(random);
         let ray = ray(origin, direction);
-        if let Some(expected) = in_soup(triangles, &ray) {
+        if let Some(expected) = in_soup(&exact, &ray) {
             round.push(ray, expected);
         }
     }
@@ -75,14 +82,14 @@ fn soup_round<S: Buildable>(
 }
 
 /// A point within one of the triangles.
-fn point_within(random: &mut Random, triangles: &[Corners]) -> DVec3 {
+pub(super) fn point_within(random: &mut Random, triangles: &[Corners]) -> DVec3 {
     let [a, b, c]: Corners = one_of(random, triangles);
     let (u, v) = (unit(random) * 0.5, unit(random) * 0.5);
     a + (b - a) * u + (c - a) * v
 }
 
 /// From around `target`, `distance` away, to it.
-fn toward(random: &mut Random, target: DVec3, distance: f64) -> (DVec3, DVec3) {
+pub(super) fn toward(random: &mut Random, target: DVec3, distance: f64) -> (DVec3, DVec3) {
     let origin = super::draw::single(target + point(random) * distance);
     (origin, target - origin)
 }

@@ -14,8 +14,8 @@ use crate::verify::draw::{direction, one_of, signed, unit, whole};
 use crate::verify::meshes::{sheet, soup};
 use crate::verify::model::Model;
 use crate::verify::registry::{Case, Group};
-use crate::verify::round::{Expected, RAYS_A_ROUND, Round, ray};
-use crate::verify::twin::{Original, Twin};
+use crate::verify::round::{Expected, Round, ray};
+use crate::verify::twin::{Original, Same, Twin};
 
 /// The group.
 pub static GROUP: Group = Group { name: "ray", cases: &[R1, R2, R3, R4, R5, R6, R7] };
@@ -36,9 +36,9 @@ const R7: Case = case!(
     "origins on faces, edges and corners of the scene's box"
 );
 
-fn signs<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let triangles = lattice_soup(random, 60);
-    let mut round: Round<S> = lattice_round(random, &triangles, |random| {
+    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let d = sign_direction(random);
         (lattice_point(random) - d * whole(random, 20).abs(), d)
     })?;
@@ -49,6 +49,7 @@ fn signs<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> 
     };
     let twin = Twin {
         name: "zeros of the other sign".into(),
+        same: Same::Bits,
         model: Model::triangles(&triangles)?,
         rays: round.rays.iter().map(other_zeros).collect(),
         factor: 1.0,
@@ -61,7 +62,10 @@ fn signs<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> 
     Ok(round)
 }
 
-fn tiny_components<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn tiny_components<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
     const HALF: f64 = 1e-4;
     const FAR: f64 = 1e3;
     let [a, b] = [-HALF, HALF];
@@ -69,7 +73,7 @@ fn tiny_components<S: Buildable>(random: &mut Random) -> Result<Round<S>, Primit
     let square =
         [[corner(a, a), corner(b, a), corner(b, b)], [corner(a, a), corner(b, b), corner(a, b)]];
     let mut round = Round::new(Model::triangles(&square)?);
-    for _ in 0..RAYS_A_ROUND {
+    for _ in 0..rays {
         let tiny = one_of(random, &[1e-45, 1e-38, 1e-20, 1e-7, f64::from(f32::EPSILON)]);
         let (dy, dz) = (one_of(random, &[tiny, -tiny]), one_of(random, &[tiny, -tiny, 0.0, -0.0]));
         let sign = one_of(random, &[1.0, -1.0]);
@@ -85,9 +89,12 @@ fn tiny_components<S: Buildable>(random: &mut Random) -> Result<Round<S>, Primit
     Ok(round)
 }
 
-fn scaled_directions<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn scaled_directions<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
     let triangles = soup(random, 100, 0.3);
-    let mut round: Round<S> = soup_round(random, &triangles, |random| {
+    let mut round: Round<S> = soup_round(random, rays, &triangles, |random| {
         let target = point_within(random, &triangles);
         toward(random, target, 2.0)
     })?;
@@ -99,10 +106,10 @@ fn scaled_directions<S: Buildable>(random: &mut Random) -> Result<Round<S>, Prim
     Ok(round)
 }
 
-fn meaningless<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let triangles = soup(random, 100, 0.3);
     let mut round = Round::new(Model::triangles(&triangles)?);
-    for i in 0..RAYS_A_ROUND {
+    for i in 0..rays {
         let target = point_within(random, &triangles);
         let (origin, along) = toward(random, target, 2.0);
         let mut bad: Ray<S> = ray(origin, along);
@@ -125,10 +132,13 @@ fn meaningless<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveE
     Ok(round)
 }
 
-fn interval_ends<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn interval_ends<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
     let triangles = sheet(12, |_, _| 0.0);
     let mut round = Round::new(Model::triangles(&triangles)?);
-    for _ in 0..RAYS_A_ROUND {
+    for _ in 0..rays {
         // eighths: all products and sums of the test are exact, and so is t
         let mut eighths = |below: usize| random.below(below) as f64 / 8.0;
         let (x, y, height) = (eighths(97), eighths(97), 0.125 + eighths(64));
@@ -150,21 +160,21 @@ fn interval_ends<S: Buildable>(random: &mut Random) -> Result<Round<S>, Primitiv
     Ok(round)
 }
 
-fn far_origins<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let triangles = soup(random, 60, 1.0);
-    soup_round(random, &triangles, |random| {
+    soup_round(random, rays, &triangles, |random| {
         let target = point_within(random, &triangles);
         let from = direction(random) * one_of(random, &[1e4, 1e6, 1e7]) * 3.5;
         (target + from, -from)
     })
 }
 
-fn on_the_box<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let side = f64::from(super::LATTICE);
     let mut triangles = lattice_soup(random, 60);
     // the scene's box is that of the lattice
     triangles.push([DVec3::ZERO, dvec3(side, 0.0, 0.0), dvec3(0.0, side, side)]);
-    let mut round: Round<S> = lattice_round(random, &triangles, |random| {
+    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let mut origin = lattice_point(random).to_array();
         for _ in 0..=random.below(3) {
             let end = one_of(random, &[0.0, side]);

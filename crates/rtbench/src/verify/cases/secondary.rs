@@ -17,7 +17,7 @@ use crate::verify::draw::{direction, one_of, point, unit};
 use crate::verify::meshes::icosphere;
 use crate::verify::model::Model;
 use crate::verify::registry::{Case, Group};
-use crate::verify::round::{Expected, RAYS_A_ROUND, Round, ray};
+use crate::verify::round::{Expected, Round, ray};
 use crate::verify::subject::with_brute_force;
 
 /// The group.
@@ -45,8 +45,11 @@ const S4: Case =
 /// Rays that leave one hit point.
 const A_HIT: usize = 20;
 
-fn leaving_a_shape<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
-    leaving_a_shape_under(random, OffsetRule::default())
+fn leaving_a_shape<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
+    leaving_a_shape_under(random, rays, OffsetRule::default())
 }
 
 /// [`S1`] under a rule of choice: with none, rays hit what they leave.
@@ -55,6 +58,7 @@ fn leaving_a_shape<S: Buildable>(random: &mut Random) -> Result<Round<S>, Primit
 /// [`PrimitiveError`], if a drawn coordinate does not fit.
 pub fn leaving_a_shape_under<S: Buildable>(
     random: &mut Random,
+    rays: usize,
     rule: OffsetRule,
 ) -> Result<Round<S>, PrimitiveError> {
     let size = 10.0_f64.powf(unit(random) * 16.0 - 8.0);
@@ -69,7 +73,7 @@ pub fn leaving_a_shape_under<S: Buildable>(
             let c = a + (b - a) * unit(random) + point(random) * size * thin;
             scene.push_triangle(material, [a, b, c]);
         }
-        1 => scene.push_sphere(material, at, size * (0.1 + unit(random))),
+        1 => scene.push_sphere(material, at, size * (0.3 + unit(random))),
         2 => {
             let cone = Cone {
                 base: at + point(random) * size,
@@ -85,10 +89,13 @@ pub fn leaving_a_shape_under<S: Buildable>(
             scene.push_polygon(material, &corners);
         }
     }
-    leaving(random, &scene, at, size, rule)
+    leaving(random, rays, &scene, at, size, rule)
 }
 
-fn leaving_far_away<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn leaving_far_away<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
     let size: f64 = one_of(random, &[1e-3, 1.0, 1e3]);
     let away = one_of(random, &[0.0, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6]);
     let at = direction(random) * size * away;
@@ -101,18 +108,19 @@ fn leaving_far_away<S: Buildable>(random: &mut Random) -> Result<Round<S>, Primi
             scene.push_triangle(material, [a, b, c].map(|p| at + p * size));
         }
     }
-    leaving(random, &scene, at, size, OffsetRule::default())
+    leaving(random, rays, &scene, at, size, OffsetRule::default())
 }
 
 /// Rays to the outside of a convex scene about `at`: they meet nothing.
 fn leaving<S: Buildable>(
     random: &mut Random,
+    rays: usize,
     scene: &Scene,
     at: DVec3,
     size: f64,
     rule: OffsetRule,
 ) -> Result<Round<S>, PrimitiveError> {
-    let aimed: Vec<Ray<S>> = (0..RAYS_A_ROUND / A_HIT)
+    let aimed: Vec<Ray<S>> = (0..rays.div_ceil(A_HIT))
         .map(|_| {
             let from = at + direction(random) * size * 4.0;
             ray(from, at + point(random) * size * 0.5 - from)
@@ -138,7 +146,10 @@ fn leaving<S: Buildable>(
 }
 
 /// A plane, another just above it, a light above both: all of the lower one is dark.
-fn between_planes<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn between_planes<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
     const GAP: f64 = 1e-3;
     let half: f64 = one_of(random, &[1.0, 10.0, 100.0]);
     let turn = one_of(random, &[0, 1, 2]);
@@ -157,7 +168,7 @@ fn between_planes<S: Buildable>(random: &mut Random) -> Result<Round<S>, Primiti
     }
     let light = turned(dvec3(0.1, 1.0, -0.2) * half);
     // from within the gap, down to the lower plane
-    let aimed: Vec<Ray<S>> = (0..RAYS_A_ROUND)
+    let aimed: Vec<Ray<S>> = (0..rays)
         .map(|_| {
             let target = dvec3(point(random).x * half, 0.0, point(random).z * half);
             let from = target + dvec3(point(random).x * GAP, GAP * 0.5, point(random).z * GAP);
@@ -188,7 +199,10 @@ fn turned_back(turn: usize, p: DVec3) -> DVec3 {
 
 /// A ball on a plane: whether the ball is in the way of the light follows from its distance to
 /// the ray.
-fn under_a_ball<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn under_a_ball<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
     let radius: f64 = one_of(random, &[0.01, 1.0, 100.0]);
     let mut scene = Scene::new("a ball on a plane");
     let material = scene.push_material(Material::default());
@@ -200,7 +214,7 @@ fn under_a_ball<S: Buildable>(random: &mut Random) -> Result<Round<S>, Primitive
     scene.push_sphere(material, center, radius);
     let light = dvec3(3.0, 9.0, 1.0) * radius;
     // ever closer to where the ball touches
-    let aimed: Vec<Ray<S>> = (0..RAYS_A_ROUND)
+    let aimed: Vec<Ray<S>> = (0..rays)
         .map(|_| {
             let near = 10.0_f64.powf(unit(random) * -5.0) * radius * 2.0;
             let target = direction(random) * near;
@@ -236,7 +250,10 @@ fn expected_behind(passing: f64, radius: f64, clear: f64, t_max: f64) -> Expecte
 }
 
 /// From the floor to a light that stands on the ceiling: the ceiling does not hide it.
-fn to_a_light_on_a_surface<S: Buildable>(random: &mut Random) -> Result<Round<S>, PrimitiveError> {
+fn to_a_light_on_a_surface<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
     let size: f64 = one_of(random, &[1e-6, 1.0, 1e6]);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 100.0]);
     let mut scene = Scene::new("a light on a ceiling");
@@ -250,7 +267,7 @@ fn to_a_light_on_a_surface<S: Buildable>(random: &mut Random) -> Result<Round<S>
     for corners in [floor, ceiling] {
         scene.push_triangle(material, corners.map(|p| at + p * size));
     }
-    let aimed: Vec<Ray<S>> = (0..RAYS_A_ROUND)
+    let aimed: Vec<Ray<S>> = (0..rays)
         .map(|_| {
             let [a, b, c] = floor;
             let (u, v) = (unit(random) * 0.5, unit(random) * 0.5);
