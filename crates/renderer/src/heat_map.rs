@@ -161,8 +161,8 @@ mod tests {
         let ramp: Vec<f64> = (0..=64).map(|i| gray(color(f64::from(i) / 64.0))).collect();
         assert!(ramp.windows(2).all(|w| w[0] < w[1]));
         assert_eq!(
-            (number(3.14), number(999.6), number(12_345.0)),
-            ("3.1".into(), "1000".into(), "12k".into())
+            (number(3.25), number(999.6), number(12_345.0)),
+            ("3.2".into(), "1000".into(), "12k".into())
         );
         assert_eq!(scale_end(&[0.0; 10]), 1.0);
         let mut values = vec![2.0; 1000];

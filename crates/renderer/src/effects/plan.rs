@@ -157,7 +157,13 @@ impl EffectPlan {
     }
 
     /// The stages of the tracer.
+    ///
+    /// The features of `scripts/effect-gating.sh` leave those of sampled effects out, or plant them
+    /// where nothing calls for them.
     pub fn stages<'a>(&self, scene: &'a Scene, eye: EyeRays) -> Stages<'a> {
+        if cfg!(feature = "delete-effects") {
+            return plain_stages(scene, eye, true);
+        }
         let mut stages = Stages {
             eye: self.eye(scene, eye),
             hits: Vec::new(),
@@ -178,7 +184,8 @@ impl EffectPlan {
             shutter: scene.camera.shutter,
             seed: self.settings.seed,
         };
-        sampled(eye, sampling, flags.map(|effect| self.calls_for(effect)))
+        let planted = cfg!(feature = "plant-effect-cost");
+        sampled(eye, sampling, flags.map(|effect| planted || self.calls_for(effect)))
     }
 
     fn lights(&self, scene: &Scene) -> Option<Box<dyn LightStage>> {
