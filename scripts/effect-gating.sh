@@ -28,20 +28,24 @@ count() { # BINARY SCENE -> instructions, hash of the image
     valgrind --tool=callgrind --callgrind-out-file="$work/out" "$work/$1" "$2" >"$work/image" 2>"$work/log"
     echo "$(awk '/^(summary|totals):/ {print $2; exit}' "$work/out") $(cut -d' ' -f1 "$work/image")"
 }
+verdict() { # NAME COUNT COUNT_DELETED same|OTHER -> 0 when both are as good as equal
+    awk -v s="$1" -v a="$2" -v b="$3" -v same="$4" 'BEGIN {
+        r = a / b; printf "%-32s %13d %13d %8.5f  %s image\n", s, a, b, r, same
+        exit (r > 1.02 || r < 0.98 || same != "same") }'
+}
 judge() { # SCENE BINARY -> 0 when it is as the one with the effects deleted
     local a b
     read -r a ha < <(count "$2" "$1")
     read -r b hb < <(count deleted "$1")
     [ "$a" -gt 0 ] && [ "$b" -gt 0 ] || { echo "effect-gating: nothing was counted for $1" >&2; exit 1; }
-    awk -v s="$1" -v n="$2" -v a="$a" -v b="$b" -v same="$([ "$ha" = "$hb" ] && echo same || echo OTHER)" 'BEGIN {
-        r = a / b; printf "%-22s %-8s %13d %13d %8.5f  %s image\n", s, n, a, b, r, same
-        exit (r > 1.02 || r < 0.98 || same != "same") }'
+    verdict "$1 $2" "$a" "$b" "$([ "$ha" = "$hb" ] && echo same || echo OTHER)"
 }
 status=0
-printf '%-22s %-8s %13s %13s %8s\n' scene program instructions deleted ratio
+printf '%-32s %13s %13s %8s\n' 'scene program' instructions deleted ratio
 for s in "${scenes[@]}"; do judge "$s" present || status=1; done
-if judge "${scenes[1]:-${scenes[0]}}" planted; then
-    echo "effect-gating: the planted fault was not found" >&2
+echo "planted faults:"
+if judge "${scenes[0]}" planted || verdict "3% more" 1030 1000 same || verdict "other bits" 1000 1000 OTHER; then
+    echo "effect-gating: a planted fault was not found" >&2
     status=1
 fi
 exit $status
