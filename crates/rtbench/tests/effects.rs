@@ -51,6 +51,10 @@ fn what_makes_no_sense_is_a_usage_error() {
         ("render effect-all --plan --supersamples 0".to_owned(), "--supersamples"),
         ("render effect-all --plan --shadow-samples 70000".to_owned(), "--shadow-samples"),
         ("render effect-all --plan --depth 0".to_owned(), "--depth"),
+        (
+            "render effect-all --plan --glossy-samples 65536 --shadow-samples 65536".to_owned(),
+            "at most 4194304",
+        ),
         ("render effect-al --plan".to_owned(), "did you mean `effect-all`?"),
         ("cost effects".to_owned(), "one scene"),
         ("cost nothing".to_owned(), "unknown scene"),

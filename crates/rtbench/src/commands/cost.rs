@@ -7,12 +7,12 @@ use std::path::Path;
 use accel_core::structures::BuildError;
 use renderer::heat_map::heat_map;
 use renderer::work::pixel_work;
-use renderer::{EffectPlan, Geometry, RenderSettings};
+use renderer::{Geometry, RenderSettings};
 use scene_loading::Scene;
 
 use crate::args::{Color, CostArgs};
 use crate::clock::Clock;
-use crate::commands::render::{one_scene, settings, structure};
+use crate::commands::render::{one_scene, plan_of, settings, structure};
 use crate::context::Context;
 use crate::cost::model::{Model, Work};
 use crate::cost::test_time::seconds_a_test;
@@ -54,6 +54,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         return Err(Error::NoModel { scenes: calibration.join(", ") });
     };
     let loaded = scene.load()?.scene;
+    let plan = plan_of(&loaded, &settings)?;
     let geometry = Geometry::<f32>::of(&loaded)?;
     let clock = context.clock;
     let build = |source: BuildError| Error::Build { scene: scene.name().to_owned(), source };
@@ -63,7 +64,6 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         let traced = Traced { tracer: &*tracer, seconds_a_test };
         let rows = rows(&loaded, traced, &settings, &model, clock);
         if let Some(folder) = &args.heat_maps {
-            let plan = EffectPlan::of(&loaded, &settings);
             let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
             let microseconds: Vec<f64> = work.nanoseconds.iter().map(|t| t / 1e3).collect();
             for (values, name, unit) in [
