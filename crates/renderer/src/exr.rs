@@ -68,3 +68,86 @@ fn header(image: &Image, out: &mut Vec<u8>) {
     }
     out.push(0);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image() -> Image {
+        let value = |i: u32| f64::from(i) * 0.125 - 1.0;
+        // negative, above 1, and too small for 16 bits: nothing is clamped
+        let pixels = (0..15).map(|i| [value(i), value(i) * 1e-9, value(i) * 1000.0]).collect();
+        Image { width: 5, height: 3, pixels }
+    }
+
+    fn number(bytes: &[u8], at: usize) -> Option<usize> {
+        let word = bytes.get(at..at + 4)?;
+        Some(u32::from_le_bytes(word.try_into().ok()?) as usize)
+    }
+
+    /// Follows the layout from the beginning; `None` where the file breaks it.
+    fn decoded(bytes: &[u8]) -> Option<(Vec<String>, Vec<[f32; 3]>)> {
+        if number(bytes, 0)? != 20_000_630 || number(bytes, 4)? != 2 {
+            return None;
+        }
+        let (mut at, mut names, mut size) = (8, Vec::new(), [0; 2]);
+        while *bytes.get(at)? != 0 {
+            let mut text = || {
+                let end = at + bytes[at..].iter().position(|b| *b == 0)?;
+                let text = String::from_utf8(bytes[at..end].to_vec()).ok();
+                at = end + 1;
+                text
+            };
+            names.push(text()?);
+            text()?;
+            let length = number(bytes, at)?;
+            if names.last()? == "dataWindow" {
+                size = [number(bytes, at + 12)? + 1, number(bytes, at + 16)? + 1];
+            }
+            at += 4 + length;
+        }
+        at += 1;
+        let mut pixels = vec![[0.0; 3]; size[0] * size[1]];
+        for y in 0..size[1] {
+            let row = number(bytes, at + 8 * y)?;
+            if number(bytes, row)? != y || number(bytes, row + 4)? != 12 * size[0] {
+                return None;
+            }
+            for (channel, k) in [2, 1, 0].into_iter().enumerate() {
+                for x in 0..size[0] {
+                    let bits = number(bytes, row + 8 + 4 * (channel * size[0] + x))? as u32;
+                    pixels[y * size[0] + x][k] = f32::from_bits(bits);
+                }
+            }
+        }
+        Some((names, pixels))
+    }
+
+    #[test]
+    fn the_file_follows_the_layout_and_holds_the_floats() {
+        // crate `exr` 1.74.2 read this very image back, too (2026-11-21)
+        let image = image();
+        let bytes = encode(&image);
+        let (names, pixels) = decoded(&bytes).unwrap();
+        assert_eq!(names.len(), 8);
+        assert!(names.is_sorted() && names[0] == "channels");
+        let expected: Vec<[f32; 3]> = image.pixels.iter().map(|c| c.map(|x| x as f32)).collect();
+        assert_eq!(pixels, expected);
+        // planted faults: a file that was cut off, an offset that is wrong by one
+        assert!(decoded(&bytes[..bytes.len() - 1]).is_none());
+        let mut planted = bytes.clone();
+        let table = bytes.len() - 3 * (8 + 12 * 5) - 8 * 3;
+        planted[table] += 1;
+        assert!(decoded(&planted).is_none());
+    }
+
+    #[test]
+    fn endings_choose_the_format() {
+        use crate::film::ImageFormat;
+        let of = |name: &str| ImageFormat::of(std::path::Path::new(name));
+        assert_eq!(of("a.EXR"), Some(ImageFormat::Exr));
+        assert_eq!(of("a.png"), Some(ImageFormat::Png));
+        assert_eq!(of("a"), Some(ImageFormat::Png));
+        assert_eq!(of("a.jpg"), None);
+    }
+}

@@ -29,10 +29,11 @@ const ANCHORS: [[u8; 3]; 9] = [
 
 /// The picture of `values` (row by row, `width` a row), with a legend that names their unit.
 pub fn heat_map(values: &[f64], width: u32, unit: &str) -> Image {
-    let height = values.len() as u32 / width.max(1);
+    let width = width.max(1);
+    let height = values.len() as u32 / width;
     let top = scale_end(values);
     // small pictures are enlarged by a whole factor, for the legend's sake
-    let zoom = LEAST_WIDTH.div_ceil(width.max(1));
+    let zoom = LEAST_WIDTH.div_ceil(width);
     let text = zoom.min(2).max(if width >= 256 { 2 } else { 1 });
     let (w, h) = (width * zoom, height * zoom);
     let legend = BAR + GLYPH[1] * text + 3 * MARGIN;
@@ -160,8 +161,8 @@ mod tests {
         let ramp: Vec<f64> = (0..=64).map(|i| gray(color(f64::from(i) / 64.0))).collect();
         assert!(ramp.windows(2).all(|w| w[0] < w[1]));
         assert_eq!(
-            (number(3.14), number(999.6), number(12_345.0)),
-            ("3.1".into(), "1000".into(), "12k".into())
+            (number(3.25), number(999.6), number(12_345.0)),
+            ("3.2".into(), "1000".into(), "12k".into())
         );
         assert_eq!(scale_end(&[0.0; 10]), 1.0);
         let mut values = vec![2.0; 1000];

@@ -105,9 +105,12 @@ fn slopes_that_are_not_as_expected_are_found_out() {
     }
 }
 
+/// Sets the number of samples of one effect.
+type Wish = fn(&mut SampleWishes, u32);
+
 /// Errors at 4, 16 and 64 samples against the mean of two images of 512 with other seeds, whose own
 /// error must be small enough to be left out (HARD_CASES).
-fn errors(scene: &Scene, wish: fn(&mut SampleWishes, u32)) -> Vec<(u32, f64)> {
+fn errors(scene: &Scene, wish: Wish) -> Vec<(u32, f64)> {
     let with = |n: u32, seed: u64| {
         let mut samples = SampleWishes { supersamples: Some(1), ..SampleWishes::default() };
         wish(&mut samples, n);
@@ -130,7 +133,7 @@ fn errors(scene: &Scene, wish: fn(&mut SampleWishes, u32)) -> Vec<(u32, f64)> {
 
 #[test]
 fn the_error_of_every_sampled_effect_falls_as_expected() {
-    let cases: [(&str, fn(&mut SampleWishes, u32)); 5] = [
+    let cases: [(&str, Wish); 5] = [
         ("effect-soft-shadows", |s, n| s.shadow = Some(n)),
         ("effect-gloss", |s, n| s.glossy = Some(n)),
         ("effect-motion", |s, n| s.temporal = Some(n)),

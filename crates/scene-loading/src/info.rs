@@ -59,7 +59,8 @@ impl SceneInfo {
                 + size_of_val(scene.normals.as_slice())
                 + size_of_val(scene.spheres.as_slice())
                 + size_of_val(scene.cones.as_slice())
-                + size_of_val(scene.primitives.as_slice()),
+                + size_of_val(scene.primitives.as_slice())
+                + size_of_val(scene.velocities.as_slice()),
         };
         for primitive in &scene.primitives {
             match primitive.shape {

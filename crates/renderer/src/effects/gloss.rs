@@ -28,7 +28,7 @@ pub static INFO: EffectInfo = EffectInfo {
 fn called_by(scene: &Scene, settings: &RenderSettings) -> Option<String> {
     let rough = used_materials(scene).filter(|m| m.specular > 0.0 && m.roughness > 0.0).count();
     (rough > 0 && settings.max_depth > 1)
-        .then(|| format!("{} that mirror with a roughness", counted(rough, "material")))
+        .then(|| format!("{} with a roughness", counted(rough, "mirror")))
 }
 
 /// How rough mirrors are sampled.

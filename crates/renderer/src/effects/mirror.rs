@@ -25,7 +25,7 @@ fn called_by(scene: &Scene, settings: &RenderSettings) -> Option<String> {
         .filter(|m| (m.specular > 0.0 && m.roughness <= 0.0) || m.transmittance > 0.0)
         .count();
     (mirrors > 0 && settings.max_depth > 1)
-        .then(|| format!("{} without roughness that mirror", counted(mirrors, "material")))
+        .then(|| format!("{} without a roughness", counted(mirrors, "mirror")))
 }
 
 /// Sends rays on. What a scene has nothing of is not compiled in: `GLASS` refracts, `ROUGH`

@@ -22,12 +22,9 @@ pub static INFO: EffectInfo = EffectInfo {
 fn called_by(scene: &Scene, _: &RenderSettings) -> Option<String> {
     let moving = scene.velocities.iter().filter(|v| **v != DVec3::ZERO).count();
     let shutter = scene.camera.shutter;
-    (moving > 0 && shutter > 0.0).then(|| {
-        format!(
-            "{} that move while the shutter is open for {shutter}",
-            counted(moving, "primitive")
-        )
-    })
+    let is_called = moving > 0 && shutter > 0.0;
+    let moving = counted(moving, "moving primitive");
+    is_called.then(|| format!("{moving}, a shutter open for {shutter}"))
 }
 
 /// Looks up the surfaces of moving primitives where they are at rest.

@@ -12,6 +12,9 @@ use super::{EFFECTS, Effect, EffectInfo, Pinhole, PointLights, Scatter};
 use crate::camera::EyeRays;
 use crate::tracers::stages::{EyeStage, LightStage, ScatterStage, Stages};
 
+/// Limit of [`EffectPlan::samples_a_pixel`].
+pub const MOST_SAMPLES_A_PIXEL: u64 = 1 << 22;
+
 /// How an image is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderSettings {
@@ -156,10 +159,26 @@ impl EffectPlan {
             .fold(1_u32, |n, effect| n.saturating_mul(self.factor(effect)))
     }
 
+    /// Samples that one pixel may take at once: eye rays x glossy x shadow samples. Callers must
+    /// refuse more than [`MOST_SAMPLES_A_PIXEL`]: they would fill the memory.
+    pub fn samples_a_pixel(&self) -> u64 {
+        let factor = |effect| u64::from(self.factor(effect));
+        u64::from(self.rays_a_pixel())
+            .saturating_mul(factor(Effect::Gloss))
+            .saturating_mul(factor(Effect::SoftShadows))
+    }
+
     /// The stages of the tracer.
+    ///
+    /// The features of `scripts/effect-gating.sh` leave those of sampled effects out, or plant them
+    /// where nothing calls for them.
     pub fn stages<'a>(&self, scene: &'a Scene, eye: EyeRays) -> Stages<'a> {
+        if cfg!(feature = "delete-effects") {
+            return plain_stages(scene, eye, true);
+        }
         let mut stages = Stages {
             eye: self.eye(scene, eye),
+            fan_out: self.factor(Effect::Gloss),
             hits: Vec::new(),
             lights: self.lights(scene),
             scatter: self.scatter(),
@@ -178,7 +197,8 @@ impl EffectPlan {
             shutter: scene.camera.shutter,
             seed: self.settings.seed,
         };
-        sampled(eye, sampling, flags.map(|effect| self.calls_for(effect)))
+        let planted = cfg!(feature = "plant-effect-cost");
+        sampled(eye, sampling, flags.map(|effect| planted || self.calls_for(effect)))
     }
 
     fn lights(&self, scene: &Scene) -> Option<Box<dyn LightStage>> {
@@ -210,6 +230,7 @@ pub fn plain_stages<'a>(scene: &'a Scene, eye: EyeRays, both_sides: bool) -> Sta
     let lobe = Lobe { samples: 1, seed: 0 };
     Stages {
         eye: Box::new(Pinhole::new(eye)),
+        fan_out: 1,
         hits: Vec::new(),
         lights: (!scene.lights.is_empty())
             .then(|| Box::new(PointLights::new(scene, both_sides)) as _),

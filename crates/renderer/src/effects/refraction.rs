@@ -15,5 +15,5 @@ pub static INFO: EffectInfo =
 fn called_by(scene: &Scene, settings: &RenderSettings) -> Option<String> {
     let glass = used_materials(scene).filter(|m| m.transmittance > 0.0).count();
     (glass > 0 && settings.max_depth > 1)
-        .then(|| format!("{} that transmit", counted(glass, "material")))
+        .then(|| format!("{} with a transmittance", counted(glass, "material")))
 }

@@ -130,6 +130,8 @@ pub trait ScatterStage: Send + Sync {
 pub struct Stages<'a> {
     /// Rays from the eye.
     pub eye: Box<dyn EyeStage>,
+    /// Rays that an eye ray may become at once: bounds the size of waves.
+    pub fan_out: u32,
     /// Corrections of hits, in order.
     pub hits: Vec<Box<dyn HitStage + 'a>>,
     /// Light, if there is any.

@@ -134,7 +134,8 @@ impl<'a> Whitted<'a> {
         columns: Range<u32>,
     ) -> Row<S> {
         let mut row = Row { rays: None, counts: RayCounts::default(), colors: Vec::new() };
-        let group = (BATCH as u32 / self.stages.eye.rays_a_pixel()).max(1);
+        let rays = self.stages.eye.rays_a_pixel().saturating_mul(self.stages.fan_out);
+        let group = (BATCH as u32 / rays.max(1)).max(1);
         for start in columns.clone().step_by(group as usize) {
             let end = start.saturating_add(group).min(columns.end);
             self.trace_group(tracer, y, start..end, &mut row);

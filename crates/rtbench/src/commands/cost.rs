@@ -7,15 +7,16 @@ use std::path::Path;
 use accel_core::structures::BuildError;
 use renderer::heat_map::heat_map;
 use renderer::work::pixel_work;
-use renderer::{EffectPlan, Geometry, RenderSettings};
+use renderer::{Geometry, RenderSettings};
 use scene_loading::Scene;
 
 use crate::args::{Color, CostArgs};
 use crate::clock::Clock;
-use crate::commands::render::{one_scene, settings, structure};
+use crate::commands::render::{one_scene, plan_of, settings, structure};
 use crate::context::Context;
 use crate::cost::model::{Model, Work};
-use crate::cost::{CostRow, counted, factors, is_near, measured, rows, worst};
+use crate::cost::test_time::seconds_a_test;
+use crate::cost::{CostRow, Factor, Traced, counted, factors, is_near, measured, rows, worst};
 use crate::error::Error;
 use crate::export::numbers::{milliseconds, short};
 use crate::export::table::{Cell, Style, Table};
@@ -53,14 +54,16 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         return Err(Error::NoModel { scenes: calibration.join(", ") });
     };
     let loaded = scene.load()?.scene;
+    let plan = plan_of(&loaded, &settings)?;
     let geometry = Geometry::<f32>::of(&loaded)?;
     let clock = context.clock;
     let build = |source: BuildError| Error::Build { scene: scene.name().to_owned(), source };
     let rows = pool.install(|| {
         let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
-        let rows = rows(&loaded, &*tracer, &settings, &model, clock);
+        let seconds_a_test = seconds_a_test(geometry.prims(), clock);
+        let traced = Traced { tracer: &*tracer, seconds_a_test };
+        let rows = rows(&loaded, traced, &settings, &model, clock);
         if let Some(folder) = &args.heat_maps {
-            let plan = EffectPlan::of(&loaded, &settings);
             let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
             let microseconds: Vec<f64> = work.nanoseconds.iter().map(|t| t / 1e3).collect();
             for (values, name, unit) in [
@@ -98,8 +101,10 @@ fn calibrate(
     let geometry = Geometry::<f32>::of(scene)?;
     let build = |source: BuildError| Error::Build { scene: scene.name.clone(), source };
     let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
-    let point = |factor: crate::cost::Factor| {
-        let work = counted(scene, &*tracer, &factor.plan);
+    let seconds_a_test = seconds_a_test(geometry.prims(), clock);
+    let traced = Traced { tracer: &*tracer, seconds_a_test };
+    let point = |factor: Factor| {
+        let work = counted(scene, traced, &factor.plan);
         (work, measured(scene, &*tracer, &factor.plan, clock))
     };
     Ok(factors(scene, settings).into_iter().map(point).collect())
@@ -133,10 +138,12 @@ fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration:
         ];
         table.rows.push(cells.into_iter().map(|text| Cell { text, style }).collect());
     }
-    let [ray, test, step] = model.terms().map(|s| short(s * 1e9));
+    let nanoseconds = |seconds: f64| short(seconds * 1e9);
+    let [ray, step] = model.terms().map(nanoseconds);
+    let test = nanoseconds(rows.first().map_or(0.0, |row| row.work.seconds_a_test));
     table.notes.push(format!(
-        "times from {}: {ray} ns a ray with its shading, {test} a test, {step} a step; rays, tests \
-         and steps are counted on a small image",
+        "times from {}: {ray} ns a ray with its shading, {step} a step; {test} ns a test in this \
+         scene; rays, tests and steps are counted on a small image",
         calibration.join(" and ")
     ));
     if let (Some(last), Some(worst)) = (rows.last(), worst(rows)) {

@@ -6,8 +6,9 @@ use accel_core::occluders;
 use accel_core::occluders::shadow_path::ShadowPath;
 use accel_core::structures::Entry;
 use accel_core::tracer::Tracer;
+use renderer::effects::plan::MOST_SAMPLES_A_PIXEL;
 use renderer::{EffectPlan, Geometry, ImageFormat, RenderSettings, render_plan};
-use scene_loading::SampleWishes;
+use scene_loading::{SampleWishes, Scene};
 
 use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 use crate::context::Context;
@@ -41,7 +42,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     }
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
     let settings = settings(args.size, &args.sampling);
-    let plan = EffectPlan::of(&loaded.scene, &settings);
+    let plan = plan_of(&loaded.scene, &settings)?;
     let threads = args.threads.map_or_else(machine::threads, usize::from);
     let (table, image) = pool(threads)?
         .install(|| {
@@ -109,6 +110,18 @@ pub fn writable(path: &Path) -> Result<ImageFormat, Error> {
         .open(path)
         .map_err(|source| Error::Write { path: path.to_owned(), source })?;
     Ok(format)
+}
+
+/// The effect plan, unless its samples would fill the memory.
+pub fn plan_of(scene: &Scene, settings: &RenderSettings) -> Result<EffectPlan, PlanError> {
+    let plan = EffectPlan::of(scene, settings);
+    if plan.samples_a_pixel() > MOST_SAMPLES_A_PIXEL {
+        return Err(PlanError::Malformed {
+            text: format!("{} eye x glossy x shadow samples a pixel", plan.samples_a_pixel()),
+            expected: "at most 4194304 of them",
+        });
+    }
+    Ok(plan)
 }
 
 /// What was typed, as the renderer takes it.

@@ -4,10 +4,12 @@
 //! shadow rays x supersamples x glossy x temporal x focal samples.
 //!
 //! Each factor is switched on after those before it. Beside what the product says stand a
-//! prediction ([`model`]; its numbers of rays, tests and steps are counted on a small image of the
-//! scene, its times on two other scenes) and the measured time.
+//! prediction ([`model`]: the numbers of rays, tests and steps are counted on a small image of the
+//! scene, the time of a test is measured in it ([`test_time`]), those of a ray and a step on two
+//! other scenes) and the measured time.
 
 pub mod model;
+pub mod test_time;
 
 use std::time::Duration;
 
@@ -22,8 +24,17 @@ use model::{Model, Work};
 /// Pixels of the image that work is counted on, an axis.
 const PROBE: u32 = 64;
 
-/// Images that take less are measured three times, of which the fastest counts.
+/// Images that take less are measured five times, of which the fastest counts.
 const SHORT: Duration = Duration::from_millis(500);
+
+/// A structure over a scene, and what a test of the scene's primitives takes.
+#[derive(Clone, Copy)]
+pub struct Traced<'t> {
+    /// The structure.
+    pub tracer: &'t dyn Tracer<f32>,
+    /// Seconds a test.
+    pub seconds_a_test: f64,
+}
 
 /// A factor of the product, with all factors before it.
 #[derive(Debug, Clone)]
@@ -101,16 +112,17 @@ fn tree(plan: &EffectPlan, depth: u32) -> f64 {
 }
 
 /// The work of an image: counted on one of few pixels, scaled to its own.
-pub fn counted(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Work {
+pub fn counted(scene: &Scene, traced: Traced<'_>, plan: &EffectPlan) -> Work {
     let [width, height] = plan.settings().resolution;
     let probe = [width, height].map(|n| n.min(PROBE));
-    let counter = Counted::new(tracer);
+    let counter = Counted::new(traced.tracer);
     let counts = render_plan(scene, &counter, &plan.clone().at(probe)).counts;
     let total = counter.total();
     let work = Work {
         rays: counts.total() as f64,
         tests: total.intersection_tests as f64,
         steps: total.traversal_steps as f64,
+        seconds_a_test: traced.seconds_a_test,
     };
     let pixels = |[w, h]: [u32; 2]| f64::from(w) * f64::from(h);
     work.times(pixels([width, height]) / pixels(probe))
@@ -129,7 +141,8 @@ pub fn measured(
         clock.seconds_since(start)
     };
     let first = once();
-    if first >= SHORT.as_secs_f64() { first } else { first.min(once()).min(once()) }
+    let repeats = if first < SHORT.as_secs_f64() { 4 } else { 0 };
+    (0..repeats).fold(first, |least, _| least.min(once()))
 }
 
 /// A row of the table.
@@ -156,15 +169,16 @@ pub struct CostRow {
 /// All rows of a scene.
 pub fn rows(
     scene: &Scene,
-    tracer: &dyn Tracer<f32>,
+    traced: Traced<'_>,
     settings: &RenderSettings,
     model: &Model,
     clock: &dyn Clock,
 ) -> Vec<CostRow> {
     let mut rows: Vec<CostRow> = Vec::new();
     for Factor { name, nominal, says, plan } in factors(scene, settings) {
-        let work = counted(scene, tracer, &plan);
-        let (predicted, measured) = (model.seconds(work), measured(scene, tracer, &plan, clock));
+        let work = counted(scene, traced, &plan);
+        let (predicted, measured) =
+            (model.seconds(work), measured(scene, traced.tracer, &plan, clock));
         let before = rows.last().map_or((1.0, 1.0), |row| (row.predicted, row.measured));
         let (predicted_growth, grew) = (predicted / before.0, measured / before.1);
         rows.push(CostRow {

@@ -1,155 +1,126 @@
-//! What a ray costs, from what it does: seconds = a x rays + b x tests + c x steps.
+//! What an image costs, from what its rays do: seconds = a x rays + b x steps + its tests.
 //!
-//! The three times belong to machine and structure. They are found by least squares on the
-//! relative errors of measured images of other scenes, none of them below 0 (C. Lawson,
-//! R. Hanson, "Solving Least Squares Problems", 1974; with three unknowns all seven sets of those
-//! above 0 are simply tried).
+//! What a test takes is measured in the scene itself ([`super::test_time`]). The times of a ray
+//! (with its shading) and of a step belong to machine and structure; they are found by least
+//! squares on the relative errors of measured images of other scenes, neither below 0 (with two
+//! unknowns all sets of those above 0 are simply tried; C. Lawson, R. Hanson, "Solving Least
+//! Squares Problems", 1974, has the general case).
 
 /// What an image took.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Work {
     /// Rays of all kinds.
     pub rays: f64,
-    /// Ray-primitive intersection tests.
-    pub tests: f64,
     /// Traversal steps.
     pub steps: f64,
+    /// Ray-primitive intersection tests.
+    pub tests: f64,
+    /// Seconds that such a test takes.
+    pub seconds_a_test: f64,
 }
 
 impl Work {
-    fn terms(self) -> [f64; 3] {
-        [self.rays, self.tests, self.steps]
-    }
-
     /// The same on so many times the pixels.
     pub fn times(self, factor: f64) -> Self {
-        let [rays, tests, steps] = self.terms().map(|x| x * factor);
-        Self { rays, tests, steps }
+        let (rays, steps) = (self.rays * factor, self.steps * factor);
+        Self { rays, steps, tests: self.tests * factor, ..self }
     }
 }
 
-/// Seconds a ray, a test and a step.
+/// Seconds a ray and a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    seconds: [f64; 3],
+    ray: f64,
+    step: f64,
 }
 
 impl Model {
     /// The model that fits the measured seconds best; `None` when there is nothing to fit, or a
     /// measurement is not above 0.
     pub fn fitted(measured: &[(Work, f64)]) -> Option<Self> {
-        if measured.iter().any(|(_, seconds)| !(seconds.is_finite() && *seconds > 0.0)) {
+        let is_bad = |&(_, seconds): &(Work, f64)| !(seconds.is_finite() && seconds > 0.0);
+        if measured.is_empty() || measured.iter().any(is_bad) {
             return None;
         }
-        let rows: Vec<[f64; 3]> =
-            measured.iter().map(|(work, seconds)| work.terms().map(|x| x / seconds)).collect();
-        let error = |s: &[f64; 3]| -> f64 { rows.iter().map(|r| (dot(r, s) - 1.0).powi(2)).sum() };
-        (1..8_u8)
-            .filter_map(|used| solved(&rows, used))
-            .filter(|s| s.iter().all(|x| *x >= 0.0))
-            .min_by(|a, b| error(a).total_cmp(&error(b)))
-            .map(|seconds| Self { seconds })
+        // a row says: ray x rays + step x steps = what the tests leave over, all as parts of 1
+        let rows: Vec<[f64; 3]> = measured
+            .iter()
+            .map(|(work, seconds)| {
+                let left = 1.0 - work.tests * work.seconds_a_test / seconds;
+                [work.rays / seconds, work.steps / seconds, left]
+            })
+            .collect();
+        let sum = |i: usize, j: usize| -> f64 { rows.iter().map(|row| row[i] * row[j]).sum() };
+        let (rr, ss, rs, rl, sl) = (sum(0, 0), sum(1, 1), sum(0, 1), sum(0, 2), sum(1, 2));
+        let det = rr * ss - rs * rs;
+        let candidates = [
+            Self { ray: 0.0, step: 0.0 },
+            Self { ray: rl / rr, step: 0.0 },
+            Self { ray: 0.0, step: sl / ss },
+            Self { ray: (rl * ss - sl * rs) / det, step: (sl * rr - rl * rs) / det },
+        ];
+        let error = |model: &Self| -> f64 {
+            let miss = |[r, s, left]: &[f64; 3]| model.ray * r + model.step * s - left;
+            rows.iter().map(|row| miss(row).powi(2)).sum()
+        };
+        let is_valid = |m: &Self| [m.ray, m.step].iter().all(|x| x.is_finite() && *x >= 0.0);
+        candidates.into_iter().filter(is_valid).min_by(|a, b| error(a).total_cmp(&error(b)))
     }
 
     /// Predicted seconds.
     pub fn seconds(&self, work: Work) -> f64 {
-        dot(&work.terms(), &self.seconds)
+        self.ray * work.rays + self.step * work.steps + work.tests * work.seconds_a_test
     }
 
-    /// Seconds a ray, a test, a step.
-    pub fn terms(&self) -> [f64; 3] {
-        self.seconds
+    /// Seconds a ray and a step.
+    pub fn terms(&self) -> [f64; 2] {
+        [self.ray, self.step]
     }
-}
-
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-/// Least squares of `rows . x = 1` where only the unknowns whose bits are set may differ from 0:
-/// the normal equations, by Gauss-Jordan elimination.
-fn solved(rows: &[[f64; 3]], used: u8) -> Option<[f64; 3]> {
-    let unknowns: Vec<usize> = (0..3).filter(|k| used >> k & 1 == 1).collect();
-    let n = unknowns.len();
-    let mut m = vec![vec![0.0; n + 1]; n];
-    for row in rows {
-        for (i, &u) in unknowns.iter().enumerate() {
-            for (j, &v) in unknowns.iter().enumerate() {
-                m[i][j] += row[u] * row[v];
-            }
-            m[i][n] += row[u];
-        }
-    }
-    // unknowns of different size: scale each equation by its diagonal
-    for i in 0..n {
-        let pivot = m[i][i];
-        let largest = m[i][..n].iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-        if !(pivot.abs() > largest * 1e-12) {
-            return None;
-        }
-        m[i].iter_mut().for_each(|x| *x /= pivot);
-        for k in (0..n).filter(|&k| k != i) {
-            let factor = m[k][i];
-            for j in 0..=n {
-                m[k][j] -= factor * m[i][j];
-            }
-        }
-    }
-    let mut x = [0.0; 3];
-    for (equation, &unknown) in m.iter().zip(&unknowns) {
-        x[unknown] = equation[n];
-    }
-    x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn work(rays: f64, tests: f64, steps: f64) -> Work {
-        Work { rays, tests, steps }
+    fn work(rays: f64, steps: f64, tests: f64) -> Work {
+        Work { rays, steps, tests, seconds_a_test: 2e-8 }
     }
 
-    fn measured(truth: [f64; 3], works: &[Work]) -> Vec<(Work, f64)> {
-        let model = Model { seconds: truth };
-        works.iter().map(|&work| (work, model.seconds(work))).collect()
+    fn measured(ray: f64, step: f64) -> Vec<(Work, f64)> {
+        let model = Model { ray, step };
+        [work(1e4, 9e4, 2e4), work(3e4, 2e5, 9e4), work(2e4, 9e5, 1e5)]
+            .map(|work| (work, model.seconds(work)))
+            .to_vec()
     }
-
-    const WORKS: [Work; 4] = [
-        Work { rays: 1e4, tests: 2e4, steps: 9e4 },
-        Work { rays: 3e4, tests: 9e4, steps: 2e5 },
-        Work { rays: 2e4, tests: 1e5, steps: 9e5 },
-        Work { rays: 5e4, tests: 3e4, steps: 1e5 },
-    ];
 
     #[test]
     fn planted_times_are_found_again() {
-        let truth = [2e-7, 3e-8, 1e-8];
-        let model = Model::fitted(&measured(truth, &WORKS)).unwrap();
-        for (found, planted) in model.terms().iter().zip(truth) {
-            assert!((found / planted - 1.0).abs() < 1e-6, "{model:?}");
-        }
-        let other = work(7e4, 1e4, 5e5);
-        let expected = 7e4 * 2e-7 + 1e4 * 3e-8 + 5e5 * 1e-8;
-        assert!((model.seconds(other) / expected - 1.0).abs() < 1e-6);
-        assert_eq!(other.times(2.0), work(14e4, 2e4, 1e6));
+        let model = Model::fitted(&measured(2e-7, 1e-8)).unwrap();
+        let [ray, step] = model.terms();
+        assert!((ray / 2e-7 - 1.0).abs() < 1e-9 && (step / 1e-8 - 1.0).abs() < 1e-9, "{model:?}");
+        let other = work(7e4, 5e5, 1e4);
+        let expected = 7e4 * 2e-7 + 5e5 * 1e-8 + 1e4 * 2e-8;
+        assert!((model.seconds(other) / expected - 1.0).abs() < 1e-9);
+        assert_eq!(other.times(2.0), work(14e4, 1e6, 2e4));
     }
 
     #[test]
     fn no_time_is_below_0_and_bad_measurements_are_refused() {
         // steps that seem to save time: the best model without that
-        let model = Model::fitted(&measured([5e-7, 3e-8, -5e-9], &WORKS)).unwrap();
+        let model = Model::fitted(&measured(5e-7, -5e-9)).unwrap();
         assert!(model.terms().iter().all(|x| *x >= 0.0), "{model:?}");
-        assert!(model.seconds(WORKS[0]) > 0.0);
+        // tests that seem to take longer than everything
+        let model = Model::fitted(&[(work(10.0, 10.0, 1e9), 1.0)]).unwrap();
+        assert_eq!(model.terms(), [0.0, 0.0]);
         assert_eq!(Model::fitted(&[]), None);
         for planted in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert_eq!(Model::fitted(&[(WORKS[0], 1.0), (WORKS[1], planted)]), None);
+            assert_eq!(
+                Model::fitted(&[(work(1.0, 1.0, 1.0), 1.0), (work(1.0, 1.0, 1.0), planted)]),
+                None
+            );
         }
-    }
-
-    #[test]
-    fn one_measurement_is_enough_for_one_time() {
-        let model = Model::fitted(&[(work(10.0, 0.0, 0.0), 5.0)]).unwrap();
-        assert!((model.seconds(work(20.0, 0.0, 0.0)) - 10.0).abs() < 1e-9);
+        // one measurement is enough for one time
+        let alone = Work { rays: 10.0, ..Work::default() };
+        assert!((Model::fitted(&[(alone, 5.0)]).unwrap().seconds(alone) - 5.0).abs() < 1e-9);
     }
 }
