@@ -95,6 +95,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut context = Context {
         registry,
+        occluders: accel_core::occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
         out: &mut out,
