@@ -199,13 +199,11 @@ pub fn select<'r, E: Registered>(
 
 /// The error for `--set` of a structure that no row is of, or of none at all.
 pub fn override_without_row<E: Registered>(registry: &[E], overrides: &[String]) -> PlanError {
-    for text in overrides {
-        match parse_override(registry, text) {
-            Ok(o) => return PlanError::OverrideWithoutRow { structure: o.entry.info().name },
-            Err(error) => return error,
-        }
+    let Some(text) = overrides.first() else { return PlanError::NoRows };
+    match parse_override(registry, text) {
+        Ok(o) => PlanError::OverrideWithoutRow { structure: o.entry.info().name },
+        Err(error) => error,
     }
-    PlanError::NoRows
 }
 
 fn parse_override<'r, 't, E: Registered>(

@@ -252,7 +252,7 @@ impl<'a, S: Scalar> Filling<'a, S> {
             list.clear();
             list.extend(own.iter().map(|p| p.1));
             let at = [(c & (side - 1)) << face.shift, (c >> face.bits) << face.shift];
-            let word = self.cell(&mut list, at, face.shift, 1.0);
+            let word = self.cell(&mut list, at, face.shift, [1.0, 1.0]);
             self.out.cells[(face.first + c) as usize] = word;
         }
     }
@@ -284,15 +284,18 @@ impl<'a, S: Scalar> Filling<'a, S> {
         &self.shown.footprints[i as usize]
     }
 
-    /// Makes a cell of the footprints in `list`, dividing it where that pays; `growth` says how
-    /// many references each of those of the coarse cell has become.
-    fn cell(&mut self, list: &mut Vec<u32>, at: [u32; 2], shift: u32, growth: f64) -> u32 {
+    /// Makes a cell of the footprints in `list`, dividing it where that pays. The first of
+    /// `growth` says how many references each of those of the coarse cell has become, the second
+    /// by how much the last division made them more: the next makes them more by at least about
+    /// as much, so that one which would be given up need not be tried.
+    fn cell(&mut self, list: &mut Vec<u32>, at: [u32; 2], shift: u32, growth: [f64; 2]) -> u32 {
         let (center, half) = self.rectangle(at, shift);
         let cover = self.cover(list, center, half).map(|far| far * (1.0 + self.margins.depth));
         if let Some(far) = cover {
             list.retain(|&i| self.near(self.footprint(i), center, half) <= far);
         }
-        if list.len() <= self.limits.divide || shift < LEVEL_BITS {
+        let is_given_up = growth[0] * growth[1] > self.limits.growth;
+        if list.len() <= self.limits.divide || shift < LEVEL_BITS || is_given_up {
             return self.leaf(list, cover, center, half);
         }
         let below = shift - LEVEL_BITS;
@@ -305,10 +308,11 @@ impl<'a, S: Scalar> Filling<'a, S> {
             part.extend(list.iter().filter(shows));
             total += part.len();
         }
-        let growth = growth * (total as f64 / list.len() as f64).max(1.0);
+        let more = (total as f64 / list.len() as f64).max(1.0);
+        let growth = [growth[0] * more, more];
         // not worth it where nearly every primitive is seen in nearly every part
         let is_alike = total * 4 > list.len() * FAN * 3 && !self.pays(&parts, sub, below);
-        if is_alike || growth > self.limits.growth {
+        if is_alike || growth[0] > self.limits.growth {
             return self.leaf(list, cover, center, half);
         }
         let first = self.out.cells.len();

@@ -72,7 +72,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "growth",
             summary: "cells are not divided further where that makes more references of one than this",
-            default: "8",
+            default: "4",
             kind: ParamKind::Real { min: 1.0, max: 1e6 },
         },
         ParamSpec {

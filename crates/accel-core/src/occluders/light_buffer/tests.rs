@@ -229,7 +229,7 @@ fn a_covering_primitive_answers_without_a_test() {
     let rays = [ray(0.2, 0.0), ray(0.2, 1.0), ray(0.2, 2.0), ray(7.0, 0.0)];
     let expected = [true, false, false, false];
     let mut blocked = [false; 4];
-    let full = buffer(&set, &[light], "divide=1");
+    let full = buffer(&set, &[light], "divide=1 growth=1000");
     assert!(full.cells.tally.covered > 0);
     full.occlusions(&rays, &[0; 4], &mut blocked);
     assert_eq!(blocked, expected);
@@ -241,7 +241,7 @@ fn a_covering_primitive_answers_without_a_test() {
     full.occlusions(&near, &[0], &mut blocked[..1]);
     assert_eq!(brute_force(&set, &near), [false]);
     assert!(!blocked[0]);
-    let none = buffer(&set, &[light], "divide=1 cut-off=none");
+    let none = buffer(&set, &[light], "divide=1 growth=1000 cut-off=none");
     assert_eq!(none.cells.tally.covered, 0);
     let work = none.count_occlusions(&rays[..1], &[0], &mut blocked[..1]);
     assert!(blocked[0] && work.intersection_tests > 0);
