@@ -15,6 +15,9 @@ use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
 
+/// The tolerance at the ends, in epsilons of the cone's largest coordinate and radius.
+const RIM_ULPS: f64 = 8.0;
+
 /// A truncated cone; a cylinder when both radii are equal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone<S: Scalar> {
@@ -26,6 +29,9 @@ pub struct Cone<S: Scalar> {
     apex_radius: S,
     /// Change of radius per unit along the axis.
     slope: S,
+    /// A hit so far beyond an end still counts: rounding must leave no crack where two parts of a
+    /// pillar meet.
+    rim: S,
     /// The inside is visible instead of the outside.
     inside_out: bool,
 }
@@ -39,7 +45,10 @@ impl<S: Scalar> Cone<S> {
         let unit = if length > 0.0 { axis / length } else { glam::DVec3::Z };
         let slope =
             if length > 0.0 { (apex_radius.abs() - base_radius.abs()) / length } else { 0.0 };
+        let size = base.abs().max_element().max(apex.abs().max_element())
+            + base_radius.abs().max(apex_radius.abs());
         Self {
+            rim: S::from_f64(S::EPSILON.to_f64() * RIM_ULPS * size),
             base: Vec3::<S>::from_dvec3(base),
             axis: Vec3::<S>::from_dvec3(unit),
             length: S::from_f64(length),
@@ -85,7 +94,7 @@ impl<S: Scalar> Cone<S> {
             -(b + root) / a
         };
         let z = mz + dz * t;
-        let inside = z >= S::ZERO && z <= self.length && r + dr * t >= S::ZERO;
+        let inside = z >= -self.rim && z <= self.length + self.rim && r + dr * t >= S::ZERO;
         let t = t + shift;
         (inside && t >= ray.t_min && t <= t_max).then_some(t)
     }
