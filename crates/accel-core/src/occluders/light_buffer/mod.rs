@@ -59,7 +59,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "fill",
             summary: "before: all primitives are projected; demand: a cell remembers the last \
-                      occluder that obvhs-cwbvh found (no other parameter matters then)",
+                      occluder that obvhs-cwbvh found (of the others only resolution matters)",
             default: "before",
             kind: ParamKind::Choice(&["before", "demand"]),
         },
