@@ -319,7 +319,7 @@ mod tests {
             let set = TriangleSet::<f32, Watertight>::new(triangles, |_| false);
             assert_eq!(set.unwrap_err(), PrimitiveError::NotFinite { id: 2 });
         }
-        // finite, but the scene's size is not
+        // finite, but no product of them is
         let far = |x: f32| [[x; 3], [x * 0.9, x, x], [x, x * 0.9, x]];
         let set = vec![good, far(3e38), far(-3e38)];
         let set = TriangleSet::<f32, Watertight>::new(set, |_| false).unwrap();
@@ -327,7 +327,7 @@ mod tests {
             let params = entry.params([]).unwrap();
             let result = entry.build(crate::structures::PrimsRef::Watertight(&set), &params);
             assert!(
-                matches!(result, Err(BuildError::NonFiniteBounds { id: 1, .. })),
+                matches!(result, Err(BuildError::OutOfScale { exponent: 127, .. })),
                 "{} accepts it",
                 entry.info.name
             );
