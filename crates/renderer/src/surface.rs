@@ -2,7 +2,7 @@
 
 use accel_core::primitives::newell_normal;
 use glam::DVec3;
-use scene_loading::{Material, Scene, Shape};
+use scene_loading::{Material, Rgb, Scene, Shape};
 
 use crate::foot::{Foot, foot};
 
@@ -23,6 +23,8 @@ pub struct SurfacePoint<'a> {
     pub normal: DVec3,
     /// The material.
     pub material: &'a Material,
+    /// The colour here: that of the material, unless a stage has found another one.
+    pub color: Rgb,
     /// The point of the primitive itself, with its geometric normal.
     pub foot: Foot,
 }
@@ -57,7 +59,7 @@ impl<'a> Surfaces<'a> {
         };
         let material = &self.scene.materials[primitive.material as usize];
         let foot = foot(self.scene, &self.polygon_normals, id, position);
-        SurfacePoint { position, normal, material, foot }
+        SurfacePoint { position, normal, material, color: material.color, foot }
     }
 
     fn cone_normal(&self, index: u32, position: DVec3) -> DVec3 {
@@ -83,15 +85,24 @@ impl<'a> Surfaces<'a> {
         let [a, b, c] = v.map(|i| self.scene.vertices[i as usize]);
         let [na, nb, nc] = n.map(|i| self.scene.normals[i as usize]);
         let face = (b - a).cross(c - a);
-        let area = face.dot(face);
-        if area == 0.0 {
+        let Some([wa, wb, wc]) = barycentric([a, b, c], position) else {
             return na.normalize_or_zero();
-        }
-        let wa = (c - b).cross(position - b).dot(face) / area;
-        let wb = (a - c).cross(position - c).dot(face) / area;
-        let wc = 1.0 - wa - wb;
+        };
         (na * wa + nb * wb + nc * wc).normalize_or(face.normalize_or_zero())
     }
+}
+
+/// What the corners of a triangle weigh at a point of its plane; `None` when it has no area.
+#[inline]
+pub fn barycentric([a, b, c]: [DVec3; 3], position: DVec3) -> Option<[f64; 3]> {
+    let face = (b - a).cross(c - a);
+    let area = face.dot(face);
+    if area == 0.0 {
+        return None;
+    }
+    let wa = (c - b).cross(position - b).dot(face) / area;
+    let wb = (a - c).cross(position - c).dot(face) / area;
+    Some([wa, wb, 1.0 - wa - wb])
 }
 
 fn newell(scene: &Scene, shape: Shape) -> DVec3 {

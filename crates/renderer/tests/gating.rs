@@ -22,6 +22,7 @@ const NAMED: &[(&str, &[Effect])] = &[
     ("effect-gloss", &[Effect::HardShadows, Effect::Gloss]),
     ("effect-refraction", &[Effect::HardShadows, Effect::Mirror, Effect::Refraction]),
     ("effect-smooth-normals", &[Effect::HardShadows, Effect::SmoothNormals]),
+    ("effect-textures", &[Effect::HardShadows, Effect::Textures]),
     ("effect-focus", &[Effect::HardShadows, Effect::Focus]),
     ("effect-motion", &[Effect::HardShadows, Effect::Motion]),
     ("effect-supersampling", &[Effect::HardShadows, Effect::Supersampling]),
@@ -60,7 +61,8 @@ fn rays_of_effects_that_are_not_called_for_are_exactly_none() {
         let rendered = image(scene, &settings);
         for info in EFFECTS {
             let rays = rendered.counts.effect(info.effect);
-            let has_rays = effects.contains(&info.effect) && info.effect != Effect::SmoothNormals;
+            let is_rayless = matches!(info.effect, Effect::SmoothNormals | Effect::Textures);
+            let has_rays = effects.contains(&info.effect) && !is_rayless;
             assert_eq!(rays > 0, has_rays, "{name} {}: {rays}", info.name);
         }
     }
@@ -74,6 +76,7 @@ fn the_image_is_that_of_a_renderer_without_the_effects() {
     for scene in effect_scenes() {
         let plan = EffectPlan::of(&scene, &settings(SIZE, samples(64)));
         let sampled = [
+            Effect::Textures,
             Effect::SoftShadows,
             Effect::Gloss,
             Effect::Focus,
@@ -184,4 +187,46 @@ fn what_moves_is_seen_where_it_goes() {
     let frozen_plain =
         image_of(&scene, &EffectPlan::of(&scene, &plain).without(Effect::Motion), "obvhs-bvh2");
     assert_eq!(bits(&frozen_plain), bits(&still));
+}
+
+#[test]
+fn images_that_nothing_wears_change_no_bit_and_take_no_ray() {
+    let settings = settings(SIZE, samples(1));
+    for scene in effect_scenes().iter().filter(|scene| scene.textures.is_empty()) {
+        let mut unworn = scene.clone();
+        let textured = effect_scene("effect-textures");
+        unworn.textures = textured.textures;
+        unworn.materials.extend(textured.materials);
+        unworn.texcoords = vec![Some([[0.5; 2]; 3]); unworn.primitives.len()];
+        let plan = EffectPlan::of(&unworn, &settings);
+        assert!(!plan.calls_for(Effect::Textures), "{}", scene.name);
+        let (with, without) = (image(&unworn, &settings), image(scene, &settings));
+        assert_eq!(bits(&with), bits(&without), "{}", scene.name);
+        assert_eq!(with.counts, without.counts, "{}", scene.name);
+    }
+}
+
+#[test]
+fn textures_change_colours_and_no_ray() {
+    let scene = effect_scene("effect-textures");
+    let plan = EffectPlan::of(&scene, &settings(SIZE, samples(1)));
+    let textured = image_of(&scene, &plan, "obvhs-bvh2");
+    let plain = image_of(&scene, &plan.clone().without(Effect::Textures), "obvhs-bvh2");
+    // planted fault: an image that were there without the effect would be these bits
+    assert!(bits(&textured) != bits(&plain));
+    assert_eq!(textured.counts, plain.counts);
+    // images that are white all over are the plain colour: the same bits
+    let mut white = scene.clone();
+    for texture in &mut white.textures {
+        texture.texels = vec![[255; 3]; texture.texels.len()].into();
+    }
+    assert_eq!(bits(&image_of(&white, &plan, "obvhs-bvh2")), bits(&plain));
+    // one texel more, at a corner: seen
+    for texture in &mut scene.clone().textures {
+        let mut texels = vec![[255; 3]; texture.texels.len()];
+        texels[0] = [0; 3];
+        texture.texels = texels.into();
+        white.textures = vec![texture.clone(); white.textures.len()];
+        assert!(bits(&image_of(&white, &plan, "obvhs-bvh2")) != bits(&plain));
+    }
 }

@@ -49,9 +49,11 @@ pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
 /// The rays an effect adds to an image.
 fn added(effect: Effect, all: &RayCounts, without: impl FnOnce() -> RayCounts) -> u64 {
     match effect {
-        Effect::HardShadows | Effect::Mirror | Effect::Refraction | Effect::SmoothNormals => {
-            all.effect(effect)
-        }
+        Effect::HardShadows
+        | Effect::Mirror
+        | Effect::Refraction
+        | Effect::SmoothNormals
+        | Effect::Textures => all.effect(effect),
         Effect::SoftShadows
         | Effect::Gloss
         | Effect::Focus

@@ -1,13 +1,13 @@
 //! glTF 2.0: `.glb`, and `.gltf` with `.bin` files or data URIs, through the crate `gltf`.
 //!
 //! Taken: triangles (lists, strips, fans) under the transforms of their nodes, base colours, the
-//! first perspective camera, point and spot lights (`KHR_lights_punctual`). Not taken: textures,
-//! skins, morph targets, points and lines (counted in a warning), orthographic cameras and
+//! textures of base colours (`gltf_textures`), the first perspective camera, point and spot lights
+//! (`KHR_lights_punctual`). Not taken: other textures, skins, morph targets, points and lines (counted in a warning), orthographic cameras and
 //! directional lights (a warning). Files that *require* another extension are refused.
 //!
 //! The crate panics on some invalid files and believes lengths that it reads. So the GLB header,
-//! URIs, buffer views and accessors are checked here before it reads through them; images are
-//! never touched; and as a last belt a panic inside the crate is caught and becomes
+//! URIs, buffer views and accessors are checked here before it reads through them; images it never
+//! touches; and as a last belt a panic inside the crate is caught and becomes
 //! [`LoadError::Parser`] (the panic's message still goes to stderr).
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

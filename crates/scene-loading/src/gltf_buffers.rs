@@ -47,7 +47,8 @@ impl<'a> Buffers<'a> {
         Ok(buffers)
     }
 
-    fn read_uri(&self, object: &str, uri: &str) -> Result<Vec<u8>, LoadError> {
+    /// The bytes of a data URI, or of a file below the folder.
+    pub fn read_uri(&self, object: &str, uri: &str) -> Result<Vec<u8>, LoadError> {
         if uri.starts_with("data:") {
             let encoded = uri.split_once(";base64,").map(|(_, data)| data);
             let decoded = encoded.map(|data| STANDARD.decode(data));
@@ -88,6 +89,53 @@ impl<'a> Buffers<'a> {
             }
         }
         Ok(vectors)
+    }
+
+    /// Texture coordinates: finite `VEC2` of floats, or of normalized bytes or shorts.
+    pub fn texcoords(&self, accessor: Accessor<'_>) -> Result<Vec<[f32; 2]>, LoadError> {
+        let object = format!("accessor {} (texture coordinates)", accessor.index());
+        let (kind, normalized) = (accessor.data_type(), accessor.normalized());
+        let is_known = match kind {
+            DataType::F32 => !normalized,
+            DataType::U8 | DataType::U16 => normalized,
+            _ => false,
+        };
+        if accessor.dimensions() != Dimensions::Vec2 || !is_known {
+            let note = if normalized { " normalized" } else { "" };
+            let found = format!("{:?} of {kind:?}{note}", accessor.dimensions());
+            let expected = "Vec2 of F32, or of normalized U8 or U16";
+            return Err(self.invalid(&object, &found, expected));
+        }
+        let share = |x: u16, most: u16| f32::from(x) / f32::from(most);
+        let texcoords: Vec<[f32; 2]> = match kind {
+            DataType::U8 => self
+                .read::<[u8; 2]>(&object, accessor)?
+                .iter()
+                .map(|uv| uv.map(|x| share(x.into(), u8::MAX.into())))
+                .collect(),
+            DataType::U16 => self
+                .read::<[u16; 2]>(&object, accessor)?
+                .iter()
+                .map(|uv| uv.map(|x| share(x, u16::MAX)))
+                .collect(),
+            _ => self.read(&object, accessor)?,
+        };
+        match texcoords.as_flattened().iter().position(|x| !x.is_finite()) {
+            None => Ok(texcoords),
+            Some(i) => Err(LoadError::NotFinite {
+                place: Place::file(self.path),
+                what: format!("{object}, element {}", i / 2),
+                found: "NaN or infinite".into(),
+            }),
+        }
+    }
+
+    /// The bytes of a buffer view, which `object` refers to.
+    pub fn view(&self, object: &str, view: &View<'_>) -> Result<&[u8], LoadError> {
+        self.check(object, view, 0, view.length() as u64, 1)?;
+        let data = self.data.get(view.buffer().index()).map(Vec::as_slice).unwrap_or_default();
+        let bytes = data.get(view.offset()..view.offset().saturating_add(view.length()));
+        bytes.ok_or_else(|| self.invalid(object, "unreadable data", "bytes inside its buffer"))
     }
 
     /// Vertex indices, each checked to be below `vertices`.

@@ -1,7 +1,7 @@
 //! The walk over the nodes of a glTF scene, which fills a [`Scene`].
 //!
 //! How the metallic-roughness model maps to [`Material`] (an approximation): colour = base
-//! colour; specular share = metallic * (1 - roughness); diffuse share = 1 - specular share;
+//! colour, times the base colour texture (`gltf_textures`); specular share = metallic * (1 - roughness); diffuse share = 1 - specular share;
 //! shine = the Phong exponent 2 / roughness^4 - 2; transmittance = 1 - alpha where the alpha mode
 //! is BLEND. Light colours are scaled so that the strongest light has intensity 1, because lights
 //! here do not fall off with distance.
@@ -18,8 +18,9 @@ use glam::{DMat3, DMat4, DQuat, DVec3, Vec3, Vec4};
 
 use crate::error::{LoadError, Place};
 use crate::gltf_buffers::Buffers;
+use crate::gltf_textures::Textures;
 use crate::obj_polygon::area_vector;
-use crate::scene::{Camera, Light, Material, Primitive, Scene, Shape, Warning};
+use crate::scene::{Camera, Light, Material, Primitive, Scene, Shape, Texcoords, Warning};
 
 /// The most vertices, and the most triangles, that all instances together may have.
 const MAX_INSTANCED: u64 = 64 << 20;
@@ -31,6 +32,7 @@ pub(crate) struct Walker<'a> {
     path: &'a Path,
     document: &'a Document,
     buffers: &'a Buffers<'a>,
+    textures: Textures<'a>,
     scene: Scene,
     /// Scene material of each glTF material; the last is glTF's default, made when needed.
     default_material: Option<u32>,
@@ -52,6 +54,7 @@ impl<'a> Walker<'a> {
             path,
             document,
             buffers,
+            textures: Textures::new(path, document, buffers),
             scene,
             default_material: None,
             lights: Vec::new(),
@@ -254,6 +257,7 @@ impl<'a> Walker<'a> {
             Some(index) => index as u32,
             None => self.default_material(),
         };
+        let texcoords = self.texcoords(mesh, primitive, positions.len())?;
         let first = self.push_vertices(&positions, &normals, world);
         if first.is_none() {
             return Err(self.not_finite(format!("{}: a transformed position", object())));
@@ -264,9 +268,37 @@ impl<'a> Walker<'a> {
             let corners = if mirrored { [a, c, b] } else { [a, b, c] };
             let v = corners.map(|i| first + i);
             let n = (!normals.is_empty()).then(|| corners.map(|i| first_n + i));
-            self.triangle(material, v, n);
+            let uv = |i: u32| texcoords.as_deref()?.get(i as usize).copied();
+            let uv = match corners.map(uv) {
+                [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+                _ => None,
+            };
+            self.triangle(material, v, n, uv);
         }
         Ok(())
+    }
+
+    /// Texture coordinates of the vertices, where the material has a texture.
+    fn texcoords(
+        &mut self,
+        mesh: usize,
+        primitive: &::gltf::Primitive<'_>,
+        vertices: usize,
+    ) -> Result<Option<Vec<[f32; 2]>>, LoadError> {
+        let Some(set) = self.textures.of(&primitive.material(), &mut self.scene) else {
+            return Ok(None);
+        };
+        let object = format!("mesh {mesh} primitive {}", primitive.index());
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else {
+            self.warn(format!("{object}: no TEXCOORD_{set}, so its texture is not shown"));
+            return Ok(None);
+        };
+        let texcoords = self.buffers.texcoords(accessor)?;
+        if texcoords.len() != vertices {
+            let found = format!("{} texture coordinates for {vertices}", texcoords.len());
+            return Err(self.invalid(object, found, "as many as positions"));
+        }
+        Ok(Some(texcoords))
     }
 
     fn check_room(&self, vertices: usize, indices: usize) -> Result<(), LoadError> {
@@ -322,7 +354,13 @@ impl<'a> Walker<'a> {
         Some((first, first_n))
     }
 
-    fn triangle(&mut self, material: u32, v: [u32; 3], n: Option<[u32; 3]>) {
+    fn triangle(
+        &mut self,
+        material: u32,
+        v: [u32; 3],
+        n: Option<[u32; 3]>,
+        texcoords: Option<Texcoords>,
+    ) {
         let scene = &mut self.scene;
         let points = v.map(|i| scene.vertices.get(i as usize).copied().unwrap_or_default());
         if area_vector(&points).is_none() {
@@ -337,6 +375,9 @@ impl<'a> Walker<'a> {
             None => Shape::Triangle { v },
         };
         scene.primitives.push(Primitive { shape, material });
+        if let Some(texcoords) = texcoords {
+            scene.last_is_textured(texcoords);
+        }
     }
 }
 
@@ -374,6 +415,7 @@ fn convert(material: &::gltf::Material<'_>) -> Material {
         shine: (2.0 / roughness.powi(4).max(1e-5) - 2.0).max(0.0),
         transmittance: if blended { 1.0 - base.w } else { 0.0 },
         refraction_index: 1.0,
+        texture: None,
         roughness: 0.0,
     }
 }

@@ -6,6 +6,7 @@ pub mod fetch;
 pub mod gltf;
 mod gltf_buffers;
 mod gltf_nodes;
+mod gltf_textures;
 pub mod info;
 pub mod nff;
 mod nff_tokens;
@@ -14,6 +15,7 @@ pub mod obj_export;
 mod obj_material;
 mod obj_polygon;
 mod obj_scan;
+mod obj_textures;
 pub mod procedural;
 pub mod scene;
 pub mod scene_file;
@@ -27,6 +29,8 @@ pub mod source_hash;
 mod source_procedural;
 pub mod source_read;
 pub mod tessellate;
+pub mod texture;
+mod texture_read;
 
 pub use error::{LoadError, Place};
 pub use scene::{
@@ -34,3 +38,4 @@ pub use scene::{
     Warning,
 };
 pub use source::{LoadedScene, SceneCatalogue, SceneRef};
+pub use texture::{Texture, Wrap};

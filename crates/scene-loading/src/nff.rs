@@ -148,6 +148,7 @@ impl Reader<'_> {
             shine: self.words.number("shine")?,
             transmittance: self.words.number("transmittance T")?,
             refraction_index: self.words.number("index of refraction")?,
+            texture: None,
             roughness: 0.0,
         };
         self.material = Some(self.scene.push_material(material));

@@ -5,8 +5,8 @@
 //! all its corners have normals. A larger face becomes a [`Shape::Polygon`]; it is split into
 //! triangles instead when it has normals, when it is not flat, or when
 //! [`ObjOptions::triangulate`] asks for it. Faces without area, lines, points and free-form
-//! curves are left out, each with a warning that counts them. Texture coordinates are checked
-//! and dropped.
+//! curves are left out, each with a warning that counts them. Texture coordinates are kept where a
+//! material has a texture (`obj_textures`); such faces are split into triangles, too.
 
 use std::collections::HashMap;
 use std::io::{Cursor, Read};
@@ -15,9 +15,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{LoadError, Place};
-use crate::obj_material::parse_mtl;
+use crate::obj_material::{Mtl, parse_mtl};
 use crate::obj_polygon::{area_vector, is_flat, triangulate};
 use crate::obj_scan::{FaceLine, ObjScan, scan};
+use crate::obj_textures::{ColorMaps, FaceTexcoords};
 use crate::scene::{Material, Primitive, Scene, Shape, Warning};
 use crate::source_read::{MAX_BYTES, confined, decompress, lossy_text, read_file, scene_name};
 
@@ -50,7 +51,14 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     let ids = materials(path, &scan, &mut scene)?;
     let models = parse_models(path, &scan, &ids)?;
     let mut faces = scan.faces.iter();
-    let mut builder = Builder { path, options, scene, counts: Counts::default(), pieces: vec![] };
+    let mut builder = Builder {
+        path,
+        options,
+        scene,
+        texcoords: FaceTexcoords::new(&scan),
+        counts: Counts::default(),
+        pieces: vec![],
+    };
     for model in &models {
         builder.add(&model.mesh, &mut faces)?;
     }
@@ -72,6 +80,7 @@ fn materials(
     scene: &mut Scene,
 ) -> Result<HashMap<String, usize>, LoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
+    let mut maps = ColorMaps::default();
     for (line, library) in &scan.libraries {
         let place = Place::line(path, *line);
         let Some(file) = confined(folder, library) else {
@@ -84,12 +93,15 @@ fn materials(
             scene.warnings.push(Warning(text));
             continue;
         }
-        scene.materials.extend(parse_mtl(&file, read_file(&file)?)?);
+        let Mtl { materials, maps: found } = parse_mtl(&file, read_file(&file)?)?;
+        maps.found(&file, scene.materials.len(), found);
+        scene.materials.extend(materials);
     }
     let mut ids: HashMap<String, usize> = HashMap::new();
     for (i, material) in scene.materials.iter().enumerate() {
         ids.insert(material.name.clone(), i);
     }
+    maps.read(scan.used.iter().filter_map(|(_, name)| ids.get(name).copied()), scene);
     let mut undefined: Vec<String> = Vec::new();
     for (line, name) in &scan.used {
         if !ids.contains_key(name) {
@@ -136,6 +148,7 @@ fn parser_error(path: &Path, message: String) -> LoadError {
 struct Counts {
     without_area: Tally,
     bent: Tally,
+    without_texcoords: Tally,
 }
 
 /// How many, and the line of the first.
@@ -158,6 +171,7 @@ struct Builder<'a> {
     path: &'a Path,
     options: ObjOptions,
     scene: Scene,
+    texcoords: FaceTexcoords<'a>,
     counts: Counts,
     pieces: Vec<[usize; 3]>,
 }
@@ -190,6 +204,7 @@ impl Builder<'_> {
             // tobj leaves the arities out when all faces are triangles.
             let arity = arities.next().map_or(3, |&n| n as usize);
             let face = *lines.next().ok_or_else(lost)?;
+            self.texcoords.next_face(arity);
             let (corners, after) = rest.split_at_checked(arity).ok_or_else(lost)?;
             rest = after;
             let mut normals: &[u32] = &[];
@@ -229,27 +244,43 @@ impl Builder<'_> {
             self.counts.without_area.add(face.line);
             return;
         };
+        let textured =
+            self.scene.materials.get(material as usize).is_some_and(|m| m.texture.is_some());
+        let textured = textured && {
+            let known = self.texcoords.are_known();
+            if !known {
+                self.counts.without_texcoords.add(face.line);
+            }
+            known
+        };
         if corners.len() == 3 {
-            self.push(material, corners, normals, [0, 1, 2]);
+            self.push(material, corners, normals, textured, [0, 1, 2]);
             return;
         }
         let flat = is_flat(points, area);
         if !flat {
             self.counts.bent.add(face.line);
         }
-        if flat && normals.is_empty() && !self.options.triangulate {
+        if flat && normals.is_empty() && !textured && !self.options.triangulate {
             self.scene.push_polygon(material, points);
             return;
         }
         let mut pieces = std::mem::take(&mut self.pieces);
         triangulate(points, area, &mut pieces);
         for &piece in &pieces {
-            self.push(material, corners, normals, piece);
+            self.push(material, corners, normals, textured, piece);
         }
         self.pieces = pieces;
     }
 
-    fn push(&mut self, material: u32, corners: &[u32], normals: &[u32], piece: [usize; 3]) {
+    fn push(
+        &mut self,
+        material: u32,
+        corners: &[u32],
+        normals: &[u32],
+        textured: bool,
+        piece: [usize; 3],
+    ) {
         let pick = |from: &[u32]| match piece.map(|i| from.get(i).copied()) {
             [Some(a), Some(b), Some(c)] => Some([a, b, c]),
             _ => None,
@@ -260,6 +291,9 @@ impl Builder<'_> {
             (None, _) => return,
         };
         self.scene.primitives.push(Primitive { shape, material });
+        if textured && let Some(texcoords) = self.texcoords.of(piece) {
+            self.scene.last_is_textured(texcoords);
+        }
     }
 }
 
@@ -279,6 +313,9 @@ fn report(path: &Path, scan: &ObjScan, counts: &Counts, scene: &mut Scene) {
     warn(count, format!("{file}: {count} faces without area left out (first: line {first})"));
     let Tally { count, first } = counts.bent;
     warn(count, format!("{file}: {count} faces that are not flat split (first: line {first})"));
+    let Tally { count, first } = counts.without_texcoords;
+    let what = "faces of textured materials without texture coordinates have the plain colour";
+    warn(count, format!("{file}: {count} {what} (first: line {first})"));
     warn(scan.lines, format!("{file}: {} line elements left out", scan.lines));
     warn(scan.points, format!("{file}: {} point elements left out", scan.points));
     warn(scan.curves, format!("{file}: {} free-form curves and surfaces left out", scan.curves));

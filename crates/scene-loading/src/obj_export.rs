@@ -31,7 +31,8 @@ pub enum ObjExportError {
 ///
 /// With `mtl`, the materials go there as MTL text, and the OBJ text refers to them; the `&str` is
 /// the MTL file's name as the OBJ file is to state it. Numbers have the fewest digits that read
-/// back as the same `f64`. View and lights have no place in OBJ. All vertices and normals are
+/// back as the same `f64`. View and lights have no place in OBJ;
+/// textures are not written. All vertices and normals are
 /// written, in the scene's order, so indices agree (counting from 1).
 ///
 /// Materials: `Kd` is colour times diffuse share, `Ks` the specular share in grey, `Ns` the

@@ -8,7 +8,8 @@
 //!   3 to 9): exporters write `Ks 0.5` for every matt surface, and here a share > 0 is a mirror;
 //! - shine = `Ns`; transmittance = 1 - `d` (or `Tr`); index of refraction = `Ni` where transparent.
 //!
-//! Textures (`map_*`) are not read.
+//! Of textures, `map_Kd` is read, without options: its texels times `Kd` are the colour, as the
+//! format says. Other maps are not read.
 
 use std::path::Path;
 
@@ -17,22 +18,41 @@ use crate::obj_scan::number;
 use crate::scene::Material;
 use crate::source_read::lossy_text;
 
+/// What an MTL file says.
+pub(crate) struct Mtl {
+    /// Its materials, in order.
+    pub materials: Vec<Material>,
+    /// Its `map_Kd` lines, at most one a material.
+    pub maps: Vec<ColorMap>,
+}
+
+/// The image that colours a material.
+pub(crate) struct ColorMap {
+    /// Index of the material within the file.
+    pub material: usize,
+    /// Line in the file, counted from 1.
+    pub line: usize,
+    /// What stands after `map_Kd`: options and the name of a file.
+    pub text: String,
+}
+
 /// Reads MTL text.
 ///
 /// # Errors
 /// [`LoadError::Syntax`] and [`LoadError::NotFinite`] with the line.
-pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Vec<Material>, LoadError> {
-    let clean = checked(path, &lossy_text(bytes))?;
+pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Mtl, LoadError> {
+    let mut maps = Vec::new();
+    let clean = checked(path, &lossy_text(bytes), &mut maps)?;
     let (materials, _) = tobj::load_mtl_buf(&mut clean.as_bytes()).map_err(|e| {
         LoadError::Parser { place: Place::file(path), parser: "tobj", message: e.to_string() }
     })?;
-    Ok(materials.iter().map(convert).collect())
+    Ok(Mtl { materials: materials.iter().map(convert).collect(), maps })
 }
 
-/// The lines that matter, each in the one form that tobj reads.
-fn checked(path: &Path, text: &str) -> Result<String, LoadError> {
+/// The lines that matter, each in the one form that tobj reads; colour maps go into `maps`.
+fn checked(path: &Path, text: &str, maps: &mut Vec<ColorMap>) -> Result<String, LoadError> {
     let mut clean = String::with_capacity(text.len());
-    let mut named = false;
+    let mut named = 0_usize;
     for (i, row) in text.lines().enumerate() {
         let place = || Place::line(path, i + 1);
         let row = row.trim();
@@ -42,8 +62,17 @@ fn checked(path: &Path, text: &str) -> Result<String, LoadError> {
             if rest.is_empty() {
                 return Err(LoadError::syntax(place(), row, "newmtl and a name"));
             }
-            named = true;
+            named += 1;
             clean.push_str(&format!("newmtl {rest}\n"));
+            continue;
+        }
+        if keyword == "map_Kd" {
+            let material = named.checked_sub(1).ok_or_else(|| {
+                LoadError::syntax(place(), row, "newmtl before the first property")
+            })?;
+            // as with all properties, the last one counts
+            maps.retain(|map| map.material != material);
+            maps.push(ColorMap { material, line: i + 1, text: rest.to_owned() });
             continue;
         }
         let counts: &[usize] = match keyword {
@@ -51,7 +80,7 @@ fn checked(path: &Path, text: &str) -> Result<String, LoadError> {
             "Ns" | "Ni" | "d" | "Tr" | "illum" => &[1],
             _ => continue,
         };
-        if !named {
+        if named == 0 {
             return Err(LoadError::syntax(place(), row, "newmtl before the first property"));
         }
         let words: Vec<&str> =
@@ -103,6 +132,7 @@ fn convert(mtl: &tobj::Material) -> Material {
             Some(index) if transmittance > 0.0 && index > 0.0 => index,
             _ => default.refraction_index,
         },
+        texture: None,
         roughness: 0.0,
     }
 }

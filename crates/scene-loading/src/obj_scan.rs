@@ -8,7 +8,7 @@
 use std::collections::HashSet;
 use std::path::Path;
 
-use memchr::memchr;
+use memchr::{memchr, memmem};
 
 use crate::error::{LoadError, Place};
 
@@ -22,6 +22,12 @@ pub(crate) struct ObjScan {
     pub text: Vec<u8>,
     /// The faces in file order.
     pub faces: Vec<FaceLine>,
+    /// Texture coordinates in file order, with (0, 0) at the lower left; empty in files without
+    /// `mtllib`, which cannot have textures.
+    pub texcoords: Vec<[f32; 2]>,
+    /// For each corner of each face the index of its texture coordinates, or [`NO_TEXCOORD`];
+    /// empty where `texcoords` is.
+    pub corners: Vec<u32>,
     /// Every `mtllib` with its line.
     pub libraries: Vec<(usize, String)>,
     /// Every material name of a `usemtl`, with the line of its first use, in that order.
@@ -36,6 +42,9 @@ pub(crate) struct ObjScan {
     pub unknown: usize,
     pub first_unknown: Option<(usize, String)>,
 }
+
+/// A corner without texture coordinates.
+pub(crate) const NO_TEXCOORD: u32 = u32::MAX;
 
 /// Where a face stands, and whether each of its corners has a normal.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +66,7 @@ pub(crate) fn scan(path: &Path, text: String) -> Result<ObjScan, LoadError> {
     let mut scan = ObjScan::default();
     let mut seen: HashSet<Vec<u8>> = HashSet::new();
     let mut defined = Defined::default();
+    let can_be_textured = memmem::find(&text, b"mtllib").is_some();
     let (mut start, mut line) = (0, 1);
     while start < text.len() {
         let (end, newlines) = logical_line(&mut text, start);
@@ -77,12 +87,16 @@ pub(crate) fn scan(path: &Path, text: String) -> Result<ObjScan, LoadError> {
                 defined.normals += 1;
             }
             b"vt" => {
-                numbers(rest, 1, "texture coordinate", place)?;
+                let texcoord = texture_coordinate(rest, place)?;
+                if can_be_textured {
+                    scan.texcoords.push(texcoord);
+                }
                 defined.texcoords += 1;
                 hide(keyword);
             }
             b"f" => {
-                let smooth = face(rest, &defined, place)?;
+                let corners = can_be_textured.then_some(&mut scan.corners);
+                let smooth = face(rest, &defined, corners, place)?;
                 scan.faces.push(FaceLine { line: u32::try_from(line).unwrap_or(u32::MAX), smooth });
             }
             b"usemtl" => {
@@ -256,21 +270,42 @@ fn position(row: &mut [u8], place: impl Fn() -> Place) -> Result<(), LoadError> 
     Ok(())
 }
 
-/// Checks the corners of a face; true when all of them have a normal.
-fn face(row: &mut [u8], defined: &Defined, place: impl Fn() -> Place) -> Result<bool, LoadError> {
+/// A `vt` line: u, and v where it is there, else 0; w is dropped.
+fn texture_coordinate(row: &[u8], place: impl Fn() -> Place) -> Result<[f32; 2], LoadError> {
+    numbers(row, 1, "texture coordinate", &place)?;
+    let mut values = [0.0; 2];
+    for (value, (word, _)) in values.iter_mut().zip(words(row)) {
+        let exact = number(word, "texture coordinate", &place)?;
+        // beyond f32, infinity would be a texel of its own
+        *value = (exact as f32).clamp(f32::MIN, f32::MAX);
+    }
+    Ok(values)
+}
+
+/// Checks the corners of a face; true when all of them have a normal. Appends the index of the
+/// texture coordinates of each to `texcoords`, where those are wanted.
+fn face(
+    row: &mut [u8],
+    defined: &Defined,
+    mut texcoords: Option<&mut Vec<u32>>,
+    place: impl Fn() -> Place,
+) -> Result<bool, LoadError> {
     let (mut corners, mut smooth, mut after) = (0, true, 0);
     for (corner, end) in words(row) {
         let bad = || LoadError::syntax(place(), corner, "a corner: v, v/vt, v//vn or v/vt/vn");
         let mut parts = corner.split('/');
         let index = |part: Option<&str>, what, count| match part {
-            None | Some("") => Ok(false),
-            Some(text) => check_index(text, what, count, &place).map(|()| true),
+            None | Some("") => Ok(None),
+            Some(text) => check_index(text, what, count, &place).map(Some),
         };
-        if !index(parts.next(), "vertex", defined.positions)? {
+        if index(parts.next(), "vertex", defined.positions)?.is_none() {
             return Err(bad());
         }
-        index(parts.next(), "texture coordinate", defined.texcoords)?;
-        smooth &= index(parts.next(), "normal", defined.normals)?;
+        let texcoord = index(parts.next(), "texture coordinate", defined.texcoords)?;
+        if let Some(texcoords) = &mut texcoords {
+            texcoords.push(texcoord.and_then(|i| i.try_into().ok()).unwrap_or(NO_TEXCOORD));
+        }
+        smooth &= index(parts.next(), "normal", defined.normals)?.is_some();
         if parts.next().is_some() {
             return Err(bad());
         }
@@ -285,13 +320,14 @@ fn face(row: &mut [u8], defined: &Defined, place: impl Fn() -> Place) -> Result<
     Ok(smooth)
 }
 
-/// Indices count from 1, or backwards from -1; only what is already defined can be meant.
+/// Indices count from 1, or backwards from -1; only what is already defined can be meant. Returns
+/// the index counted from 0.
 fn check_index(
     text: &str,
     what: &str,
     count: usize,
     place: impl Fn() -> Place,
-) -> Result<(), LoadError> {
+) -> Result<usize, LoadError> {
     let is_number =
         text.strip_prefix(['-', '+']).unwrap_or(text).bytes().all(|b| b.is_ascii_digit());
     if !is_number || text.ends_with(['-', '+']) {
@@ -311,7 +347,8 @@ fn check_index(
             valid,
         });
     }
-    Ok(())
+    let size = usize::try_from(index.unsigned_abs()).unwrap_or(count);
+    Ok(if index > 0 { size - 1 } else { count - size })
 }
 
 /// Keywords that carry nothing that a scene here could show.

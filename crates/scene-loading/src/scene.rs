@@ -5,6 +5,8 @@
 
 use glam::DVec3;
 
+use crate::texture::Texture;
+
 /// Linear RGB, nominally in [0, 1].
 pub type Rgb = [f64; 3];
 
@@ -35,11 +37,19 @@ pub struct Scene {
     /// How fast primitives move, by id, in world units per unit of time; those beyond the end of
     /// the list are at rest. Positions in the scene are those of the moment the shutter opens.
     pub velocities: Vec<DVec3>,
+    /// Images that materials refer to; empty where nothing is textured.
+    pub textures: Vec<Texture>,
+    /// Texture coordinates of the corners of triangles and patches, by id; those beyond the end of
+    /// the list have none. (0, 0) is the upper left corner of the image, (1, 1) the lower right.
+    pub texcoords: Vec<Option<Texcoords>>,
     /// How finely the scene asks its effects to be sampled.
     pub samples: SampleWishes,
     /// What a loader noticed and went on from (missing material file, dropped faces, ...).
     pub warnings: Vec<Warning>,
 }
+
+/// Texture coordinates of the three corners of a triangle.
+pub type Texcoords = [[f32; 2]; 3];
 
 /// One primitive: its shape and the material it is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,6 +129,9 @@ pub struct Material {
     pub transmittance: f64,
     /// Index of refraction, used when `transmittance` > 0.
     pub refraction_index: f64,
+    /// Index into [`Scene::textures`] of the image that the colour is multiplied with, where
+    /// primitives have texture coordinates.
+    pub texture: Option<u32>,
     /// Width of the distribution of the microfacets that reflect (alpha of GGX), in [0, 1]; 0 is
     /// a perfect mirror. No loader but that of scene files sets it.
     pub roughness: f64,
@@ -135,6 +148,7 @@ impl Default for Material {
             shine: 0.0,
             transmittance: 0.0,
             refraction_index: 1.0,
+            texture: None,
             roughness: 0.0,
         }
     }
@@ -363,6 +377,19 @@ impl Scene {
             if let Some(last) = self.velocities.last_mut() {
                 *last = velocity;
             }
+        }
+    }
+
+    /// Texture coordinates of the corners of a primitive.
+    pub fn texcoords_of(&self, id: u32) -> Option<Texcoords> {
+        self.texcoords.get(id as usize).copied().flatten()
+    }
+
+    /// Gives the last primitive, a triangle or patch, texture coordinates.
+    pub fn last_is_textured(&mut self, texcoords: Texcoords) {
+        if let Some(before) = self.primitives.len().checked_sub(1) {
+            self.texcoords.resize(before, None);
+            self.texcoords.push(Some(texcoords));
         }
     }
 

@@ -21,6 +21,7 @@ pub(crate) static SCENES: &[(&str, &str)] = embed![
     "effects/effect-smooth-normals.json",
     "effects/effect-soft-shadows.json",
     "effects/effect-supersampling.json",
+    "effects/effect-textures.json",
     "gears-tess.json",
     "kitchen.json",
     "pavilion.json",
@@ -33,5 +34,10 @@ pub(crate) static SETS: &[(&str, &str)] =
     embed!["sets/effects.json", "sets/real.json", "sets/small.json", "sets/spd.json"];
 
 /// Files that scene files refer to: path in the repository and bytes.
-pub(crate) static ASSETS: &[(&str, &[u8])] =
-    &[("scenes/pavilion.glb", include_bytes!("../../../scenes/pavilion.glb"))];
+pub(crate) static ASSETS: &[(&str, &[u8])] = &[
+    ("scenes/pavilion.glb", include_bytes!("../../../scenes/pavilion.glb")),
+    (
+        "scenes/effects/effect-textures.gltf",
+        include_bytes!("../../../scenes/effects/effect-textures.gltf"),
+    ),
+];

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
-use crate::scene::{Scene, Shape};
+use crate::scene::{Material, Scene, Shape};
 
 /// SHA-256 of bytes, in hexadecimal.
 pub fn sha256_of_bytes(bytes: &[u8]) -> String {
@@ -58,6 +58,7 @@ pub fn sha256_of_scene(scene: &Scene) -> String {
         hash.words(&[primitive.material]);
     }
     hash_effects(scene, &mut hash);
+    hash_textures(scene, &mut hash);
     hex(hash.0.finalize().as_slice())
 }
 
@@ -76,6 +77,28 @@ fn hash_effects(scene: &Scene, hash: &mut Canonical) {
     hash.numbers(&numbers);
     hash.length(scene.velocities.len());
     hash.vectors(&scene.velocities);
+}
+
+/// As [`hash_effects`]: nothing where nothing is textured. Names of images do not count.
+fn hash_textures(scene: &Scene, hash: &mut Canonical) {
+    if scene.textures.is_empty() && scene.texcoords.is_empty() {
+        return;
+    }
+    hash.0.update(b"textures 1\n");
+    let number = |m: &Material| m.texture.map_or(0, |i| i.saturating_add(1));
+    hash.words(&scene.materials.iter().map(number).collect::<Vec<u32>>());
+    hash.length(scene.textures.len());
+    for texture in &scene.textures {
+        let [u, v] = texture.wrap.map(|wrap| wrap as u32);
+        hash.words(&[texture.size[0], texture.size[1], u, v]);
+        hash.0.update(texture.texels.as_flattened());
+    }
+    hash.length(scene.texcoords.len());
+    for corners in &scene.texcoords {
+        hash.words(&[u32::from(corners.is_some())]);
+        let bits = corners.unwrap_or_default().map(|corner| corner.map(f32::to_bits));
+        hash.words(bits.as_flattened());
+    }
 }
 
 struct Canonical(Sha256);
@@ -111,7 +134,8 @@ fn hex(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Light, Material};
+    use crate::scene::Light;
+    use crate::texture::{Texture, Wrap};
 
     #[test]
     fn known_hash_of_bytes() {
@@ -140,10 +164,27 @@ mod tests {
             |s: &mut Scene| s.camera.shutter = 1.0,
             |s: &mut Scene| s.materials[0].roughness = 0.1,
             |s: &mut Scene| s.last_moves(DVec3::X),
+            |s: &mut Scene| s.last_is_textured([[0.0; 2]; 3]),
         ] {
             let mut other = scene.clone();
             change(&mut other);
             assert_ne!(sha256_of_scene(&other), before);
         }
+        let texture = |texel: u8, wrap| Texture {
+            name: "a.png".into(),
+            size: [1, 1],
+            wrap: [Wrap::Repeat, wrap],
+            texels: vec![[texel; 3]].into(),
+        };
+        let textured = |texture| {
+            let mut other = scene.clone();
+            other.textures.push(texture);
+            other.materials[0].texture = Some(0);
+            sha256_of_scene(&other)
+        };
+        let hash = textured(texture(7, Wrap::Repeat));
+        assert_ne!(hash, before);
+        assert_ne!(textured(texture(8, Wrap::Repeat)), hash);
+        assert_ne!(textured(texture(7, Wrap::Mirror)), hash);
     }
 }

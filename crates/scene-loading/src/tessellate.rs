@@ -74,6 +74,7 @@ pub fn tessellate(
             cones: Vec::new(),
             primitives: Vec::new(),
             velocities: Vec::new(),
+            texcoords: Vec::new(),
             ..scene.clone()
         },
     };
@@ -90,6 +91,10 @@ pub fn tessellate(
         if out.scene.primitives.len() == before {
             let text = format!("primitive {id} has no area and was left out");
             out.scene.warnings.push(Warning(text));
+        }
+        if let Some(corners) = scene.texcoords_of(id as u32) {
+            // only triangles have them, and those stay as they are
+            out.scene.last_is_textured(corners);
         }
         let velocity = scene.velocity(id as u32);
         if velocity != DVec3::ZERO {

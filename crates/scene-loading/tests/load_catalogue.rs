@@ -46,7 +46,7 @@ fn embedded_scenes_and_sets_are_valid_and_resolve() {
     let (effects, others): (Vec<&str>, Vec<&str>) =
         scenes.iter().partition(|name| name.starts_with("effect-"));
     assert_eq!(others, ["balls-tess", "gears-tess", "kitchen", "pavilion", "sponza", "tree-tess"]);
-    assert_eq!(effects.len(), 11);
+    assert_eq!(effects.len(), 12);
     for scene in catalogue.scenes() {
         assert!(scene.why.ends_with('.') && scene.licence.is_some(), "{}", scene.name);
     }

@@ -95,7 +95,7 @@ pub fn shadow_ray(
     let mirror = reflect(hit.incoming, normal).dot(direction).max(0.0);
     let highlight = if m.specular > 0.0 { m.specular * mirror.powf(m.shine) } else { 0.0 };
     let arriving = std::array::from_fn(|k| {
-        hit.weight[k] * color[k] * (m.diffuse * m.color[k] * cos + highlight) * share
+        hit.weight[k] * color[k] * (m.diffuse * hit.point.color[k] * cos + highlight) * share
     });
     Some(ShadowRay { hit: index, target: light, light: arriving })
 }

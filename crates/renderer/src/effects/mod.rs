@@ -17,6 +17,7 @@ pub mod sampler;
 mod smooth_normals;
 mod soft_shadows;
 mod supersampling;
+mod textures;
 
 use scene_loading::Scene;
 
@@ -40,6 +41,8 @@ pub enum Effect {
     Refraction,
     /// Normals interpolated between vertices.
     SmoothNormals,
+    /// Colours looked up in images.
+    Textures,
     /// A lens with an extent.
     Focus,
     /// Something moves while the shutter is open.
@@ -50,7 +53,7 @@ pub enum Effect {
 
 impl Effect {
     /// How many there are.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 }
 
 /// What is known of an effect.
@@ -74,6 +77,7 @@ pub static EFFECTS: &[&EffectInfo] = &[
     &gloss::INFO,
     &refraction::INFO,
     &smooth_normals::INFO,
+    &textures::INFO,
     &focus::INFO,
     &motion::INFO,
     &supersampling::INFO,

@@ -8,6 +8,7 @@ use super::focus::Lens;
 use super::gloss::Lobe;
 use super::motion::MovedSurfaces;
 use super::soft_shadows::DiscLights;
+use super::textures::ImageColors;
 use super::{EFFECTS, Effect, EffectInfo, Pinhole, PointLights, Scatter};
 use crate::camera::EyeRays;
 use crate::tracers::stages::{EyeStage, LightStage, ScatterStage, Stages};
@@ -109,7 +110,8 @@ impl EffectPlan {
     }
 
     /// The same without an effect: its rays are not sent. Soft shadows become hard, rough mirrors
-    /// perfect; what moves stands where it is when the shutter opens.
+    /// perfect; what moves stands where it is when the shutter opens; what is textured has the plain
+    /// colour of its material.
     pub fn without(mut self, effect: Effect) -> Self {
         self.called.retain(|called| called.info.effect != effect);
         self
@@ -185,6 +187,9 @@ impl EffectPlan {
         };
         if self.calls_for(Effect::Motion) {
             stages.hits.push(Box::new(MovedSurfaces::new(scene)));
+        }
+        if self.calls_for(Effect::Textures) {
+            stages.hits.push(Box::new(ImageColors::new(scene)));
         }
         stages
     }
