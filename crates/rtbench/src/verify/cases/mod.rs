@@ -8,6 +8,7 @@ pub mod shapes;
 pub mod symmetry;
 pub mod traversal;
 
+use accel_core::Ray;
 use accel_core::primitives::PrimitiveError;
 use accel_core::structures::Buildable;
 use glam::{DVec3, dvec3};
@@ -16,7 +17,7 @@ use super::draw::{one_of, point, unit, whole};
 use super::exact::Soup;
 use super::expect::{in_soup, on_lattice};
 use super::model::{Corners, Model};
-use super::round::{Round, ray};
+use super::round::{Expected, Round, ray};
 use crate::random::Random;
 
 /// Side of the cube that holds the lattice scenes.
@@ -48,18 +49,9 @@ fn lattice_round<S: Buildable>(
     random: &mut Random,
     rays: usize,
     triangles: &[Corners],
-    mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
+    draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
 ) -> Result<Round<S>, PrimitiveError> {
-    let mut round = Round::new(Model::triangles(triangles)?);
-    let exact = Soup::new(triangles);
-    for _ in 0..rays {
-        let (origin, direction) = draw(random);
-        let ray = ray(origin, direction);
-        if let Some(expected) = on_lattice(&exact, &ray) {
-            round.push(ray, expected);
-        }
-    }
-    Ok(round)
+    exact_round(random, rays, triangles, on_lattice, draw)
 }
 
 /// A round over loose triangles: rays of `draw`, held against the exact oracle.
@@ -67,6 +59,17 @@ fn soup_round<S: Buildable>(
     random: &mut Random,
     rays: usize,
     triangles: &[Corners],
+    draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
+) -> Result<Round<S>, PrimitiveError> {
+    exact_round(random, rays, triangles, in_soup, draw)
+}
+
+/// A round over triangles: rays of `draw`, but for those of which `oracle` says nothing.
+fn exact_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    triangles: &[Corners],
+    oracle: fn(&Soup, &Ray<S>) -> Option<Expected>,
     mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
 ) -> Result<Round<S>, PrimitiveError> {
     let mut round = Round::new(Model::triangles(triangles)?);
@@ -74,7 +77,7 @@ fn soup_round<S: Buildable>(
     for _ in 0..rays {
         let (origin, direction) = draw(random);
         let ray = ray(origin, direction);
-        if let Some(expected) = in_soup(&exact, &ray) {
+        if let Some(expected) = oracle(&exact, &ray) {
             round.push(ray, expected);
         }
     }

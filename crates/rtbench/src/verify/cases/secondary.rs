@@ -126,8 +126,8 @@ fn leaving<S: Buildable>(
             ray(from, at + point(random) * size * 0.5 - from)
         })
         .collect();
-    let (mut round, leaving) = (Round::new(model_of(scene)?), Leaving::new(rule, size));
-    for (point, incoming) in hit_points(&round.model, scene, &aimed) {
+    let leaving = Leaving::new(rule, size);
+    from_hits(scene, &aimed, |point, incoming, round| {
         let facing = point.foot.normal;
         let outward = if facing.dot(incoming) > 0.0 { -facing } else { facing };
         for turn in 0..A_HIT {
@@ -139,10 +139,9 @@ fn leaving<S: Buildable>(
                 let graze = 10.0_f64.powf(unit(random) * -12.0);
                 (any - outward * any.dot(outward)).normalize_or(outward) + outward * graze
             };
-            round.push(leaving.along(&point, along), Expected::Miss);
+            round.push(leaving.along(point, along), Expected::Miss);
         }
-    }
-    Ok(round)
+    })
 }
 
 /// A plane, another just above it, a light above both: all of the lower one is dark.
@@ -175,18 +174,14 @@ fn between_planes<S: Buildable>(
             ray(turned(from), turned(target - from))
         })
         .collect();
-    let model = model_of(&scene)?;
     let leaving = Leaving::new(OffsetRule::default(), half * 2.0);
-    let mut round = Round::new(model);
-    for (point, _) in hit_points(&round.model, &scene, &aimed) {
+    from_hits(&scene, &aimed, |point, _, round| {
         // only from the lower plane, whichever of the two the rounded ray has met
-        if turned_back(turn, point.position).y.abs() > GAP * 0.25 {
-            continue;
+        if turned_back(turn, point.position).y.abs() <= GAP * 0.25 {
+            let ray = leaving.to(point, light);
+            round.push(ray, Expected::Hit { id: None, t: [0.0, ray.t_max.to_f64()] });
         }
-        let ray = leaving.to(&point, light);
-        round.push(ray, Expected::Hit { id: None, t: [0.0, ray.t_max.to_f64()] });
-    }
-    Ok(round)
+    })
 }
 
 fn turned_back(turn: usize, p: DVec3) -> DVec3 {
@@ -223,19 +218,16 @@ fn under_a_ball<S: Buildable>(
             ray(from, target.with_y(0.0) - from)
         })
         .collect();
-    let model = model_of(&scene)?;
     let leaving = Leaving::new(OffsetRule::default(), far);
-    let mut round = Round::new(model);
-    for (point, _) in hit_points(&round.model, &scene, &aimed) {
-        let ray: Ray<S> = leaving.to(&point, light);
+    from_hits(&scene, &aimed, |point, _, round| {
+        let ray: Ray<S> = leaving.to(point, light);
         let from = point.foot.position;
         let way = (light - from).normalize();
         let to_center = center - from;
         let passing = (to_center - way * to_center.dot(way)).length();
         let clear = S::EPSILON.to_f64() * 64.0 * far;
         round.push(ray, expected_behind(passing, radius, clear, ray.t_max.to_f64()));
-    }
-    Ok(round)
+    })
 }
 
 /// A ray that passes the centre of a ball of `radius` at a distance.
@@ -276,38 +268,35 @@ fn to_a_light_on_a_surface<S: Buildable>(
             ray(at + from * size, (target - from) * size)
         })
         .collect();
-    let model = model_of(&scene)?;
     let leaving = Leaving::new(OffsetRule::default(), size);
-    let mut round = Round::new(model);
-    for (point, _) in hit_points(&round.model, &scene, &aimed) {
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    from_hits(&scene, &aimed, |point, _, round| {
         // the ceiling slants: what rounding does grows as a ray grazes it
-        let ray: Ray<S> = leaving.to(&point, light);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let ray: Ray<S> = leaving.to(point, light);
         let steep = ray.direction.to_dvec3().dot(normal).abs();
         let expected = if steep > 0.1 { Expected::Miss } else { Expected::Anything };
         round.push(ray, expected);
-    }
-    Ok(round)
+    })
 }
 
-/// What brute force hits, as the renderer sees it, and the directions that hit it.
-fn hit_points<'a, S: Buildable>(
-    model: &Model<S>,
-    scene: &'a Scene,
-    rays: &[Ray<S>],
-) -> Vec<(SurfacePoint<'a>, DVec3)> {
+/// A round of what `leave` makes of the points that brute force finds with `aimed`, as the renderer
+/// sees them, and of the directions that hit them.
+fn from_hits<S: Buildable>(
+    scene: &Scene,
+    aimed: &[Ray<S>],
+    mut leave: impl FnMut(&SurfacePoint<'_>, DVec3, &mut Round<S>),
+) -> Result<Round<S>, PrimitiveError> {
+    let mut round = Round::new(model_of(scene)?);
     let surfaces = Surfaces::new(scene, false);
-    let mut hits = vec![Hit::NONE; rays.len()];
+    let mut hits = vec![Hit::NONE; aimed.len()];
     // without brute force there is no hit and so no ray: the case would have no trials
-    let _ = with_brute_force(model.prims(), |tracer| tracer.closest_hits(rays, &mut hits));
-    let found = rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
-    found
-        .map(|(ray, hit)| {
-            let along = ray.direction.to_dvec3();
-            let position = ray.origin.to_dvec3() + along * hit.t.to_f64();
-            (surfaces.at(hit.id, position), along)
-        })
-        .collect()
+    let _ = with_brute_force(round.model.prims(), |tracer| tracer.closest_hits(aimed, &mut hits));
+    for (ray, hit) in aimed.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
+        let along = ray.direction.to_dvec3();
+        let position = ray.origin.to_dvec3() + along * hit.t.to_f64();
+        leave(&surfaces.at(hit.id, position), along, &mut round);
+    }
+    Ok(round)
 }
 
 /// The scene's primitives.
