@@ -9,6 +9,7 @@
 //!   [`counters::Counters`]. Every traversal is therefore written once.
 //! * [`tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
+//! * [`region::Gatherer`] answers the other question, which primitives a beam or cone may meet.
 //! * [`structures::REGISTRY`] lists the structures: one line each.
 
 pub mod aabb;
@@ -26,6 +27,7 @@ pub mod occluders;
 pub mod params;
 pub mod primitives;
 pub mod ray;
+pub mod region;
 pub mod resolution;
 pub mod scalar;
 pub mod sink;

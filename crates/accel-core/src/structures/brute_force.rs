@@ -1,9 +1,12 @@
 //! Every primitive for every ray: the oracle, and the baseline of all baselines.
 
+use std::ops::ControlFlow;
+
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
+use crate::region::{Shaft, ShaftWalk};
 use crate::scalar::Scalar;
 use crate::sink::Sink;
 
@@ -24,6 +27,12 @@ pub static INFO: StructureInfo = StructureInfo {
 pub struct BruteForce<S> {
     ids: Vec<u32>,
     scalar: std::marker::PhantomData<S>,
+}
+
+impl ShaftWalk for BruteForce<f64> {
+    fn walk_shaft(&self, _: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
+        let _ = cell(&self.ids, f64::NEG_INFINITY);
+    }
 }
 
 impl<S: Scalar> Structure<S> for BruteForce<S> {

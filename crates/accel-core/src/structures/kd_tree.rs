@@ -13,6 +13,7 @@
 //! a few cuts that do not pay; intervals on the ray are rounded outwards, so that a ray within a
 //! plane, or one that only grazes a cell, visits both sides.
 
+mod shaft_walk;
 mod subdivide;
 mod surface_area;
 

@@ -260,10 +260,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         prims: &P,
         params: &Params,
     ) -> Result<Setting, BuildError> {
-        if prims.is_empty() {
-            return Err(BuildError::NoPrimitives { structure: params.structure() });
-        }
-        refuse_out_of_scale::<S, S>(prims.magnitude(), params.structure())?;
+        refuse_unusable(prims, params)?;
         Ok(Setting::of(params, prims.len(), prims.bytes()))
     }
     match prims {
@@ -277,6 +274,17 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         }
         PrimsRef::Mixed(p) => over::<S, _, T>(p, params),
     }
+}
+
+/// Refuses a set that no structure serves: without primitives, or out of scale.
+pub(crate) fn refuse_unusable<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    params: &Params,
+) -> Result<(), BuildError> {
+    if prims.is_empty() {
+        return Err(BuildError::NoPrimitives { structure: params.structure() });
+    }
+    refuse_out_of_scale::<S, S>(prims.magnitude(), params.structure())
 }
 
 /// Refuses a scene whose largest coordinate lies outside [`Scalar::SCENE_EXPONENTS`] of the scalar

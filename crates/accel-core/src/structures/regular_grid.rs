@@ -3,6 +3,8 @@
 //! `uniform_grid.rs` (an array), `hashed_grid.rs` (a hash table) and `bricked_grid.rs` (blocks)
 //! are this grid over one [`CellStorage`] each, so they have the same cells and do the same work.
 
+mod shaft_walk;
+
 use super::{BuildError, Shape, Structure};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};

@@ -1,0 +1,51 @@
+//! A shaft's way through a k-d tree: from the root, the near child first.
+
+use std::ops::ControlFlow;
+
+use super::{KdTree, Node};
+use crate::region::{Shaft, ShaftWalk};
+use crate::scalar::Vector;
+
+impl ShaftWalk for KdTree<f64> {
+    fn walk_shaft(&self, shaft: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
+        let root = self.bounds.expanded(shaft.tolerance());
+        if !shaft.meets_box(&root) {
+            return;
+        }
+        let direction = shaft.direction();
+        // cells that wait, each with the least depth of itself and of those below it
+        let mut stack = vec![(0u32, root, shaft.least_depth(&root))];
+        while let Some((index, bounds, depth)) = stack.pop() {
+            let node = self.cells.nodes[index as usize];
+            let axis = (node.link & 3) as usize;
+            if node.link & 3 == Node::<f64>::LEAF {
+                let leaf = (node.link >> 2) as usize;
+                let range = self.cells.starts[leaf] as usize..self.cells.starts[leaf + 1] as usize;
+                if !range.is_empty() && cell(&self.cells.ids[range], depth).is_break() {
+                    return;
+                }
+                continue;
+            }
+            let (mut lower, mut upper) = (bounds, bounds);
+            let mut plane = bounds.max.to_array();
+            plane[axis] = node.plane + shaft.tolerance();
+            lower.max = Vector::from_array(plane);
+            plane = bounds.min.to_array();
+            plane[axis] = node.plane - shaft.tolerance();
+            upper.min = Vector::from_array(plane);
+            let child = node.link >> 2;
+            let mut children = [(child + 1, upper), (child, lower)];
+            if direction[axis] < 0.0 {
+                children.reverse();
+            }
+            // the far child waits below the near one
+            let mut below = stack.last().map_or(f64::INFINITY, |s| s.2);
+            for (index, bounds) in children {
+                if shaft.meets_box(&bounds) {
+                    below = below.min(shaft.least_depth(&bounds));
+                    stack.push((index, bounds, below));
+                }
+            }
+        }
+    }
+}
