@@ -25,7 +25,18 @@ use crate::film::Image;
 use crate::leaving::{Leaving, OffsetRule};
 use crate::rays::{RayBatches, RayKind, RaySettings};
 use crate::surface::Surfaces;
+use crate::tracers::TracerInfo;
 use crate::tracers::stages::{Origin, Place, Scattered, ShadowRay, Stages, SurfaceHit};
+
+/// Registry line.
+pub static INFO: TracerInfo = TracerInfo {
+    name: "whitted",
+    summary: "single rays: from the eye, to lights, mirrored and refracted; effects by samples",
+    paper: "Whitted 1980; Cook, Porter, Carpenter 1984 (samples)",
+    assumptions: "a pixel is as its samples are",
+    deviations: "as in NFF, whatever transmits also mirrors; no falloff of light",
+    refuses: "nothing",
+};
 
 /// Shadow rays that are made before they are traced, and eye rays of a group of pixels, about:
 /// bounds the memory of an image with many samples, and changes no sum.
