@@ -1,9 +1,13 @@
 //! The command line as typed: syntax only. What it means is decided in [`crate::plan`].
 
+mod compare_tracers;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub use compare_tracers::CompareTracersArgs;
 
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
@@ -48,6 +52,8 @@ pub enum Command {
     Render(RenderArgs),
     /// What an image costs by the lecture's product, factor by factor, predicted and measured
     Cost(CostArgs),
+    /// One scene by samples, by cones and by beams: time against error
+    CompareTracers(CompareTracersArgs),
     /// Inspect, check or fetch scenes
     Scenes(ScenesArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
@@ -206,6 +212,8 @@ pub enum Listed {
     Structures,
     /// Occluders, which answer shadow rays, with their parameters
     Occluders,
+    /// Tracers, which make images, with what each assumes and refuses
+    Tracers,
     /// Scenes by name
     Scenes,
     /// Sets of scenes

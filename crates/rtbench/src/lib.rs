@@ -35,6 +35,7 @@ pub mod statistics;
 mod suggest;
 pub mod summary;
 pub mod sweep;
+pub mod tracer_comparison;
 pub mod verify;
 
 use std::ffi::OsString;
@@ -90,6 +91,7 @@ pub fn run(
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
+        Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),

@@ -71,6 +71,18 @@ pub enum PlanError {
         /// All names.
         valid: String,
     },
+    /// No such thing among those of a kind.
+    #[error("unknown {what} '{name}'{hint}; valid: {valid}")]
+    UnknownName {
+        /// The kind: `tracer`.
+        what: &'static str,
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
     /// No such hard case or group of them.
     #[error("unknown case '{name}'{hint}; valid: {valid}")]
     UnknownCase {

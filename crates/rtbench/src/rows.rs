@@ -1,8 +1,8 @@
 //! Which structures with which settings: the rows of the tables.
 
-use accel_core::occluders;
 use accel_core::params::{ParamError, ParamSpec, Params};
 use accel_core::structures::{Entry, StructureInfo};
+use accel_core::{occluders, region};
 
 use crate::plan::PlanError;
 use crate::suggest;
@@ -14,6 +14,12 @@ pub trait Registered {
 }
 
 impl Registered for Entry {
+    fn info(&self) -> &'static StructureInfo {
+        self.info
+    }
+}
+
+impl Registered for region::Entry {
     fn info(&self) -> &'static StructureInfo {
         self.info
     }

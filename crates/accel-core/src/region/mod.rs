@@ -49,7 +49,8 @@ pub struct Entry {
 }
 
 impl Entry {
-    const fn new(info: &'static StructureInfo, build: Builder) -> Self {
+    /// A line of a registry; `build` is [`build`] of the structure.
+    pub const fn new(info: &'static StructureInfo, build: Builder) -> Self {
         Self { info, build }
     }
 
@@ -82,7 +83,11 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     REGISTRY.iter().find(|e| e.info.name == name)
 }
 
-fn build<T: ShaftWalk + 'static>(
+/// Builds `T` over whichever set it is, to be asked by shafts.
+///
+/// # Errors
+/// [`BuildError`].
+pub fn build<T: ShaftWalk + 'static>(
     prims: PrimsRef<'_, f64>,
     params: &Params,
 ) -> Result<Box<dyn Gatherer>, BuildError> {

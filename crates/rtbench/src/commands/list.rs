@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use accel_core::structures::StructureInfo;
 use renderer::RayKind;
+use renderer::tracers::{TRACERS, TracerInfo};
 use serde_json::{Value, json};
 
 use crate::args::{Format, ListArgs, Listed};
@@ -20,6 +21,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             context.registry.iter().map(|e| structure(e.info)).collect::<Vec<_>>()
         }
         Listed::Occluders => context.occluders.iter().map(|e| structure(e.info)).collect(),
+        Listed::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
         Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
         Listed::Sets => context
             .scenes
@@ -52,6 +54,11 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
                 write_structure(out, e.info)?;
             }
         }
+        Format::Text if args.what == Listed::Tracers => {
+            for info in TRACERS {
+                write_tracer(out, info)?;
+            }
+        }
         Format::Text => write_names(out, &value)?,
     }
     out.flush()?;
@@ -60,6 +67,26 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
 
 fn entry((name, summary): &(String, String)) -> Value {
     json!({"name": name, "summary": summary})
+}
+
+fn tracer(info: &TracerInfo) -> Value {
+    json!({
+        "name": info.name,
+        "summary": info.summary,
+        "paper": info.paper,
+        "assumptions": info.assumptions,
+        "deviations": info.deviations,
+        "refuses": info.refuses,
+    })
+}
+
+fn write_tracer(out: &mut dyn Write, info: &TracerInfo) -> io::Result<()> {
+    writeln!(out, "{}: {}", info.name, info.summary)?;
+    writeln!(out, "  paper:       {}", info.paper)?;
+    writeln!(out, "  assumptions: {}", info.assumptions)?;
+    writeln!(out, "  deviations:  {}", info.deviations)?;
+    writeln!(out, "  refuses:     {}", info.refuses)?;
+    writeln!(out)
 }
 
 fn structure(info: &StructureInfo) -> Value {

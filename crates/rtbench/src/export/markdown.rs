@@ -67,7 +67,8 @@ fn facts(run: &RunRecord) -> Vec<String> {
     ]
 }
 
-fn push_table(text: &mut String, table: &Table) {
+/// Appends a table with its title and notes.
+pub fn push_table(text: &mut String, table: &Table) {
     let _ = writeln!(text, "## {}\n", escaped(&table.title));
     let _ = writeln!(text, "| {} |", table.header.join(" | "));
     let rule: Vec<&str> =

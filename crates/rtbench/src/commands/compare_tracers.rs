@@ -1,0 +1,205 @@
+//! `rtbench compare-tracers`: one scene by samples, by cones and by beams, against a converged
+//! image.
+
+use std::fs;
+use std::path::Path;
+
+use accel_core::region;
+use accel_core::structures::BuildError;
+use accel_core::tracer::Tracer;
+use accel_core::{Hit, Ray, Vec3, Vector};
+use glam::DVec2;
+use renderer::camera::{EyeRays, Sampling};
+use renderer::tracers::{Structures, TRACERS, whitted};
+use renderer::{Geometry, Image};
+use scene_loading::Scene;
+
+use crate::args::{Color, CompareTracersArgs};
+use crate::commands::render::{one_scene, plan_of, structure};
+use crate::context::Context;
+use crate::error::{Error, SUCCESS, WRONG_HITS};
+use crate::export::text::write_table;
+use crate::machine;
+use crate::plan::PlanError;
+use crate::pools::pool;
+use crate::rows::Row;
+use crate::suggest;
+use crate::tracer_comparison::queries::{self, Rounds, pixel_shafts};
+use crate::tracer_comparison::reference::{Reference, Sampled};
+use crate::tracer_comparison::report::Report;
+use crate::tracer_comparison::{KINDS, Question, compare, without};
+
+/// Samples a pixel: those of the full comparison, and those of a first look.
+const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
+const QUICK_SAMPLES: [u32; 5] = [1, 4, 16, 64, 256];
+
+/// Compares, and returns the exit code.
+///
+/// # Errors
+/// [`Error`].
+pub fn run(
+    context: &mut Context<'_>,
+    args: &CompareTracersArgs,
+    color: Color,
+) -> Result<u8, Error> {
+    let row = structure(context.registry, args.structure.as_deref())?;
+    let shafts = Row::parse(region::REGISTRY, &args.through)?;
+    let tracers = tracers(&args.tracers)?;
+    let kinds = known(&args.without, KINDS)?;
+    let known = one_scene(context.scenes, &args.scene)?;
+    if let Some(folder) = &args.output {
+        fs::create_dir_all(folder)
+            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+    }
+    let loaded = known.load()?;
+    for warning in &loaded.scene.warnings {
+        context.warn(format_args!("{}: {warning}", known.name()));
+    }
+    let scene = without(loaded.scene, &kinds);
+    let choice = |given: Option<u32>, full: u32, quick: u32| {
+        given.unwrap_or(if args.quick { quick } else { full })
+    };
+    let frame = Sampled {
+        resolution: [choice(args.size, 64, 32); 2],
+        max_depth: args.depth,
+        seed: args.seed,
+    };
+    let mut samples = args.samples.clone();
+    if samples.is_empty() {
+        samples = if args.quick { QUICK_SAMPLES.to_vec() } else { SAMPLES.to_vec() };
+    }
+    samples.sort_unstable();
+    samples.dedup();
+    let reference_samples = choice(args.reference_samples, 4096, 1024);
+    for &n in samples.iter().chain([&reference_samples]) {
+        plan_of(&scene, frame.plan(&scene, n, frame.seed).settings())?;
+    }
+    let rounds = choice(args.rounds, 5, 3);
+    let build = |source: BuildError| Error::Build { scene: scene.name.clone(), source };
+    let single = Geometry::<f32>::of(&scene)?;
+    let double = Geometry::<f64>::of(&scene)?;
+    let (threads, clock) = (usize::from(args.threads), context.clock);
+    let (helpers, measured) = (pool(machine::threads())?, pool(threads)?);
+    let sampler = row.entry.build(single.prims(), &row.params).map_err(build)?;
+    let rays = row.entry.build(double.prims(), &row.params).map_err(build)?;
+    let gatherer = shafts.entry.build(double.prims(), &shafts.params).map_err(build)?;
+    context.say(format_args!("{}: reference of 2 x {reference_samples} samples", scene.name));
+    let reference = helpers.install(|| Reference::of(&scene, &*sampler, frame, reference_samples));
+    let question = Question {
+        scene: &scene,
+        sampler: &*sampler,
+        structures: Structures { rays: &*rays, shafts: &*gatherer },
+        frame,
+        samples: &samples,
+        tracers: &tracers,
+        rounds,
+    };
+    let rows = measured.install(|| compare(&question, &reference, clock));
+    let queries = if tracers.iter().any(|name| *name != whitted::INFO.name) {
+        let shafts = shafts_of(&scene, &*rays, frame.resolution);
+        let rounds = Rounds { rounds, seed: frame.seed, primitives: scene.primitives.len() };
+        queries::measure(region::REGISTRY, double.prims(), &shafts, rounds, clock).map_err(build)?
+    } else {
+        Vec::new()
+    };
+    let report = Report {
+        scene: scene.name.clone(),
+        primitives: scene.primitives.len(),
+        resolution: frame.resolution,
+        through: [row.label(), shafts.label()],
+        threads,
+        seed: frame.seed,
+        command_line: context.command_line.clone(),
+        reference,
+        rows,
+        queries,
+    };
+    if let Some(folder) = &args.output {
+        write_files(folder, &report)?;
+    }
+    let colors = context.terminal.colors(color);
+    write_table(context.out, &report.images(), colors)?;
+    if let Some(table) = report.query_table() {
+        write_table(context.out, &table, colors)?;
+    }
+    context.out.flush()?;
+    Ok(if report.is_failure() { WRONG_HITS } else { SUCCESS })
+}
+
+/// The tracers of those names, all of them where none is given.
+fn tracers(names: &[String]) -> Result<Vec<&'static str>, PlanError> {
+    let all: Vec<&'static str> = TRACERS.iter().map(|t| t.name).collect();
+    if names.is_empty() {
+        return Ok(all);
+    }
+    let named = |name: &String| {
+        all.iter().copied().find(|n| n == name).ok_or_else(|| unknown("tracer", name, &all))
+    };
+    names.iter().map(named).collect()
+}
+
+/// The words, if all are among those that are valid.
+fn known<const N: usize>(
+    words: &[String],
+    valid: [&'static str; N],
+) -> Result<Vec<String>, PlanError> {
+    for word in words {
+        if !valid.contains(&word.as_str()) {
+            return Err(unknown("kind of primitive", word, &valid));
+        }
+    }
+    Ok(words.to_vec())
+}
+
+fn unknown(what: &'static str, name: &str, valid: &[&'static str]) -> PlanError {
+    PlanError::UnknownName {
+        what,
+        hint: suggest::hint(name, valid.iter().copied()),
+        name: name.to_owned(),
+        valid: valid.join(", "),
+    }
+}
+
+/// A pyramid a pixel, with what the ray through the pixel's centre hits.
+fn shafts_of(
+    scene: &Scene,
+    tracer: &dyn Tracer<f64>,
+    resolution: [u32; 2],
+) -> Vec<(region::Shaft, Option<u32>)> {
+    let eye = EyeRays::new(&scene.camera, resolution, Sampling::PixelCentres);
+    let [w, h] = resolution;
+    let centre = |(x, y)| {
+        let direction = eye.direction_within(x, y, DVec2::splat(0.5));
+        Ray::<f64>::new(Vec3::<f64>::from_dvec3(eye.origin()), Vec3::<f64>::from_dvec3(direction))
+    };
+    let rays: Vec<Ray<f64>> =
+        (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(centre).collect();
+    let mut hits = vec![Hit::NONE; rays.len()];
+    tracer.closest_hits(&rays, &mut hits);
+    let shafts = pixel_shafts(&scene.camera, resolution, scene.bounds());
+    let seen = hits.iter().map(|hit| hit.is_hit().then_some(hit.id));
+    shafts.into_iter().zip(seen).collect()
+}
+
+fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {
+    let text = |name: &str, text: String| {
+        let path = folder.join(name);
+        fs::write(&path, text).map_err(|source| Error::Write { path, source })
+    };
+    text("tracers.csv", report.to_csv()?)?;
+    text("tracers.json", report.to_json()?)?;
+    text("tracers.md", report.to_markdown())?;
+    text("tracers.svg", report.to_svg())?;
+    let image = |name: String, image: &Image| {
+        let path = folder.join(name);
+        image.save_png(&path).map_err(|source| Error::Image { path, source })
+    };
+    image("reference.png".to_owned(), &report.reference.image)?;
+    for row in &report.rows {
+        if let Ok(measured) = &row.outcome {
+            let name = row.label().replace([' ', '='], "-");
+            image(format!("{name}.png"), &measured.image)?;
+        }
+    }
+    Ok(())
+}
