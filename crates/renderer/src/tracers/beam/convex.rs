@@ -89,9 +89,9 @@ impl Convex {
     }
 
     /// The box around it.
-    pub fn bounds(&self) -> (DVec2, DVec2) {
-        let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        self.corners.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)))
+    pub fn bounds(&self) -> [DVec2; 2] {
+        let start = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        self.corners.iter().fold(start, |[low, high], p| [low.min(*p), high.max(*p)])
     }
 
     /// Triangles from the first corner on: three times their centre, seen from that corner, and

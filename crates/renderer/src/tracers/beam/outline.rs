@@ -4,7 +4,7 @@
 //! is the cross product of the homogeneous points it joins, so that a face may reach far out of
 //! the image or close to the eye, and faces that share an edge share its line bit by bit.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::convex::{Affine, Convex, ON};
 use super::faces::Face;
@@ -38,8 +38,12 @@ pub enum Relation {
 }
 
 impl Outline {
-    /// Of a face; `None` where the pyramid cannot meet it.
-    pub fn of(face: &Face, pyramid: &Pyramid) -> Option<Self> {
+    /// Of a face; `None` where the pyramid behind the rectangle of the image from `low` to `high`
+    /// cannot meet it.
+    pub fn of(face: &Face, pyramid: &Pyramid, [low, high]: [DVec2; 2]) -> Option<Self> {
+        if pyramid.is_beside(&face.corners, low, high) {
+            return None;
+        }
         let kept = pyramid.keep(&face.corners);
         let corners: Vec<DVec3> = kept.iter().map(|&x| pyramid.project(x)).collect();
         let &first = corners.first()?;

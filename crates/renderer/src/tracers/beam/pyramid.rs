@@ -117,6 +117,18 @@ impl Pyramid {
         self.keeps.push(HalfSpace { normal, least });
     }
 
+    /// True when all of an outline lies on the far side of one side of the pyramid behind the
+    /// rectangle from `low` to `high`, or behind the apex.
+    pub fn is_beside(&self, outline: &[DVec3], low: DVec2, high: DVec2) -> bool {
+        let mut beside = [true; 5];
+        for &x in outline {
+            let DVec3 { x, y, z: s } = self.project(x);
+            let now = [x < low.x * s, x > high.x * s, y < low.y * s, y > high.y * s, s < 0.0];
+            beside.iter_mut().zip(now).for_each(|(all, now)| *all &= now);
+        }
+        beside.contains(&true)
+    }
+
     /// The part of a convex outline that the pyramid can meet.
     pub fn keep(&self, outline: &[DVec3]) -> Vec<DVec3> {
         self.keeps.iter().fold(outline.to_vec(), |corners, half| half.clip(corners))

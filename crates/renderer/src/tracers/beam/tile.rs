@@ -161,21 +161,23 @@ impl<'a> Tile<'a> {
         &self,
         shaft: &Shaft,
         pyramid: &Pyramid,
+        piece: &Convex,
         gathered: &mut Gathered,
         is_asked: impl Fn(u32) -> bool,
     ) -> Vec<Outline> {
+        let bounds = piece.bounds();
         self.on.over.shafts.gather(shaft, gathered);
         gathered.ids.sort_unstable();
         let ids = gathered.ids.iter().filter(|&&id| is_asked(id));
         ids.flat_map(|&id| self.on.faces.of_primitive(id))
-            .filter_map(|face| Outline::of(face, pyramid))
+            .filter_map(|face| Outline::of(face, pyramid, bounds))
             .collect()
     }
 
     /// Finds what a beam sees, lights it and sends it on.
     fn advance(&mut self, beam: &Beam, gathered: &mut Gathered) {
         let shaft = beam.pyramid.shaft(&beam.piece, REACH * self.on.magnitude);
-        let outlines = self.outlines(&shaft, &beam.pyramid, gathered, |_| true);
+        let outlines = self.outlines(&shaft, &beam.pyramid, &beam.piece, gathered, |_| true);
         let piece = beam.piece.clone();
         let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts.cuts);
         self.counts.fragments += fragments.len() as u64;
@@ -227,7 +229,7 @@ impl<'a> Tile<'a> {
                 let material = primitive.and_then(|p| on.scene.materials.get(p.material as usize));
                 material.is_some_and(|m| m.transmittance <= 0.0)
             };
-            let blockers = self.outlines(&shaft, &shadow, gathered, is_opaque);
+            let blockers = self.outlines(&shaft, &shadow, piece, gathered, is_opaque);
             for lit in self.unblocked(piece, &blockers) {
                 self.add(beam, &lit, Some(id), |p| arriving(p).unwrap_or_default());
             }
@@ -348,7 +350,7 @@ fn pixels_of(piece: &Convex) -> Vec<Convex> {
 
 /// A piece cut at whole numbers along an axis.
 fn strips(piece: Convex, axis: DVec2) -> Vec<Convex> {
-    let (low, high) = piece.bounds();
+    let [low, high] = piece.bounds();
     let (first, last) = (low.dot(axis).floor() as i64 + 1, high.dot(axis).ceil() as i64 - 1);
     let mut strips = Vec::new();
     let mut rest = piece;

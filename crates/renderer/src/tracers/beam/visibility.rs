@@ -251,7 +251,7 @@ pub fn cut_along(piece: &Convex, lines: &[Affine]) -> (Option<Convex>, Vec<Conve
 /// The border between pixels nearest to the middle of the longer side of a piece; none within a
 /// pixel.
 fn halving_line(piece: &Convex) -> Option<Affine> {
-    let (low, high) = piece.bounds();
+    let [low, high] = piece.bounds();
     let size = high - low;
     let along = |axis: DVec2| {
         let (low, high) = (low.dot(axis), high.dot(axis));
@@ -278,7 +278,10 @@ mod tests {
             id,
             corners: corners.iter().map(|&c| DVec3::from_array(c)).collect(),
         };
-        (0..).zip(faces).filter_map(|f| Outline::of(&face(f), &eye)).collect()
+        (0..)
+            .zip(faces)
+            .filter_map(|f| Outline::of(&face(f), &eye, [DVec2::ZERO, DVec2::splat(8.0)]))
+            .collect()
     }
 
     /// Areas of what is seen of an 8 x 8 image: nothing, then every face.
