@@ -12,8 +12,11 @@
 //! without samples. Approximate are: shading, which is evaluated once for each pixel of each lit
 //! part, at its centre; and refraction, which bends straight lines. A refracted beam is the
 //! linear map that is right for its central ray ([`pyramid`]). It is therefore cut into pixels
-//! first: its rays are off by a part of the angle that a pixel spans, and total internal
-//! reflection begins at a border between pixels or parts of them.
+//! first: a ray that comes in at an angle e beside the central one, in the plane of incidence,
+//! leaves in a direction that is off by |c - 1/c| e / n, where c is the cosine of the central ray
+//! behind the surface over that before it and n the relative index: for glass met at 45 degrees by
+//! 0.3 e, with e up to 0.7 of the angle of a pixel. Total internal reflection begins at a border
+//! between pixels or parts of them.
 //!
 //! How is a bundle intersected with surfaces? A structure names the primitives that the beam's
 //! shaft may meet; those are projected to the image as convex outlines, and a piece of the image

@@ -238,6 +238,26 @@ mod tests {
     }
 
     #[test]
+    fn rays_beside_the_middle_are_bent_wrong_by_the_stated_part() {
+        let pyramid = pyramid();
+        let plane = plane(&pyramid, DVec3::new(0.7, 0.1, 1.0), DVec3::new(0.0, 0.0, -4.0));
+        let middle = DVec2::new(3.0, 1.0);
+        let d = pyramid.direction(middle).normalize();
+        let out = refract(d, plane.normal, 1.5).unwrap();
+        let (cos_in, cos_out) = (d.dot(plane.normal).abs(), out.dot(plane.normal).abs());
+        let inside = pyramid.through(&plane, cos_out * 1.5 / cos_in, out).unwrap();
+        // a step in the plane of incidence
+        let across = d - plane.normal * plane.normal.dot(d) / (cos_in * cos_in);
+        let to = pyramid.project(pyramid.apex + d + across * 1e-4);
+        let p = to.truncate() / to.z;
+        let step = pyramid.direction(p).angle_between(d);
+        let right = refract(pyramid.direction(p).normalize(), plane.normal, 1.5).unwrap();
+        let wrong = inside.direction(p).angle_between(right);
+        let stated = (cos_out / cos_in - cos_in / cos_out) / 1.5 * step;
+        assert!((wrong / stated - 1.0).abs() < 1e-3, "{wrong:e} {stated:e}");
+    }
+
+    #[test]
     fn shadow_beams_meet_the_plane_at_the_same_places() {
         let pyramid = pyramid();
         let plane = plane(&pyramid, DVec3::new(0.2, 0.1, 1.0), DVec3::new(0.0, 0.0, -4.0));
