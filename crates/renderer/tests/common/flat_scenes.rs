@@ -41,7 +41,7 @@ pub fn concave() -> Scene {
         [[0.9, 0.2, 0.1], [0.2, 0.8, 0.2], [0.2, 0.3, 0.9]].map(|c| matte(&mut scene, c));
     let star = |i: u32| {
         let angle = f64::from(i) / 14.0 * std::f64::consts::TAU;
-        (DVec2::from_angle(angle) * if i % 2 == 0 { 1.3 } else { 0.5 }).extend(1.0)
+        (DVec2::from_angle(angle) * if i.is_multiple_of(2) { 1.3 } else { 0.5 }).extend(1.0)
     };
     scene.push_polygon(red, &(0..14).map(star).collect::<Vec<_>>());
     let bracket = [(-1.8, -1.5), (1.7, -1.4), (1.6, -0.7), (-1.0, -0.8), (-1.1, 0.9), (1.5, 0.8)];
@@ -100,7 +100,7 @@ pub fn mirror() -> Scene {
         .push_triangle(red, [dvec3(-0.9, -0.7, 0.4), dvec3(0.3, -0.6, 0.9), dvec3(-0.4, 0.3, 0.3)]);
     let star = |i: u32| {
         let angle = f64::from(i) / 10.0 * std::f64::consts::TAU;
-        let p = DVec2::from_angle(angle) * if i % 2 == 0 { 1.5 } else { 0.6 };
+        let p = DVec2::from_angle(angle) * if i.is_multiple_of(2) { 1.5 } else { 0.6 };
         dvec3(p.x, p.y + 0.5, 7.0)
     };
     scene.push_polygon(green, &(0..10).map(star).collect::<Vec<_>>());
