@@ -70,6 +70,14 @@ impl EyeRays {
         (self.forward + self.right * u + self.up * v).normalize()
     }
 
+    /// The vectors U, V and D, so that D + x U + y V is along the ray through the point (x, y) of
+    /// the image, pixels from its upper left corner; the part along the view has length 1.
+    pub fn frame(&self) -> [DVec3; 3] {
+        let [width, height] = self.size.map(f64::from);
+        let (right, down) = (self.right * (2.0 / width), self.up * (-2.0 / height));
+        [right, down, self.forward - self.right + self.up]
+    }
+
     /// The eye.
     pub fn origin(&self) -> DVec3 {
         self.from

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use self::ear_clipping::triangulate;
+pub use self::ear_clipping::triangulate;
 use crate::scene::{Cone, Primitive, Scene, Shape, Sphere, Warning};
 
 /// How finely curved primitives are tessellated.

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 /// fewer where vertices repeat, form spikes or are left over in a line, as no triangle without area
 /// is made. A polygon without area gives none. Outlines that cross themselves are cut up somehow.
 /// Time grows with the number of vertices times the number of reflex ones.
-pub(super) fn triangulate(outline: &[DVec3]) -> Vec<[u32; 3]> {
+pub fn triangulate(outline: &[DVec3]) -> Vec<[u32; 3]> {
     let Some(points) = project(outline) else { return Vec::new() };
     let mut triangles = Vec::with_capacity(points.len().saturating_sub(2));
     let mut ring = Ring::new(points);

@@ -1,0 +1,97 @@
+//! What beams refuse: all that is not flat, not a point, or not sharp.
+
+use accel_core::primitives::newell_normal;
+use glam::DVec3;
+use scene_loading::{Primitive, Scene, Shape};
+
+use super::{INFO, faces};
+use crate::tracers::Refusal;
+
+/// The sine of the angle between a mirror's normals and its face beyond which it is not flat.
+const FLAT: f64 = 1e-9;
+
+/// Refuses a scene that beams cannot trace.
+///
+/// # Errors
+/// [`Refusal`] naming what the scene has, and how many.
+pub fn refusal(scene: &Scene) -> Result<(), Refusal> {
+    let none = |count: usize, what: &str| Refusal::of(&INFO, scene, count, what);
+    let primitives =
+        |test: &dyn Fn(&Primitive) -> bool| scene.primitives.iter().filter(|p| test(p)).count();
+    let material = |p: &Primitive| scene.materials.get(p.material as usize);
+    none(primitives(&|p| matches!(p.shape, Shape::Sphere(_))), "spheres")?;
+    none(primitives(&|p| matches!(p.shape, Shape::Cone(_))), "cones")?;
+    none(scene.lights.iter().filter(|l| l.radius() > 0.0).count(), "lights with a radius")?;
+    none(usize::from(scene.camera.aperture > 0.0), "lens with an aperture")?;
+    let moves = scene.velocities.iter().filter(|v| **v != DVec3::ZERO).count();
+    none(if scene.camera.shutter > 0.0 { moves } else { 0 }, "moving primitives")?;
+    let is_textured = |(p, id): (&Primitive, u32)| {
+        scene.texcoords_of(id).is_some() && material(p).is_some_and(|m| m.texture.is_some())
+    };
+    let textured = scene.primitives.iter().zip(0..).filter(|&p| is_textured(p)).count();
+    none(textured, "textured primitives")?;
+    let is_rough =
+        |p: &Primitive| material(p).is_some_and(|m| m.specular > 0.0 && m.roughness > 0.0);
+    none(primitives(&is_rough), "primitives that are rough mirrors")?;
+    let bends = |p: &Primitive| {
+        material(p).is_some_and(|m| m.specular > 0.0 || m.transmittance > 0.0)
+            && !is_flat(scene, p.shape)
+    };
+    none(primitives(&bends), "mirrors or glasses with smooth normals")?;
+    none(faces::crossing_outlines(scene), "polygons that cross themselves")
+}
+
+/// True unless it is a patch whose normals differ from that of its face.
+fn is_flat(scene: &Scene, shape: Shape) -> bool {
+    let Shape::Patch { n, .. } = shape else { return true };
+    let face = newell_normal(&scene.outline(shape));
+    n.iter().all(|&i| {
+        let normal = scene.normals.get(i as usize).copied().unwrap_or(DVec3::ZERO);
+        normal.normalize_or_zero().cross(face).length() <= FLAT
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scene_loading::{Camera, Light, Material};
+
+    fn what(change: impl FnOnce(&mut Scene)) -> Option<String> {
+        let mut scene = Scene::new("odd");
+        let m = scene.push_material(Material { specular: 0.5, ..Material::default() });
+        scene.push_triangle(m, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+        change(&mut scene);
+        refusal(&scene).err().map(|refusal| refusal.what)
+    }
+
+    #[test]
+    fn what_is_not_flat_or_sharp_is_refused_with_its_count() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        assert_eq!(what(|_| ()), None);
+        assert_eq!(what(|s| s.push_sphere(0, DVec3::ZERO, 1.0)).as_deref(), Some("1 spheres"));
+        let disc = Light::Disc { position: DVec3::ZERO, color: None, radius: 0.5 };
+        assert_eq!(what(|s| s.lights = vec![disc; 3]).as_deref(), Some("3 lights with a radius"));
+        let lens = Camera { aperture: 0.1, ..Camera::default() };
+        assert_eq!(what(|s| s.camera = lens).as_deref(), Some("1 lens with an aperture"));
+        let moves = |s: &mut Scene| {
+            s.camera.shutter = 1.0;
+            s.last_moves(DVec3::X);
+        };
+        assert_eq!(what(moves).as_deref(), Some("1 moving primitives"));
+        let rough = |s: &mut Scene| s.materials[0].roughness = 0.2;
+        assert_eq!(what(rough).as_deref(), Some("1 primitives that are rough mirrors"));
+        let smooth = |s: &mut Scene| s.push_patch(0, corners, [DVec3::Z, DVec3::X, DVec3::Z]);
+        assert_eq!(what(smooth).as_deref(), Some("1 mirrors or glasses with smooth normals"));
+        assert_eq!(what(|s| s.push_patch(0, corners, [DVec3::Z * -2.0; 3])), None);
+        let textured = |s: &mut Scene| {
+            s.materials[0].texture = Some(0);
+            s.last_is_textured([[0.0; 2]; 3]);
+        };
+        assert_eq!(what(textured).as_deref(), Some("1 textured primitives"));
+        let tie = |s: &mut Scene| {
+            let corners = [(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 1.0)];
+            s.push_polygon(0, &corners.map(|(x, y)| DVec3::new(x, y, 0.0)));
+        };
+        assert_eq!(what(tie).as_deref(), Some("1 polygons that cross themselves"));
+    }
+}

@@ -1,0 +1,384 @@
+//! The beams of a tile of the image, from the eye on: what they see, what light reaches it, and
+//! what they become at mirrors and glass.
+
+use std::ops::AddAssign;
+
+use accel_core::region::{Gathered, Shaft, Work};
+use glam::{DMat3, DVec2};
+use scene_loading::Rgb;
+
+use super::Prepared;
+use super::convex::{Affine, Convex, Cut};
+use super::coverage::Covered;
+use super::outline::{Outline, Relation};
+use super::pyramid::{Plane, Pyramid};
+use super::visibility::{Cuts, cut_along, resolve};
+use crate::effects::{lit_normal, shadow_ray};
+use crate::surface::{SurfacePoint, reflect, refract};
+use crate::tracers::stages::{Origin, SurfaceHit};
+
+/// A shaft reaches so many times the scene's largest coordinate: farther than any two points of
+/// the scene are apart.
+const REACH: f64 = 4.0;
+
+/// What was traced.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Counts {
+    beams: u64,
+    mirrored: u64,
+    refracted: u64,
+    shadows: u64,
+    fragments: u64,
+    internal: u64,
+    degenerate: u64,
+    cuts: Cuts,
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.beams += other.beams;
+        self.mirrored += other.mirrored;
+        self.refracted += other.refracted;
+        self.shadows += other.shadows;
+        self.fragments += other.fragments;
+        self.internal += other.internal;
+        self.degenerate += other.degenerate;
+        self.cuts += other.cuts;
+    }
+}
+
+impl Counts {
+    /// With the words for each.
+    pub fn named(&self) -> Vec<(&'static str, u64)> {
+        vec![
+            ("eye beams", self.beams),
+            ("mirrored beams", self.mirrored),
+            ("refracted beams", self.refracted),
+            ("shadow beams", self.shadows),
+            ("fragments", self.fragments),
+            ("pieces cut", self.cuts.pieces),
+            ("pieces decided at their centre", self.cuts.unresolved),
+            ("beams reflected totally", self.internal),
+            ("beams without a volume", self.degenerate),
+        ]
+    }
+}
+
+/// A beam on its way.
+struct Beam {
+    pyramid: Pyramid,
+    piece: Convex,
+    weight: Rgb,
+    depth: u32,
+}
+
+/// A part of an image, traced alone: beams never leave the pixels that they started in.
+pub struct Tile<'a> {
+    on: &'a Prepared<'a>,
+    corner: [u32; 2],
+    size: [u32; 2],
+    colors: Vec<Rgb>,
+    /// If it is recorded.
+    covered: Option<Vec<Vec<Covered>>>,
+    counts: Counts,
+    work: Work,
+    beams: Vec<Beam>,
+}
+
+impl<'a> Tile<'a> {
+    /// The pixels from `corner` on, `size` of them across and down.
+    pub fn new(on: &'a Prepared<'a>, corner: [u32; 2], size: [u32; 2], recording: bool) -> Self {
+        let pixels = size[0] as usize * size[1] as usize;
+        Self {
+            on,
+            corner,
+            size,
+            colors: vec![[0.0; 3]; pixels],
+            covered: recording.then(|| vec![Vec::new(); pixels]),
+            counts: Counts::default(),
+            work: Work::default(),
+            beams: Vec::new(),
+        }
+    }
+
+    /// Upper left pixel.
+    pub fn corner(&self) -> [u32; 2] {
+        self.corner
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Its pixels, row by row.
+    pub fn colors(&self) -> &[Rgb] {
+        &self.colors
+    }
+
+    /// What its pixels see, if it was recorded; not summed up.
+    pub fn covered(&self) -> &[Vec<Covered>] {
+        self.covered.as_deref().unwrap_or_default()
+    }
+
+    /// What its queries cost.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// What was traced.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Traces all its beams.
+    pub fn trace(&mut self, gathered: &mut Gathered) {
+        gathered.work = Work::default();
+        let [u, v, d] = self.on.eye.frame();
+        let [x, y] = self.corner.map(f64::from);
+        let frame = DMat3::from_cols(u, v, d + u * x + v * y);
+        let size = DVec2::from_array(self.size.map(f64::from));
+        let eye = Pyramid::new(self.on.eye.origin(), frame, self.on.magnitude);
+        self.counts.beams += 1;
+        self.send(eye, Convex::rectangle(DVec2::ZERO, size), [1.0; 3], 1);
+        while let Some(beam) = self.beams.pop() {
+            self.advance(&beam, gathered);
+        }
+        self.work = gathered.work;
+    }
+
+    /// A beam to be traced.
+    fn send(&mut self, pyramid: Option<Pyramid>, piece: Convex, weight: Rgb, depth: u32) {
+        match pyramid {
+            _ if depth > self.on.frame.max_depth => {}
+            Some(pyramid) => self.beams.push(Beam { pyramid, piece, weight, depth }),
+            None => self.counts.degenerate += 1,
+        }
+    }
+
+    /// The faces that a shaft may meet, as a pyramid sees them; in the order of their ids.
+    fn outlines(
+        &self,
+        shaft: &Shaft,
+        pyramid: &Pyramid,
+        piece: &Convex,
+        gathered: &mut Gathered,
+        is_asked: impl Fn(u32) -> bool,
+    ) -> Vec<Outline> {
+        let bounds = piece.bounds();
+        self.on.over.shafts.gather(shaft, gathered);
+        gathered.ids.sort_unstable();
+        let ids = gathered.ids.iter().filter(|&&id| is_asked(id));
+        ids.flat_map(|&id| self.on.faces.of_primitive(id))
+            .filter_map(|face| Outline::of(face, pyramid, bounds))
+            .collect()
+    }
+
+    /// Finds what a beam sees, lights it and sends it on.
+    fn advance(&mut self, beam: &Beam, gathered: &mut Gathered) {
+        let shaft = beam.pyramid.shaft(&beam.piece, REACH * self.on.magnitude);
+        let outlines = self.outlines(&shaft, &beam.pyramid, &beam.piece, gathered, |_| true);
+        let piece = beam.piece.clone();
+        let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts.cuts);
+        self.counts.fragments += fragments.len() as u64;
+        for fragment in fragments {
+            match fragment.seen.and_then(|i| outlines.get(i)) {
+                Some(outline) => self.light(beam, &fragment.piece, outline, gathered),
+                None => {
+                    let background = self.on.scene.background;
+                    self.add(beam, &fragment.piece, None, |_| background);
+                }
+            }
+        }
+    }
+
+    /// Adds the light of a fragment, and what it mirrors and lets through.
+    fn light(&mut self, beam: &Beam, piece: &Convex, seen: &Outline, gathered: &mut Gathered) {
+        let on = self.on;
+        let (id, pyramid) = (seen.id, &beam.pyramid);
+        let centre = piece.centroid();
+        let at = |p: DVec2| -> SurfacePoint<'_> {
+            on.surfaces.at(id, pyramid.point(p, seen.depth.at(p)))
+        };
+        let middle = at(centre);
+        let plane =
+            Plane { normal: middle.foot.normal, point: middle.foot.position, depth: seen.depth };
+        let hit = |p: DVec2| SurfaceHit {
+            point: at(p),
+            id,
+            incoming: pyramid.direction(p).normalize_or_zero(),
+            weight: [1.0; 3],
+            origin: Origin { column: 0, sample: 0, fanned: false, time: 0.0 },
+        };
+        self.record(beam, piece, Some(id), 1.0, 0.0);
+        for &(light, color) in &on.lights {
+            let arriving = |p: DVec2| {
+                let hit = hit(p);
+                shadow_ray(&hit, 0, lit_normal(&hit, true), light, color, 1.0).map(|s| s.light)
+            };
+            // a flat face is turned to the light in all points alike
+            let is_flat = middle.normal.cross(plane.normal).length() < 1e-12;
+            if is_flat && arriving(centre).is_none() {
+                continue;
+            }
+            let Some(shadow) = pyramid.shadow(&plane, light) else { continue };
+            self.counts.shadows += 1;
+            let shaft = pyramid.shaft_to(piece, &plane, light);
+            let is_opaque = |id: u32| {
+                let primitive = on.scene.primitives.get(id as usize);
+                let material = primitive.and_then(|p| on.scene.materials.get(p.material as usize));
+                material.is_some_and(|m| m.transmittance <= 0.0)
+            };
+            let blockers = self.outlines(&shaft, &shadow, piece, gathered, is_opaque);
+            for lit in self.unblocked(piece, &blockers) {
+                self.add(beam, &lit, Some(id), |p| arriving(p).unwrap_or_default());
+            }
+        }
+        let m = middle.material;
+        if beam.depth >= on.frame.max_depth {
+            return;
+        }
+        if m.specular > 0.0 {
+            self.counts.mirrored += 1;
+            let towards = reflect(pyramid.direction(centre), middle.normal);
+            let mirrored = pyramid.through(&plane, -1.0, towards);
+            let weight = beam.weight.map(|w| w * m.specular);
+            self.send(mirrored, piece.clone(), weight, beam.depth + 1);
+        }
+        if m.transmittance > 0.0 {
+            self.refract(beam, piece, &middle, &plane);
+        }
+    }
+
+    /// Sends the parts of a fragment through glass, a beam for each pixel.
+    fn refract(&mut self, beam: &Beam, piece: &Convex, surface: &SurfacePoint<'_>, plane: &Plane) {
+        let m = surface.material;
+        let weight = beam.weight.map(|w| w * m.transmittance);
+        for part in pixels_of(piece) {
+            let incoming = beam.pyramid.direction(part.centroid()).normalize_or_zero();
+            let Some(out) = refract(incoming, surface.normal, m.refraction_index) else {
+                self.counts.internal += 1;
+                continue;
+            };
+            // sin(in) / sin(out), by Snell
+            let cos_in = incoming.dot(surface.normal);
+            let ratio = if cos_in < 0.0 { m.refraction_index } else { 1.0 / m.refraction_index };
+            let stretch = ratio * (out.dot(surface.normal) / cos_in).abs();
+            self.counts.refracted += 1;
+            let through = beam.pyramid.through(plane, stretch, out);
+            self.send(through, part, weight, beam.depth + 1);
+        }
+    }
+
+    /// The parts of a piece that no outline covers.
+    fn unblocked(&mut self, piece: &Convex, blockers: &[Outline]) -> Vec<Convex> {
+        let mut lit = vec![piece.clone()];
+        for blocker in blockers {
+            let mut next = Vec::with_capacity(lit.len());
+            for part in lit {
+                match blocker.relation(&part) {
+                    Relation::Disjoint => next.push(part),
+                    Relation::Covers => {}
+                    Relation::Partial => {
+                        let (inside, outside) = cut_along(&part, &blocker.lines);
+                        let least = self.on.settings.least_area;
+                        if inside.is_none_or(|inside| inside.area() <= least) {
+                            next.push(part);
+                        } else {
+                            self.counts.cuts.pieces += 1;
+                            next.extend(outside.into_iter().filter(|o| o.area() > least));
+                        }
+                    }
+                }
+            }
+            lit = next;
+            if lit.is_empty() {
+                break;
+            }
+        }
+        lit
+    }
+
+    /// Adds light from a piece, once for each pixel of it: `light` at its centre times its area.
+    fn add(&mut self, beam: &Beam, piece: &Convex, id: Option<u32>, light: impl Fn(DVec2) -> Rgb) {
+        for part in pixels_of(piece) {
+            let (centre, area) = (part.centroid(), part.area());
+            let light = light(centre);
+            if let Some(color) = self.index(centre).and_then(|i| self.colors.get_mut(i)) {
+                for (color, (light, weight)) in color.iter_mut().zip(light.iter().zip(beam.weight))
+                {
+                    *color += light * weight * area;
+                }
+            }
+        }
+        // nothing is seen at once, what is seen when it is lit
+        let share = if id.is_none() { 1.0 } else { 0.0 };
+        self.record(beam, piece, id, share, 1.0);
+    }
+
+    /// Notes what is seen in a piece.
+    fn record(&mut self, beam: &Beam, piece: &Convex, id: Option<u32>, seen: f64, lit: f64) {
+        if self.covered.is_none() {
+            return;
+        }
+        for part in pixels_of(piece) {
+            let (index, area) = (self.index(part.centroid()), part.area());
+            let pixel = self.covered.as_mut().zip(index).and_then(|(all, i)| all.get_mut(i));
+            if let Some(pixel) = pixel {
+                let (area, lit) = (area * seen, area * lit);
+                pixel.push(Covered { depth: beam.depth, id, area, lit });
+            }
+        }
+    }
+
+    /// The pixel that a point lies in.
+    fn index(&self, p: DVec2) -> Option<usize> {
+        let [width, height] = self.size.map(|n| n as usize);
+        let (x, y) = (p.x.floor() as usize, p.y.floor() as usize);
+        (x < width && y < height).then_some(y * width + x)
+    }
+}
+
+/// The parts of a piece by pixel.
+fn pixels_of(piece: &Convex) -> Vec<Convex> {
+    let mut parts = Vec::new();
+    for row in strips(piece.clone(), DVec2::Y) {
+        parts.extend(strips(row, DVec2::X));
+    }
+    parts
+}
+
+/// A piece cut at whole numbers along an axis.
+fn strips(piece: Convex, axis: DVec2) -> Vec<Convex> {
+    let [low, high] = piece.bounds();
+    let (first, last) = (low.dot(axis).floor() as i64 + 1, high.dot(axis).ceil() as i64 - 1);
+    let mut strips = Vec::new();
+    let mut rest = piece;
+    for border in first..=last {
+        let line = Affine { slope: axis, offset: -(border as f64) };
+        match rest.cut(&line) {
+            Cut::Inside => {}
+            Cut::Outside => break,
+            Cut::Both(beyond, before) => {
+                strips.push(before);
+                rest = beyond;
+            }
+        }
+    }
+    strips.push(rest);
+    strips
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pixels_of_a_piece_are_all_of_it() {
+        let piece = Convex::rectangle(DVec2::new(0.5, 1.25), DVec2::new(3.0, 2.5));
+        let parts = pixels_of(&piece);
+        let areas: Vec<f64> = parts.iter().map(Convex::area).collect();
+        assert_eq!(areas, [0.375, 0.75, 0.75, 0.25, 0.5, 0.5]);
+        assert_eq!(pixels_of(&Convex::rectangle(DVec2::ZERO, DVec2::ONE)).len(), 1);
+    }
+}
