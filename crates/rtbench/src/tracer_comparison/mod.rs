@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 use accel_core::region::Work;
 use accel_core::tracer::Tracer;
-use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, whitted};
+use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, whitted};
 use renderer::{Image, render_plan};
 use scene_loading::{Scene, Shape};
 
@@ -29,7 +29,9 @@ use reference::{Reference, Sampled};
 type Draw = fn(&Scene, Frame, Structures<'_>) -> Result<Drawn, Refusal>;
 
 /// The ways without samples, in the order of the table: one line each.
-static WAYS: &[(&TracerInfo, &str, Draw)] = &[];
+static WAYS: &[(&TracerInfo, &str, Draw)] = &[(&beam::INFO, "", |scene, frame, over| {
+    beam::draw(scene, frame, &beam::Settings::default(), over)
+})];
 
 /// What a comparison is made with.
 pub struct Question<'a> {
