@@ -12,7 +12,7 @@ mod shaft;
 use std::ops::ControlFlow;
 
 pub use gatherer::{Gathered, Gatherer, Work};
-pub use shaft::Shaft;
+pub use shaft::{Across, Shaft};
 
 use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;

@@ -147,14 +147,10 @@ impl Shaft {
         }
     }
 
-    /// A box around the part of the shaft between the planes `from <= to` of an axis, if there is
-    /// any. It is tight where both outlines lie outside the two planes.
-    pub fn slice(&self, axis: usize, from: f64, to: f64) -> Option<Aabb<f64>> {
-        // mirrored so that the shaft runs upwards
+    /// The shaft made ready to be cut across an axis.
+    pub fn across(&self, axis: usize) -> Across<'_> {
         let upwards = self.direction[axis] >= 0.0;
         let along = |p: DVec3| if upwards { p[axis] } else { -p[axis] };
-        let (from, to) = if upwards { (from, to) } else { (-to, -from) };
-        let (from, to) = (from - self.tolerance, to + self.tolerance);
         let (mut near_max, mut far_min) = (f64::NEG_INFINITY, f64::INFINITY);
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for (n, f) in self.near.iter().zip(&self.far) {
@@ -164,37 +160,62 @@ impl Shaft {
             least = least.min(n.min(f));
             most = most.max(n.max(f));
         }
-        if to < least || from > most {
+        Across { shaft: self, axis, upwards, near_max, far_min, least, most }
+    }
+}
+
+/// A shaft seen along an axis, mirrored so that it runs upwards.
+#[derive(Debug, Clone, Copy)]
+pub struct Across<'a> {
+    shaft: &'a Shaft,
+    axis: usize,
+    upwards: bool,
+    /// Where the near outline ends and the far one begins: planes between cut all edges.
+    near_max: f64,
+    far_min: f64,
+    /// Where the shaft begins and ends.
+    least: f64,
+    most: f64,
+}
+
+impl Across<'_> {
+    /// A box around the part of the shaft between the planes `from <= to` of the axis, if there is
+    /// any. It is tight where both outlines lie outside the two planes.
+    pub fn slice(&self, from: f64, to: f64) -> Option<Aabb<f64>> {
+        let Self { shaft, near_max, far_min, .. } = *self;
+        let (from, to) = if self.upwards { (from, to) } else { (-to, -from) };
+        let (from, to) = (from - shaft.tolerance, to + shaft.tolerance);
+        if to < self.least || from > self.most {
             return None;
         }
         if near_max > far_min {
             // so oblique that the outlines overlap: no plane cuts all edges
-            return Some(self.bounds.expanded(self.tolerance));
+            return Some(shaft.bounds.expanded(shaft.tolerance));
         }
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let mut include = |p: DVec3| {
             min = min.min(p);
             max = max.max(p);
         };
-        // where plane `at` cuts the edges from near to far; it does, within the two
-        let mut cut = |at: f64| {
-            let at = at.clamp(near_max, far_min);
-            for (n, f) in self.near.iter().zip(&self.far) {
-                let (a, b) = (along(*n), along(*f));
-                let share = if b > a { ((at - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
-                include(*n + (*f - *n) * share);
+        // where the planes cut the edges from near to far; they do, within the two
+        let planes = [from.clamp(near_max, far_min), to.clamp(near_max, far_min)];
+        for (&near, &far) in shaft.near.iter().zip(&shaft.far) {
+            let way = far - near;
+            let start = if self.upwards { near[self.axis] } else { -near[self.axis] };
+            let length = way[self.axis].abs();
+            let scale = if length > 0.0 { 1.0 / length } else { 0.0 };
+            for plane in planes {
+                include(near + way * ((plane - start) * scale).clamp(0.0, 1.0));
             }
-        };
-        cut(from);
-        cut(to);
-        if from < near_max {
-            self.near.iter().for_each(|p| include(*p));
-        }
-        if to > far_min {
-            self.far.iter().for_each(|p| include(*p));
+            if from < near_max {
+                include(near);
+            }
+            if to > far_min {
+                include(far);
+            }
         }
         let slice = Aabb::<f64> { min: Vector::from_dvec3(min), max: Vector::from_dvec3(max) };
-        Some(slice.expanded(self.tolerance))
+        Some(slice.expanded(shaft.tolerance))
     }
 }
 
@@ -244,7 +265,7 @@ mod tests {
                 assert!(shaft.meets_balls(&[Ball { center: p, radius: 0.0 }]));
                 for axis in 0..3 {
                     let (from, to) = (p[axis] - random.unit() * 0.1, p[axis] + random.unit() * 0.1);
-                    let slice = shaft.slice(axis, from, to).expect("it holds the point");
+                    let slice = shaft.across(axis).slice(from, to).expect("it holds the point");
                     assert!(
                         slice.min.to_dvec3().cmple(p).all() && slice.max.to_dvec3().cmpge(p).all()
                     );
@@ -268,8 +289,9 @@ mod tests {
         let directions = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)];
         let directions = directions.map(|(y, z)| DVec3::new(1.0, y, z));
         let shaft = Shaft::pyramid(DVec3::ZERO, &directions, 10.0);
-        let slice = shaft.slice(0, 4.0, 5.0).unwrap();
+        let slice = shaft.across(0).slice(4.0, 5.0).unwrap();
         assert!((slice.max.y - 0.5).abs() < 1e-9 && (slice.min.z + 0.5).abs() < 1e-9);
-        assert!(shaft.slice(0, 10.1, 11.0).is_none() && shaft.slice(0, -1.0, -0.1).is_none());
+        let across = shaft.across(0);
+        assert!(across.slice(10.1, 11.0).is_none() && across.slice(-1.0, -0.1).is_none());
     }
 }

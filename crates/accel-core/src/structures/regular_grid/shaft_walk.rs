@@ -27,10 +27,11 @@ impl<G: CellStorage> ShaftWalk for RegularGrid<f64, G> {
         };
         let count = last[axis] - first[axis] + 1;
         let upwards = shaft.direction()[axis] >= 0.0;
+        let across = shaft.across(axis);
         let layers = (0..count).map(|i| if upwards { first[axis] + i } else { last[axis] - i });
         let mut slices: Vec<_> = layers
             .filter_map(|i| {
-                let slice = shaft.slice(axis, plane(i), plane(i + 1)).filter(overlaps)?;
+                let slice = across.slice(plane(i), plane(i + 1)).filter(overlaps)?;
                 Some((i, shaft.least_depth(&slice), slice))
             })
             .collect();
