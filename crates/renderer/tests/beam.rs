@@ -312,7 +312,7 @@ fn glass_bends_beams_as_rays_but_for_what_a_pixel_spans() {
     let scene = slab();
     let errors = [8, 16, 32].map(|size| difference(&scene, size, 1024));
     let image = drawn(&scene, frame(32, 5));
-    assert!(count(&image, "refracted beams") > 500, "{:?}", image.counts);
+    assert!(count(&image, "refracted beams") > 200, "{:?}", image.counts);
     assert!(errors[2][0] < 2e-3 && errors[0][0] < 4e-3, "{errors:?}");
     // without glass the stripes are elsewhere
     let mut clear = scene.clone();

@@ -8,13 +8,14 @@ use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 
 use super::Prepared;
+use super::bend::{Bend, Bent, Part};
 use super::convex::{Affine, Convex, Cut};
 use super::coverage::Covered;
 use super::outline::{Outline, Relation};
 use super::pyramid::{Plane, Pyramid};
 use super::visibility::{Cuts, cut_along, resolve};
 use crate::effects::{lit_normal, shadow_ray};
-use crate::surface::{SurfacePoint, reflect, refract};
+use crate::surface::{SurfacePoint, reflect};
 use crate::tracers::stages::{Origin, SurfaceHit};
 
 /// A shaft reaches so many times the scene's largest coordinate: farther than any two points of
@@ -250,23 +251,25 @@ impl<'a> Tile<'a> {
         }
     }
 
-    /// Sends the parts of a fragment through glass, a beam for each pixel.
+    /// Sends the parts of a fragment through glass.
     fn refract(&mut self, beam: &Beam, piece: &Convex, surface: &SurfacePoint<'_>, plane: &Plane) {
         let m = surface.material;
         let weight = beam.weight.map(|w| w * m.transmittance);
-        for part in pixels_of(piece) {
-            let incoming = beam.pyramid.direction(part.centroid()).normalize_or_zero();
-            let Some(out) = refract(incoming, surface.normal, m.refraction_index) else {
-                self.counts.internal += 1;
-                continue;
-            };
-            // sin(in) / sin(out), by Snell
-            let cos_in = incoming.dot(surface.normal);
-            let ratio = if cos_in < 0.0 { m.refraction_index } else { 1.0 / m.refraction_index };
-            let stretch = ratio * (out.dot(surface.normal) / cos_in).abs();
-            self.counts.refracted += 1;
-            let through = beam.pyramid.through(plane, stretch, out);
-            self.send(through, part, weight, beam.depth + 1);
+        let bend = Bend {
+            pyramid: &beam.pyramid,
+            plane,
+            normal: surface.normal,
+            index: m.refraction_index,
+        };
+        for Part { piece, beam: bent } in bend.parts(piece, self.on.settings.bend) {
+            match bent {
+                Bent::Through(pyramid) => {
+                    self.counts.refracted += 1;
+                    self.send(Some(*pyramid), piece, weight, beam.depth + 1);
+                }
+                Bent::Flat => self.counts.degenerate += 1,
+                Bent::Totally => self.counts.internal += 1,
+            }
         }
     }
 
