@@ -11,10 +11,8 @@
 //! are exact but for rounding: a pixel gets the area of every part, so that edges are antialiased
 //! without samples. Approximate are: shading, which is evaluated once for each pixel of each lit
 //! part, at its centre; and refraction, which bends straight lines. A refracted beam is the
-//! linear map that is right for its central ray ([`bend`]): a ray that comes in at an angle e
-//! beside it, in the plane of incidence, leaves in a direction that is off by |c - 1/c| e / n,
-//! where c is the cosine of the central ray behind the surface over that before it and n the
-//! relative index; for glass met at 45 degrees, by 0.3 e. Beams are halved until no ray is off by
+//! linear map that is right for its central ray ([`bend`], which states the error: for glass met
+//! at 45 degrees, 0.13 of the angle to that ray). Beams are halved until no ray is off by
 //! more than [`Settings::bend`] of the angle that a pixel spans, or reflected totally in part;
 //! parts of less than 1/64 of a pixel are decided by their central ray.
 //!
@@ -59,8 +57,8 @@ pub static INFO: TracerInfo = TracerInfo {
     summary: "pyramids cut exactly by the polygons they meet: antialiasing without samples",
     paper: "Heckbert, Hanrahan 1984",
     assumptions: "flat polygons whose outlines do not cross themselves; shading is even over a \
-                  pixel's part of a face; refraction is linear where it is off by at most half \
-                  a pixel's angle",
+                  pixel's part of a face; refraction bends a ray wrong by up to \
+                  a tenth of a pixel's angle",
     deviations: "beams stay in image coordinates; no beam tree, no order of depth: cycles and \
                  intersections are cut; candidates come from a structure",
     refuses: "spheres, cones, lights with a radius, lenses, motion, textures, rough mirrors, \
@@ -84,7 +82,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { tile: 16, candidates: 32, bend: 0.5, least_area: 1e-13, most_cuts: 1_000_000 }
+        Self { tile: 16, candidates: 32, bend: 0.1, least_area: 1e-13, most_cuts: 1_000_000 }
     }
 }
 

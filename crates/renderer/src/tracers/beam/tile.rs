@@ -242,7 +242,7 @@ impl<'a> Tile<'a> {
         if m.specular > 0.0 {
             self.counts.mirrored += 1;
             let towards = reflect(pyramid.direction(centre), middle.normal);
-            let mirrored = pyramid.through(&plane, -1.0, towards);
+            let mirrored = pyramid.through(&plane, plane.normal * -2.0, towards);
             let weight = beam.weight.map(|w| w * m.specular);
             self.send(mirrored, piece.clone(), weight, beam.depth + 1);
         }
