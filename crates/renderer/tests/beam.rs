@@ -386,3 +386,15 @@ fn what_beams_cannot_do_is_refused() {
     });
     assert_eq!(refused.to_string(), "beam tracing cannot do scene balls:1: it has 10 spheres");
 }
+
+#[test]
+fn polygons_anywhere_around_the_eye_are_cut_as_samples_see_them() {
+    for seed in 0..4 {
+        let scene = soup(seed, 60);
+        let frame = frame(8, 3);
+        let areas = covered(&scene, frame, &Settings::default());
+        assert_eq!(fault(&areas, &sampled(&scene, frame, true)), None, "seed {seed}");
+        let [rms, mean] = difference(&scene, 8, 1024);
+        assert!(rms < 2e-3 && mean < 3e-4, "{seed}: {rms:e} {mean:e}");
+    }
+}

@@ -124,3 +124,33 @@ pub fn two_mirrors() -> Scene {
     );
     scene
 }
+
+/// Triangles and quadrilaterals anywhere, through each other and around the eye, one in five a
+/// mirror.
+pub fn soup(seed: u64, count: u32) -> Scene {
+    let mut state = seed;
+    let mut random = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1_u64 << 24) as f64
+    };
+    let mut point = |size: f64| (dvec3(random(), random(), random()) - 0.5) * size;
+    let mut scene = stage("soup");
+    scene.camera.from = dvec3(0.1, 0.2, 2.0);
+    let materials = [0.0, 0.7].map(|specular| {
+        let color = [0.3 + specular, 0.6, 0.9 - specular];
+        scene.push_material(Material { color, specular, shine: 3.0, ..Material::default() })
+    });
+    let fill = dvec3(-1.0, -0.5, 3.0);
+    scene.lights.push(Light::Point { position: fill, color: Some([0.5; 3]) });
+    for k in 0..count {
+        let material = materials[usize::from(k % 5 == 0)];
+        let (corner, a, b) = (point(5.0), point(2.5), point(2.5));
+        if k % 2 == 0 {
+            scene.push_triangle(material, [corner, corner + a, corner + b]);
+        } else {
+            rectangle(&mut scene, material, corner, a, b);
+        }
+    }
+    scene
+}

@@ -71,6 +71,9 @@ struct Beam {
     piece: Convex,
     weight: Rgb,
     depth: u32,
+    /// The primitive it comes from, which it does not meet again: that is flat, if not to the last
+    /// bit.
+    from: Option<u32>,
 }
 
 /// A part of an image, traced alone: beams never leave the pixels that they started in.
@@ -141,7 +144,14 @@ impl<'a> Tile<'a> {
         let size = DVec2::from_array(self.size.map(f64::from));
         let eye = Pyramid::new(self.on.eye.origin(), frame, self.on.magnitude);
         self.counts.beams += 1;
-        self.send(eye, Convex::rectangle(DVec2::ZERO, size), [1.0; 3], 1);
+        let piece = Convex::rectangle(DVec2::ZERO, size);
+        self.send(eye.map(|pyramid| Beam {
+            pyramid,
+            piece,
+            weight: [1.0; 3],
+            depth: 1,
+            from: None,
+        }));
         while let Some(beam) = self.beams.pop() {
             self.advance(&beam, gathered);
         }
@@ -149,10 +159,10 @@ impl<'a> Tile<'a> {
     }
 
     /// A beam to be traced.
-    fn send(&mut self, pyramid: Option<Pyramid>, piece: Convex, weight: Rgb, depth: u32) {
-        match pyramid {
-            _ if depth > self.on.frame.max_depth => {}
-            Some(pyramid) => self.beams.push(Beam { pyramid, piece, weight, depth }),
+    fn send(&mut self, beam: Option<Beam>) {
+        match beam {
+            Some(beam) if beam.depth > self.on.frame.max_depth => {}
+            Some(beam) => self.beams.push(beam),
             None => self.counts.degenerate += 1,
         }
     }
@@ -178,7 +188,8 @@ impl<'a> Tile<'a> {
     /// Finds what a beam sees, lights it and sends it on.
     fn advance(&mut self, beam: &Beam, gathered: &mut Gathered) {
         let shaft = beam.pyramid.shaft(&beam.piece, REACH * self.on.magnitude);
-        let outlines = self.outlines(&shaft, &beam.pyramid, &beam.piece, gathered, |_| true);
+        let outlines =
+            self.outlines(&shaft, &beam.pyramid, &beam.piece, gathered, |id| beam.from != Some(id));
         let piece = beam.piece.clone();
         let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts.cuts);
         self.counts.fragments += fragments.len() as u64;
@@ -225,10 +236,10 @@ impl<'a> Tile<'a> {
             let Some(shadow) = pyramid.shadow(&plane, light) else { continue };
             self.counts.shadows += 1;
             let shaft = pyramid.shaft_to(piece, &plane, light);
-            let is_opaque = |id: u32| {
-                let primitive = on.scene.primitives.get(id as usize);
+            let is_opaque = |other: u32| {
+                let primitive = on.scene.primitives.get(other as usize);
                 let material = primitive.and_then(|p| on.scene.materials.get(p.material as usize));
-                material.is_some_and(|m| m.transmittance <= 0.0)
+                other != id && material.is_some_and(|m| m.transmittance <= 0.0)
             };
             let blockers = self.outlines(&shaft, &shadow, piece, gathered, is_opaque);
             for lit in self.unblocked(piece, &blockers) {
@@ -244,15 +255,29 @@ impl<'a> Tile<'a> {
             let towards = reflect(pyramid.direction(centre), middle.normal);
             let mirrored = pyramid.through(&plane, plane.normal * -2.0, towards);
             let weight = beam.weight.map(|w| w * m.specular);
-            self.send(mirrored, piece.clone(), weight, beam.depth + 1);
+            let (piece, depth) = (piece.clone(), beam.depth + 1);
+            self.send(mirrored.map(|pyramid| Beam {
+                pyramid,
+                piece,
+                weight,
+                depth,
+                from: Some(id),
+            }));
         }
         if m.transmittance > 0.0 {
-            self.refract(beam, piece, &middle, &plane);
+            self.refract(beam, piece, seen.id, &middle, &plane);
         }
     }
 
     /// Sends the parts of a fragment through glass.
-    fn refract(&mut self, beam: &Beam, piece: &Convex, surface: &SurfacePoint<'_>, plane: &Plane) {
+    fn refract(
+        &mut self,
+        beam: &Beam,
+        piece: &Convex,
+        id: u32,
+        surface: &SurfacePoint<'_>,
+        plane: &Plane,
+    ) {
         let m = surface.material;
         let weight = beam.weight.map(|w| w * m.transmittance);
         let bend = Bend {
@@ -265,7 +290,8 @@ impl<'a> Tile<'a> {
             match bent {
                 Bent::Through(pyramid) => {
                     self.counts.refracted += 1;
-                    self.send(Some(*pyramid), piece, weight, beam.depth + 1);
+                    let (pyramid, depth) = (*pyramid, beam.depth + 1);
+                    self.send(Some(Beam { pyramid, piece, weight, depth, from: Some(id) }));
                 }
                 Bent::Flat => self.counts.degenerate += 1,
                 Bent::Totally => self.counts.internal += 1,
