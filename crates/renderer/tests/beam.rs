@@ -168,6 +168,20 @@ fn eye_beams_cover_what_samples_cover() {
 }
 
 #[test]
+fn eye_beams_part_the_image_exactly() {
+    for scene in [tetra(6), bare_mount(6), concave(), cycle(), intersecting(), soup(5, 200)] {
+        let areas = covered(&scene, frame(48, 1), &Settings::default());
+        let sums = areas.iter().map(|pixel| pixel.iter().map(|c| c.area).sum::<f64>());
+        let worst = sums.map(|sum| (sum - 1.0).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-9, "{}: {worst:e}", scene.name);
+        let parts = areas.iter().map(Vec::len).max();
+        assert!(parts > Some(1), "{}: {parts:?}", scene.name);
+        let inside = areas.iter().flatten().all(|c| c.area >= 0.0 && c.lit <= 2.0 * c.area + 1e-9);
+        assert!(inside, "{}", scene.name);
+    }
+}
+
+#[test]
 fn mirrored_beams_cover_what_mirrored_samples_cover() {
     for (scene, depth) in [(mirror(), 3), (two_mirrors(), 6)] {
         let frame = frame(16, depth);

@@ -256,6 +256,11 @@ mod tests {
         assert!(kept.iter().all(|p| p.z > 0.0 && p.z < 2.1), "{kept:?}");
         // what lies in the mirror's plane is not met
         assert!(towards(1.0).keep(&[DVec3::ZERO, DVec3::X, DVec3::Y]).is_empty());
+        // planted fault: the mirror's plane forgotten, so that what is behind it comes through
+        let mut open = towards(1.0);
+        assert!(open.keep(&across.map(|p| p - DVec3::Z * 3.0)).is_empty());
+        open.keeps.truncate(1);
+        assert!(!open.keep(&across.map(|p| p - DVec3::Z * 3.0 + DVec3::Z)).is_empty());
         // behind the eye
         let behind = across.map(|p| p + DVec3::Z * 5.0);
         assert!(pyramid.keep(&behind).is_empty());
