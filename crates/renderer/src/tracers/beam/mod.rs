@@ -11,14 +11,14 @@
 //! are exact but for rounding: a pixel gets the area of every part, so that edges are antialiased
 //! without samples. Approximate are: shading, which is evaluated once for each pixel of each lit
 //! part, at its centre; and refraction, which bends straight lines. A refracted beam is the
-//! linear map that is right for its central ray ([`bend`], which states the error: for glass met
+//! linear map that is right for its central ray (`bend.rs` states the error: for glass met
 //! at 45 degrees, 0.13 of the angle to that ray). Beams are halved until no ray is off by
 //! more than [`Settings::bend`] of the angle that a pixel spans, or reflected totally in part;
 //! parts of less than 1/64 of a pixel are decided by their central ray.
 //!
 //! How is a bundle intersected with surfaces? A structure names the primitives that the beam's
 //! shaft may meet; those are projected to the image as convex outlines, and a piece of the image
-//! is cut along their lines ([`visibility`]). Only flat faces stay flat under projection and
+//! is cut along their lines (`visibility.rs`). Only flat faces stay flat under projection and
 //! mirroring: all else is refused.
 //!
 //! Deviations from the paper: no beam tree is kept; beams are not stored in a coordinate system of
@@ -27,9 +27,11 @@
 
 mod bend;
 mod convex;
+mod counts;
 mod coverage;
 mod faces;
 mod outline;
+mod pixels;
 mod pyramid;
 mod refusal;
 mod tile;
@@ -48,6 +50,7 @@ use crate::effects::lights;
 use crate::film::Image;
 use crate::surface::Surfaces;
 use crate::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo};
+use counts::Counts;
 use faces::Faces;
 use tile::Tile;
 
@@ -181,7 +184,7 @@ pub fn draw(
 ) -> Result<Drawn, Refusal> {
     let prepared = Prepared::new(scene, frame, settings, over)?;
     let tiles = prepared.tiles(false);
-    let (mut work, mut counts) = (Work::default(), tile::Counts::default());
+    let (mut work, mut counts) = (Work::default(), Counts::default());
     for tile in &tiles {
         work += tile.work();
         counts += tile.counts();

@@ -77,7 +77,7 @@ impl Pyramid {
 
     /// The pyramid behind a plane, under a linear map that leaves the plane as it is: a point at
     /// the height h over the plane is moved by `shear` times h. Minus twice the normal is a mirror,
-    /// exactly; for glass see [`super::bend`]. What follows lies on the side of `towards`.
+    /// exactly; for glass see `bend.rs`. What follows lies on the side of `towards`.
     pub fn through(&self, plane: &Plane, shear: DVec3, towards: DVec3) -> Option<Self> {
         let Plane { normal, point, depth } = *plane;
         let mapped = |v: DVec3| v + shear * normal.dot(v);

@@ -1,19 +1,19 @@
 //! The beams of a tile of the image, from the eye on: what they see, what light reaches it, and
 //! what they become at mirrors and glass.
 
-use std::ops::AddAssign;
-
 use accel_core::region::{Gathered, Shaft, Work};
 use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 
 use super::Prepared;
 use super::bend::{Bend, Bent, Part};
-use super::convex::{Affine, Convex, Cut};
+use super::convex::Convex;
+use super::counts::Counts;
 use super::coverage::Covered;
 use super::outline::{Outline, Relation};
+use super::pixels::pixels_of;
 use super::pyramid::{Plane, Pyramid};
-use super::visibility::{Cuts, cut_along, resolve};
+use super::visibility::{cut_along, resolve};
 use crate::effects::{lit_normal, shadow_ray};
 use crate::surface::{SurfacePoint, reflect};
 use crate::tracers::stages::{Origin, SurfaceHit};
@@ -21,49 +21,6 @@ use crate::tracers::stages::{Origin, SurfaceHit};
 /// A shaft reaches so many times the scene's largest coordinate: farther than any two points of
 /// the scene are apart.
 const REACH: f64 = 4.0;
-
-/// What was traced.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
-    beams: u64,
-    mirrored: u64,
-    refracted: u64,
-    shadows: u64,
-    fragments: u64,
-    internal: u64,
-    degenerate: u64,
-    cuts: Cuts,
-}
-
-impl AddAssign for Counts {
-    fn add_assign(&mut self, other: Self) {
-        self.beams += other.beams;
-        self.mirrored += other.mirrored;
-        self.refracted += other.refracted;
-        self.shadows += other.shadows;
-        self.fragments += other.fragments;
-        self.internal += other.internal;
-        self.degenerate += other.degenerate;
-        self.cuts += other.cuts;
-    }
-}
-
-impl Counts {
-    /// With the words for each.
-    pub fn named(&self) -> Vec<(&'static str, u64)> {
-        vec![
-            ("eye beams", self.beams),
-            ("mirrored beams", self.mirrored),
-            ("refracted beams", self.refracted),
-            ("shadow beams", self.shadows),
-            ("fragments", self.fragments),
-            ("pieces cut", self.cuts.pieces),
-            ("pieces decided at their centre", self.cuts.unresolved),
-            ("beams reflected totally", self.internal),
-            ("beams without a volume", self.degenerate),
-        ]
-    }
-}
 
 /// A beam on its way.
 struct Beam {
@@ -158,7 +115,7 @@ impl<'a> Tile<'a> {
         self.work = gathered.work;
     }
 
-    /// A beam to be traced.
+    /// A beam to be traced, unless it is too deep or has no volume.
     fn send(&mut self, beam: Option<Beam>) {
         match beam {
             Some(beam) if beam.depth > self.on.frame.max_depth => {}
@@ -365,49 +322,5 @@ impl<'a> Tile<'a> {
         let [width, height] = self.size.map(|n| n as usize);
         let (x, y) = (p.x.floor() as usize, p.y.floor() as usize);
         (x < width && y < height).then_some(y * width + x)
-    }
-}
-
-/// The parts of a piece by pixel.
-fn pixels_of(piece: &Convex) -> Vec<Convex> {
-    let mut parts = Vec::new();
-    for row in strips(piece.clone(), DVec2::Y) {
-        parts.extend(strips(row, DVec2::X));
-    }
-    parts
-}
-
-/// A piece cut at whole numbers along an axis.
-fn strips(piece: Convex, axis: DVec2) -> Vec<Convex> {
-    let [low, high] = piece.bounds();
-    let (first, last) = (low.dot(axis).floor() as i64 + 1, high.dot(axis).ceil() as i64 - 1);
-    let mut strips = Vec::new();
-    let mut rest = piece;
-    for border in first..=last {
-        let line = Affine { slope: axis, offset: -(border as f64) };
-        match rest.cut(&line) {
-            Cut::Inside => {}
-            Cut::Outside => break,
-            Cut::Both(beyond, before) => {
-                strips.push(before);
-                rest = beyond;
-            }
-        }
-    }
-    strips.push(rest);
-    strips
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_pixels_of_a_piece_are_all_of_it() {
-        let piece = Convex::rectangle(DVec2::new(0.5, 1.25), DVec2::new(3.0, 2.5));
-        let parts = pixels_of(&piece);
-        let areas: Vec<f64> = parts.iter().map(Convex::area).collect();
-        assert_eq!(areas, [0.375, 0.75, 0.75, 0.25, 0.5, 0.5]);
-        assert_eq!(pixels_of(&Convex::rectangle(DVec2::ZERO, DVec2::ONE)).len(), 1);
     }
 }
