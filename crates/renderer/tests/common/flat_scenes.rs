@@ -90,9 +90,13 @@ pub fn intersecting() -> Scene {
 /// Coloured shapes before a mirror that leans, and one behind it.
 pub fn mirror() -> Scene {
     let mut scene = stage("mirror");
-    let silver =
-        scene.push_material(Material { diffuse: 0.1, specular: 0.8, ..Material::default() });
-    let (a, b) = (dvec3(3.1, 0.2, -1.2), dvec3(-0.3, 2.8, 0.9));
+    let silver = scene.push_material(Material {
+        diffuse: 0.1,
+        specular: 0.8,
+        shine: 20.0,
+        ..Material::default()
+    });
+    let (a, b) = (dvec3(3.1, 0.2, -1.2), dvec3(-0.3, 2.8, 0.2));
     rectangle(&mut scene, silver, dvec3(-1.7, -1.6, -1.0), a, b);
     let [red, green, blue] =
         [[0.9, 0.2, 0.1], [0.2, 0.8, 0.2], [0.2, 0.3, 0.9]].map(|c| matte(&mut scene, c));
@@ -101,7 +105,7 @@ pub fn mirror() -> Scene {
     let star = |i: u32| {
         let angle = f64::from(i) / 10.0 * std::f64::consts::TAU;
         let p = DVec2::from_angle(angle) * if i.is_multiple_of(2) { 1.5 } else { 0.6 };
-        dvec3(p.x, p.y + 0.5, 7.0)
+        dvec3(p.x + 3.9, p.y + 0.2, 3.0)
     };
     scene.push_polygon(green, &(0..10).map(star).collect::<Vec<_>>());
     // hidden: only a beam that starts too early meets it
@@ -113,8 +117,12 @@ pub fn mirror() -> Scene {
 /// Two mirrors that face each other, and a triangle between them.
 pub fn two_mirrors() -> Scene {
     let mut scene = stage("two mirrors");
-    let silver =
-        scene.push_material(Material { diffuse: 0.2, specular: 0.7, ..Material::default() });
+    let silver = scene.push_material(Material {
+        diffuse: 0.2,
+        specular: 0.7,
+        shine: 20.0,
+        ..Material::default()
+    });
     rectangle(&mut scene, silver, dvec3(-1.2, -1.5, -20.0), dvec3(0.1, 3.0, 0.0), DVec3::Z * 23.0);
     rectangle(&mut scene, silver, dvec3(1.1, -1.4, -20.1), dvec3(0.1, 2.9, 0.2), DVec3::Z * 23.0);
     let red = matte(&mut scene, [0.9, 0.2, 0.1]);
@@ -122,5 +130,35 @@ pub fn two_mirrors() -> Scene {
         red,
         [dvec3(-0.4, -0.5, -1.0), dvec3(0.5, -0.4, 0.0), dvec3(0.1, 0.6, -0.6)],
     );
+    scene
+}
+
+/// Triangles and quadrilaterals anywhere, through each other and around the eye, one in five a
+/// mirror.
+pub fn soup(seed: u64, count: u32) -> Scene {
+    let mut state = seed;
+    let mut random = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1_u64 << 24) as f64
+    };
+    let mut point = |size: f64| (dvec3(random(), random(), random()) - 0.5) * size;
+    let mut scene = stage("soup");
+    scene.camera.from = dvec3(0.1, 0.2, 2.0);
+    let materials = [0.0, 0.7].map(|specular| {
+        let color = [0.3 + specular, 0.6, 0.9 - specular];
+        scene.push_material(Material { color, specular, shine: 3.0, ..Material::default() })
+    });
+    let fill = dvec3(-1.0, -0.5, 3.0);
+    scene.lights.push(Light::Point { position: fill, color: Some([0.5; 3]) });
+    for k in 0..count {
+        let material = materials[usize::from(k % 5 == 0)];
+        let (corner, a, b) = (point(5.0), point(2.5), point(2.5));
+        if k % 2 == 0 {
+            scene.push_triangle(material, [corner, corner + a, corner + b]);
+        } else {
+            rectangle(&mut scene, material, corner, a, b);
+        }
+    }
     scene
 }

@@ -75,14 +75,14 @@ impl Pyramid {
         self.inverse * (x - self.apex)
     }
 
-    /// The pyramid behind a mirror (`stretch` -1, exact) or a refracting plane (`stretch`
-    /// tan(in) / tan(out) of the central ray, which alone is then exact): distances from the plane
-    /// are stretched. What follows lies on the side of `towards`.
-    pub fn through(&self, plane: &Plane, stretch: f64, towards: DVec3) -> Option<Self> {
+    /// The pyramid behind a plane, under a linear map that leaves the plane as it is: a point at
+    /// the height h over the plane is moved by `shear` times h. Minus twice the normal is a mirror,
+    /// exactly; for glass see `bend.rs`. What follows lies on the side of `towards`.
+    pub fn through(&self, plane: &Plane, shear: DVec3, towards: DVec3) -> Option<Self> {
         let Plane { normal, point, depth } = *plane;
-        let stretched = |v: DVec3| v + normal * ((stretch - 1.0) * normal.dot(v));
-        let [u, v, d] = [self.frame.x_axis, self.frame.y_axis, self.frame.z_axis].map(stretched);
-        let apex = point + stretched(self.apex - point);
+        let mapped = |v: DVec3| v + shear * normal.dot(v);
+        let [u, v, d] = [self.frame.x_axis, self.frame.y_axis, self.frame.z_axis].map(mapped);
+        let apex = point + mapped(self.apex - point);
         let mut this = Self::new(apex, DMat3::from_cols(u, v, d), self.magnitude)?;
         this.leave(point, if normal.dot(towards) < 0.0 { -normal } else { normal });
         this.from = Some(depth);
@@ -183,7 +183,7 @@ impl HalfSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{reflect, refract};
+    use crate::surface::reflect;
 
     fn pyramid() -> Pyramid {
         let frame = DMat3::from_cols(
@@ -215,46 +215,18 @@ mod tests {
     }
 
     #[test]
-    fn mirrors_are_exact_and_refraction_in_its_middle() {
+    fn mirrors_are_exact() {
         let pyramid = pyramid();
         let plane = plane(&pyramid, DVec3::new(0.2, 0.1, 1.0), DVec3::new(0.0, 0.0, -4.0));
         for p in PLACES {
             let d = pyramid.direction(p).normalize();
             let at = pyramid.point(p, plane.depth.at(p));
             assert!((at - plane.point).dot(plane.normal).abs() < 1e-12);
-            let mirrored = pyramid.through(&plane, -1.0, reflect(d, plane.normal)).unwrap();
             let expected = reflect(d, plane.normal);
+            let mirrored = pyramid.through(&plane, plane.normal * -2.0, expected).unwrap();
             assert!((mirrored.direction(p).normalize() - expected).length() < 1e-14);
             assert!((mirrored.start(p) - at).length() < 1e-12);
-            for index in [1.5, 0.8] {
-                let Some(out) = refract(d, plane.normal, index) else { continue };
-                let cos = |d: DVec3| d.dot(plane.normal).abs();
-                let stretch = cos(out) * index / cos(d);
-                let inside = pyramid.through(&plane, stretch, out).unwrap();
-                assert!((inside.direction(p).normalize() - out).length() < 1e-14);
-                assert!((inside.start(p) - at).length() < 1e-12);
-            }
         }
-    }
-
-    #[test]
-    fn rays_beside_the_middle_are_bent_wrong_by_the_stated_part() {
-        let pyramid = pyramid();
-        let plane = plane(&pyramid, DVec3::new(0.7, 0.1, 1.0), DVec3::new(0.0, 0.0, -4.0));
-        let middle = DVec2::new(3.0, 1.0);
-        let d = pyramid.direction(middle).normalize();
-        let out = refract(d, plane.normal, 1.5).unwrap();
-        let (cos_in, cos_out) = (d.dot(plane.normal).abs(), out.dot(plane.normal).abs());
-        let inside = pyramid.through(&plane, cos_out * 1.5 / cos_in, out).unwrap();
-        // a step in the plane of incidence
-        let across = d - plane.normal * plane.normal.dot(d) / (cos_in * cos_in);
-        let to = pyramid.project(pyramid.apex + d + across * 1e-4);
-        let p = to.truncate() / to.z;
-        let step = pyramid.direction(p).angle_between(d);
-        let right = refract(pyramid.direction(p).normalize(), plane.normal, 1.5).unwrap();
-        let wrong = inside.direction(p).angle_between(right);
-        let stated = (cos_out / cos_in - cos_in / cos_out) / 1.5 * step;
-        assert!((wrong / stated - 1.0).abs() < 1e-3, "{wrong:e} {stated:e}");
     }
 
     #[test]
@@ -277,13 +249,18 @@ mod tests {
     fn what_is_not_ahead_is_cut_off() {
         let pyramid = pyramid();
         let plane = plane(&pyramid, DVec3::Z, DVec3::ZERO);
-        let towards = |z: f64| pyramid.through(&plane, -1.0, DVec3::Z * z).unwrap();
+        let towards = |z: f64| pyramid.through(&plane, plane.normal * -2.0, DVec3::Z * z).unwrap();
         let across = [DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0), DVec3::Z * 2.0];
         assert_eq!(towards(1.0).keep(&across).len(), 3);
         let kept = towards(1.0).keep(&across);
         assert!(kept.iter().all(|p| p.z > 0.0 && p.z < 2.1), "{kept:?}");
         // what lies in the mirror's plane is not met
         assert!(towards(1.0).keep(&[DVec3::ZERO, DVec3::X, DVec3::Y]).is_empty());
+        // planted fault: the mirror's plane forgotten, so that what is behind it comes through
+        let mut open = towards(1.0);
+        assert!(open.keep(&across.map(|p| p - DVec3::Z * 3.0)).is_empty());
+        open.keeps.truncate(1);
+        assert!(!open.keep(&across.map(|p| p - DVec3::Z * 3.0 + DVec3::Z)).is_empty());
         // behind the eye
         let behind = across.map(|p| p + DVec3::Z * 5.0);
         assert!(pyramid.keep(&behind).is_empty());

@@ -23,6 +23,8 @@ pub fn refusal(scene: &Scene) -> Result<(), Refusal> {
     none(primitives(&|p| matches!(p.shape, Shape::Cone(_))), "cones")?;
     none(scene.lights.iter().filter(|l| l.radius() > 0.0).count(), "lights with a radius")?;
     none(usize::from(scene.camera.aperture > 0.0), "lens with an aperture")?;
+    let opens = scene.camera.angle > 0.0 && scene.camera.angle < 180.0;
+    none(usize::from(!opens), "view that is not between 0 and 180 degrees wide")?;
     let moves = scene.velocities.iter().filter(|v| **v != DVec3::ZERO).count();
     none(if scene.camera.shutter > 0.0 { moves } else { 0 }, "moving primitives")?;
     let is_textured = |(p, id): (&Primitive, u32)| {
@@ -73,6 +75,9 @@ mod tests {
         assert_eq!(what(|s| s.lights = vec![disc; 3]).as_deref(), Some("3 lights with a radius"));
         let lens = Camera { aperture: 0.1, ..Camera::default() };
         assert_eq!(what(|s| s.camera = lens).as_deref(), Some("1 lens with an aperture"));
+        let closed = Camera { angle: 0.0, ..Camera::default() };
+        let refused = what(|s| s.camera = closed);
+        assert_eq!(refused.as_deref(), Some("1 view that is not between 0 and 180 degrees wide"));
         let moves = |s: &mut Scene| {
             s.camera.shutter = 1.0;
             s.last_moves(DVec3::X);

@@ -1,68 +1,26 @@
 //! The beams of a tile of the image, from the eye on: what they see, what light reaches it, and
 //! what they become at mirrors and glass.
 
-use std::ops::AddAssign;
-
 use accel_core::region::{Gathered, Shaft, Work};
 use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 
 use super::Prepared;
-use super::convex::{Affine, Convex, Cut};
+use super::bend::{Bend, Bent, Part};
+use super::convex::Convex;
+use super::counts::Counts;
 use super::coverage::Covered;
 use super::outline::{Outline, Relation};
+use super::pixels::pixels_of;
 use super::pyramid::{Plane, Pyramid};
-use super::visibility::{Cuts, cut_along, resolve};
+use super::visibility::{cut_along, resolve};
 use crate::effects::{lit_normal, shadow_ray};
-use crate::surface::{SurfacePoint, reflect, refract};
+use crate::surface::{SurfacePoint, reflect};
 use crate::tracers::stages::{Origin, SurfaceHit};
 
 /// A shaft reaches so many times the scene's largest coordinate: farther than any two points of
 /// the scene are apart.
 const REACH: f64 = 4.0;
-
-/// What was traced.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
-    beams: u64,
-    mirrored: u64,
-    refracted: u64,
-    shadows: u64,
-    fragments: u64,
-    internal: u64,
-    degenerate: u64,
-    cuts: Cuts,
-}
-
-impl AddAssign for Counts {
-    fn add_assign(&mut self, other: Self) {
-        self.beams += other.beams;
-        self.mirrored += other.mirrored;
-        self.refracted += other.refracted;
-        self.shadows += other.shadows;
-        self.fragments += other.fragments;
-        self.internal += other.internal;
-        self.degenerate += other.degenerate;
-        self.cuts += other.cuts;
-    }
-}
-
-impl Counts {
-    /// With the words for each.
-    pub fn named(&self) -> Vec<(&'static str, u64)> {
-        vec![
-            ("eye beams", self.beams),
-            ("mirrored beams", self.mirrored),
-            ("refracted beams", self.refracted),
-            ("shadow beams", self.shadows),
-            ("fragments", self.fragments),
-            ("pieces cut", self.cuts.pieces),
-            ("pieces decided at their centre", self.cuts.unresolved),
-            ("beams reflected totally", self.internal),
-            ("beams without a volume", self.degenerate),
-        ]
-    }
-}
 
 /// A beam on its way.
 struct Beam {
@@ -70,6 +28,9 @@ struct Beam {
     piece: Convex,
     weight: Rgb,
     depth: u32,
+    /// The primitive it comes from, which it does not meet again: that is flat, if not to the last
+    /// bit.
+    from: Option<u32>,
 }
 
 /// A part of an image, traced alone: beams never leave the pixels that they started in.
@@ -140,18 +101,25 @@ impl<'a> Tile<'a> {
         let size = DVec2::from_array(self.size.map(f64::from));
         let eye = Pyramid::new(self.on.eye.origin(), frame, self.on.magnitude);
         self.counts.beams += 1;
-        self.send(eye, Convex::rectangle(DVec2::ZERO, size), [1.0; 3], 1);
+        let piece = Convex::rectangle(DVec2::ZERO, size);
+        self.send(eye.map(|pyramid| Beam {
+            pyramid,
+            piece,
+            weight: [1.0; 3],
+            depth: 1,
+            from: None,
+        }));
         while let Some(beam) = self.beams.pop() {
             self.advance(&beam, gathered);
         }
         self.work = gathered.work;
     }
 
-    /// A beam to be traced.
-    fn send(&mut self, pyramid: Option<Pyramid>, piece: Convex, weight: Rgb, depth: u32) {
-        match pyramid {
-            _ if depth > self.on.frame.max_depth => {}
-            Some(pyramid) => self.beams.push(Beam { pyramid, piece, weight, depth }),
+    /// A beam to be traced, unless it is too deep or has no volume.
+    fn send(&mut self, beam: Option<Beam>) {
+        match beam {
+            Some(beam) if beam.depth > self.on.frame.max_depth => {}
+            Some(beam) => self.beams.push(beam),
             None => self.counts.degenerate += 1,
         }
     }
@@ -177,7 +145,8 @@ impl<'a> Tile<'a> {
     /// Finds what a beam sees, lights it and sends it on.
     fn advance(&mut self, beam: &Beam, gathered: &mut Gathered) {
         let shaft = beam.pyramid.shaft(&beam.piece, REACH * self.on.magnitude);
-        let outlines = self.outlines(&shaft, &beam.pyramid, &beam.piece, gathered, |_| true);
+        let outlines =
+            self.outlines(&shaft, &beam.pyramid, &beam.piece, gathered, |id| beam.from != Some(id));
         let piece = beam.piece.clone();
         let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts.cuts);
         self.counts.fragments += fragments.len() as u64;
@@ -224,10 +193,10 @@ impl<'a> Tile<'a> {
             let Some(shadow) = pyramid.shadow(&plane, light) else { continue };
             self.counts.shadows += 1;
             let shaft = pyramid.shaft_to(piece, &plane, light);
-            let is_opaque = |id: u32| {
-                let primitive = on.scene.primitives.get(id as usize);
+            let is_opaque = |other: u32| {
+                let primitive = on.scene.primitives.get(other as usize);
                 let material = primitive.and_then(|p| on.scene.materials.get(p.material as usize));
-                material.is_some_and(|m| m.transmittance <= 0.0)
+                other != id && material.is_some_and(|m| m.transmittance <= 0.0)
             };
             let blockers = self.outlines(&shaft, &shadow, piece, gathered, is_opaque);
             for lit in self.unblocked(piece, &blockers) {
@@ -241,32 +210,49 @@ impl<'a> Tile<'a> {
         if m.specular > 0.0 {
             self.counts.mirrored += 1;
             let towards = reflect(pyramid.direction(centre), middle.normal);
-            let mirrored = pyramid.through(&plane, -1.0, towards);
+            let mirrored = pyramid.through(&plane, plane.normal * -2.0, towards);
             let weight = beam.weight.map(|w| w * m.specular);
-            self.send(mirrored, piece.clone(), weight, beam.depth + 1);
+            let (piece, depth) = (piece.clone(), beam.depth + 1);
+            self.send(mirrored.map(|pyramid| Beam {
+                pyramid,
+                piece,
+                weight,
+                depth,
+                from: Some(id),
+            }));
         }
         if m.transmittance > 0.0 {
-            self.refract(beam, piece, &middle, &plane);
+            self.refract(beam, piece, seen.id, &middle, &plane);
         }
     }
 
-    /// Sends the parts of a fragment through glass, a beam for each pixel.
-    fn refract(&mut self, beam: &Beam, piece: &Convex, surface: &SurfacePoint<'_>, plane: &Plane) {
+    /// Sends the parts of a fragment through glass.
+    fn refract(
+        &mut self,
+        beam: &Beam,
+        piece: &Convex,
+        id: u32,
+        surface: &SurfacePoint<'_>,
+        plane: &Plane,
+    ) {
         let m = surface.material;
         let weight = beam.weight.map(|w| w * m.transmittance);
-        for part in pixels_of(piece) {
-            let incoming = beam.pyramid.direction(part.centroid()).normalize_or_zero();
-            let Some(out) = refract(incoming, surface.normal, m.refraction_index) else {
-                self.counts.internal += 1;
-                continue;
-            };
-            // sin(in) / sin(out), by Snell
-            let cos_in = incoming.dot(surface.normal);
-            let ratio = if cos_in < 0.0 { m.refraction_index } else { 1.0 / m.refraction_index };
-            let stretch = ratio * (out.dot(surface.normal) / cos_in).abs();
-            self.counts.refracted += 1;
-            let through = beam.pyramid.through(plane, stretch, out);
-            self.send(through, part, weight, beam.depth + 1);
+        let bend = Bend {
+            pyramid: &beam.pyramid,
+            plane,
+            normal: surface.normal,
+            index: m.refraction_index,
+        };
+        for Part { piece, beam: bent } in bend.parts(piece, self.on.settings.bend) {
+            match bent {
+                Bent::Through(pyramid) => {
+                    self.counts.refracted += 1;
+                    let (pyramid, depth) = (*pyramid, beam.depth + 1);
+                    self.send(Some(Beam { pyramid, piece, weight, depth, from: Some(id) }));
+                }
+                Bent::Flat => self.counts.degenerate += 1,
+                Bent::Totally => self.counts.internal += 1,
+            }
         }
     }
 
@@ -336,49 +322,5 @@ impl<'a> Tile<'a> {
         let [width, height] = self.size.map(|n| n as usize);
         let (x, y) = (p.x.floor() as usize, p.y.floor() as usize);
         (x < width && y < height).then_some(y * width + x)
-    }
-}
-
-/// The parts of a piece by pixel.
-fn pixels_of(piece: &Convex) -> Vec<Convex> {
-    let mut parts = Vec::new();
-    for row in strips(piece.clone(), DVec2::Y) {
-        parts.extend(strips(row, DVec2::X));
-    }
-    parts
-}
-
-/// A piece cut at whole numbers along an axis.
-fn strips(piece: Convex, axis: DVec2) -> Vec<Convex> {
-    let [low, high] = piece.bounds();
-    let (first, last) = (low.dot(axis).floor() as i64 + 1, high.dot(axis).ceil() as i64 - 1);
-    let mut strips = Vec::new();
-    let mut rest = piece;
-    for border in first..=last {
-        let line = Affine { slope: axis, offset: -(border as f64) };
-        match rest.cut(&line) {
-            Cut::Inside => {}
-            Cut::Outside => break,
-            Cut::Both(beyond, before) => {
-                strips.push(before);
-                rest = beyond;
-            }
-        }
-    }
-    strips.push(rest);
-    strips
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_pixels_of_a_piece_are_all_of_it() {
-        let piece = Convex::rectangle(DVec2::new(0.5, 1.25), DVec2::new(3.0, 2.5));
-        let parts = pixels_of(&piece);
-        let areas: Vec<f64> = parts.iter().map(Convex::area).collect();
-        assert_eq!(areas, [0.375, 0.75, 0.75, 0.25, 0.5, 0.5]);
-        assert_eq!(pixels_of(&Convex::rectangle(DVec2::ZERO, DVec2::ONE)).len(), 1);
     }
 }

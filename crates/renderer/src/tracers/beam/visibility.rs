@@ -250,7 +250,7 @@ pub fn cut_along(piece: &Convex, lines: &[Affine]) -> (Option<Convex>, Vec<Conve
 
 /// The border between pixels nearest to the middle of the longer side of a piece; none within a
 /// pixel.
-fn halving_line(piece: &Convex) -> Option<Affine> {
+pub fn halving_line(piece: &Convex) -> Option<Affine> {
     let [low, high] = piece.bounds();
     let size = high - low;
     let along = |axis: DVec2| {
