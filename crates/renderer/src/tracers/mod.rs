@@ -1,6 +1,7 @@
 //! Tracers turn a scene into rays, cones or beams, and these into an image. One line each in
 //! [`TRACERS`].
 
+pub mod cone;
 pub mod stages;
 pub mod whitted;
 
@@ -11,7 +12,7 @@ use scene_loading::Scene;
 use crate::film::Image;
 
 /// Every tracer: one line each.
-pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO];
+pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &cone::INFO];
 
 /// What is known of a tracer.
 #[derive(Debug)]
