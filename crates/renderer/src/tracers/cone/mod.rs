@@ -73,7 +73,8 @@ pub struct Settings {
     /// Whether curved surfaces change the spread of a cone. Without, reflections are wrong: it
     /// shows what that is worth.
     pub widening: bool,
-    /// Cones that contribute less than this part of a pixel go on as rays.
+    /// Cones that contribute less than this part of a pixel go on as rays; those from surfaces
+    /// within one cone as one ray.
     pub ray_below: f64,
 }
 

@@ -117,6 +117,25 @@ struct Sight<'s> {
     up: DVec3,
 }
 
+/// How a bundle goes on.
+#[derive(Clone, Copy)]
+enum Way {
+    Mirrored,
+    Refracted,
+}
+
+impl Way {
+    /// What a bundle that goes on from a surface contributes.
+    fn weight(self, sight: &Sight<'_>) -> Rgb {
+        let material = sight.hit.point.material;
+        let share = match self {
+            Self::Mirrored => material.specular,
+            Self::Refracted => material.transmittance,
+        };
+        sight.hit.weight.map(|w| w * share)
+    }
+}
+
 impl<'a> Caster<'a> {
     /// Prepares a scene.
     pub fn new(scene: &'a Scene, settings: Settings, max_depth: u32, over: Structures<'a>) -> Self {
@@ -163,9 +182,71 @@ impl<'a> Caster<'a> {
                 }
             }
         };
-        for sight in sights {
-            self.shade(sight, path, color, scratch);
+        for sight in &sights {
+            self.light(sight, path, color, scratch);
         }
+        if path.depth < self.max_depth {
+            self.go_on(&sights, path, color, scratch);
+        }
+    }
+
+    /// Follows what goes on from the surfaces that a bundle sees. Those that contribute little do
+    /// so through the largest of them: a wide cone may see hundreds of mirrors.
+    fn go_on(&self, sights: &[Sight<'_>], path: Path, color: &mut Rgb, scratch: &mut Scratch) {
+        for way in [Way::Mirrored, Way::Refracted] {
+            let mut little: Option<(&Sight<'_>, Rgb, f64)> = None;
+            for sight in sights {
+                let weight = way.weight(sight);
+                let largest = weight.into_iter().fold(0.0, f64::max);
+                if largest <= 0.0 {
+                    continue;
+                }
+                if largest >= self.settings.ray_below {
+                    self.follow(sight, way, weight, path, color, scratch);
+                    continue;
+                }
+                little = Some(match little {
+                    None => (sight, weight, largest),
+                    Some((first, sum, most)) => {
+                        let sum = std::array::from_fn(|k| sum[k] + weight[k]);
+                        if largest > most { (sight, sum, largest) } else { (first, sum, most) }
+                    }
+                });
+            }
+            if let Some((sight, weight, _)) = little {
+                self.follow(sight, way, weight, path, color, scratch);
+            }
+        }
+    }
+
+    /// Follows the bundle that goes on from one surface.
+    fn follow(
+        &self,
+        sight: &Sight<'_>,
+        way: Way,
+        weight: Rgb,
+        path: Path,
+        color: &mut Rgb,
+        scratch: &mut Scratch,
+    ) {
+        let Sight { hit, incidence, right, up } = sight;
+        let (normal, index) = (hit.point.normal, hit.point.material.refraction_index);
+        let path = Path { weight, depth: path.depth + 1, level: path.level };
+        let (direction, bundle, frame) = match way {
+            Way::Mirrored => {
+                let frame = [reflect(*right, normal), reflect(*up, normal)];
+                (reflect(hit.incoming, normal), incidence.mirrored(), frame)
+            }
+            Way::Refracted => {
+                let Some(direction) = refract(hit.incoming, normal, index) else { return };
+                let enters = hit.incoming.dot(normal) < 0.0;
+                let (from, to) = if enters { (1.0, index) } else { (index, 1.0) };
+                let bundle = incidence.refracted(direction.dot(normal), from, to);
+                (direction, bundle, [*right, *up])
+            }
+        };
+        let bundle = self.leaving(hit, direction, bundle, frame, path);
+        self.trace(&bundle, path, color, scratch);
     }
 
     /// Adds what the four quarters of a cone see.
@@ -324,46 +405,17 @@ impl<'a> Caster<'a> {
         compose(fragments, &|id: u32, place: DVec2| self.forms.depth(cone, id, place, left))
     }
 
-    /// Adds the light that arrives at a surface, and what the bundles see that go on from it.
-    fn shade(&self, sight: Sight<'_>, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
-        let Sight { hit, incidence, right, up } = sight;
-        let normal = lit_normal(&hit, true);
+    /// Adds the light that arrives at a surface.
+    fn light(&self, sight: &Sight<'_>, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
+        let Sight { hit, incidence, .. } = sight;
+        let normal = lit_normal(hit, true);
         for &(light, light_color, radius) in &self.lights {
-            let Some(shadow) = shadow_ray(&hit, 0, normal, light, light_color, 1.0) else {
+            let Some(shadow) = shadow_ray(hit, 0, normal, light, light_color, 1.0) else {
                 continue;
             };
-            let visible =
-                1.0 - self.shadow(&hit, &incidence, (light, radius), path, shadow.light, scratch);
+            let to = (light, radius);
+            let visible = 1.0 - self.shadow(hit, incidence, to, path, shadow.light, scratch);
             add(color, [visible; 3], shadow.light);
-        }
-        if path.depth >= self.max_depth {
-            return;
-        }
-        let m = hit.point.material;
-        let normal = hit.point.normal;
-        let next = |share: f64| Path {
-            weight: hit.weight.map(|w| w * share),
-            depth: path.depth + 1,
-            level: path.level,
-        };
-        if m.specular > 0.0 {
-            let direction = reflect(hit.incoming, normal);
-            let (radius, spread) = incidence.mirrored();
-            let frame = [reflect(right, normal), reflect(up, normal)];
-            let path = next(m.specular);
-            let bundle = self.leaving(&hit, direction, (radius, spread), frame, path);
-            self.trace(&bundle, path, color, scratch);
-        }
-        if m.transmittance > 0.0
-            && let Some(direction) = refract(hit.incoming, normal, m.refraction_index)
-        {
-            let enters = hit.incoming.dot(normal) < 0.0;
-            let (from, to) =
-                if enters { (1.0, m.refraction_index) } else { (m.refraction_index, 1.0) };
-            let bundle = incidence.refracted(direction.dot(normal), from, to);
-            let path = next(m.transmittance);
-            let bundle = self.leaving(&hit, direction, bundle, [right, up], path);
-            self.trace(&bundle, path, color, scratch);
         }
     }
 
@@ -432,8 +484,7 @@ fn begun(mut cone: Cone, left: &Left) -> Cone {
         let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
         let slope = (1.0 - cosine * cosine).sqrt() / cosine;
         // the edge recedes from the axis as the cone spreads
-        let back = cone.radius * slope / (1.0 + cone.spread.max(0.0) * slope);
-        cone.begin = -back;
+        cone.begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
     }
     cone
 }
