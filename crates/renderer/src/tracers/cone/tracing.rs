@@ -12,7 +12,7 @@ use scene_loading::{Rgb, Scene};
 
 use super::Settings;
 use super::circular_cone::Cone;
-use super::compose::{Composition, Fragment, compose};
+use super::compose::{Composition, Fragment, Seen, compose};
 use super::coverage::{Coverage, Forms, Left};
 use super::shadows::shadow_cone;
 use super::widening::{Incidence, LEAST_COSINE};
@@ -306,7 +306,8 @@ impl<'a> Caster<'a> {
             return None;
         }
         let mut sights = Vec::with_capacity(found.seen.len());
-        for seen in found.seen.iter().filter(|seen| seen.share > UNSEEN) {
+        let brightest = path.weight.into_iter().fold(0.0, f64::max);
+        for (seen, stands_for) in together(&found.seen, self.settings.ray_below / brightest) {
             let fragment = &fragments[seen.fragment];
             let part = cone.part(seen.centroid, seen.share.sqrt());
             let ray = cone.ray(seen.centroid);
@@ -317,7 +318,7 @@ impl<'a> Caster<'a> {
                 // just beside it: the nearest point of it
                 position = self.surfaces.at(fragment.id, position).foot.position;
             }
-            let weight = path.weight.map(|w| w * seen.share);
+            let weight = path.weight.map(|w| w * stands_for);
             let hit = self.surface(fragment.id, position, part.axis, weight);
             let radius = part.radius_at(depth * ray.direction.length());
             // behind a focus it grows as fast as it shrank before
@@ -476,6 +477,33 @@ impl<'a> Caster<'a> {
         let left = self.left(hit, towards);
         self.blocked(&begun(cone, &left), &left, path.level, scratch)
     }
+}
+
+/// What is seen, and the share that each stands for: surfaces that are seen in less than `little`
+/// of the cone are taken together, in order, until they are as much, and the largest stands for
+/// all of them. A wide cone may see hundreds.
+fn together(seen: &[Seen], little: f64) -> Vec<(Seen, f64)> {
+    let mut all = Vec::with_capacity(seen.len());
+    let mut group: Option<(Seen, f64)> = None;
+    for &one in seen.iter().filter(|seen| seen.share > UNSEEN) {
+        if one.share >= little {
+            all.push((one, one.share));
+            continue;
+        }
+        let (largest, sum) = match group {
+            Some((first, sum)) if first.share >= one.share => (first, sum + one.share),
+            Some((_, sum)) => (one, sum + one.share),
+            None => (one, one.share),
+        };
+        if sum < little {
+            group = Some((largest, sum));
+        } else {
+            all.push((largest, sum));
+            group = None;
+        }
+    }
+    all.extend(group);
+    all
 }
 
 /// The cone that leaves a flat surface begins where its edge does, before its middle.
