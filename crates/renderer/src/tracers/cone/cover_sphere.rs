@@ -9,6 +9,7 @@
 //! derivative of y^2 by x at y = 0 is sin g / (cos b cos(g - b)) - tan(g - b) = tan b. The disc is
 //! the one that touches the conic there.
 
+use accel_core::Ray;
 use accel_core::primitives::Sphere;
 use glam::DVec2;
 
@@ -50,7 +51,7 @@ impl Ball {
             if height <= -size {
                 return None;
             }
-            doubtful = height < size;
+            doubtful = own.is_none() && height < size;
         }
         let (overlap, disc) = if is_inside {
             (Overlap::ALL, (DVec2::ZERO, f64::INFINITY))
@@ -61,19 +62,18 @@ impl Ball {
         if overlap.share == 0.0 {
             return None;
         }
-        if overlap.share >= 1.0 || doubtful {
-            let hit = self.depth(cone, overlap.centroid, own);
-            let is_in_front = |t: f64| {
-                let ray = cone.ray(overlap.centroid);
-                left.and_then(|left| left.plane)
-                    .is_none_or(|(normal, at)| normal.dot(ray.at(t)) > at)
-            };
-            if overlap.share >= 1.0 && !hit.is_some_and(is_in_front) {
-                return None;
+        let ray = cone.ray(overlap.centroid);
+        match self.depth(cone, overlap.centroid, own) {
+            Some(depth) => {
+                let plane = left.and_then(|left| left.plane).filter(|_| own.is_none());
+                if plane.is_some_and(|(normal, at)| normal.dot(ray.at(depth)) < at) {
+                    return None;
+                }
             }
-            if hit.is_some_and(|t| !is_in_front(t)) {
-                return None;
-            }
+            // the disc is a little larger than the silhouette, or the sphere is not in front
+            None if overlap.share >= 1.0 || self.nearest(&ray) < cone.begin => return None,
+            None if self.sphere.intersect(&ray, f64::INFINITY).is_some() => return None,
+            None => {}
         }
         // the silhouette is nearer than the centre, the far side never farther than this
         let far = if is_inside { depth + size } else { depth };
@@ -81,17 +81,26 @@ impl Ball {
         Some(Coverage { overlap, outline, far, doubtful })
     }
 
-    /// The depth at which the ray through a place meets it.
+    /// The depth at which the ray through a place meets it: from within the far side, else the near
+    /// one alone.
     pub fn depth(&self, cone: &Cone, place: DVec2, own: Option<&Left>) -> Option<f64> {
         let mut ray = cone.ray(place);
-        if own.is_some_and(|left| left.inwards) {
-            // past the surface that the cone leaves: the chord's middle is between both hits
-            let direction = ray.direction;
-            let nearest =
-                (self.sphere.center - ray.origin).dot(direction) / direction.dot(direction);
-            ray.t_min = nearest.max(ray.t_min);
+        let (center, size) = (self.sphere.center, self.sphere.radius);
+        let is_inside = own.is_some_and(|left| left.inwards)
+            || own.is_none() && center.distance_squared(cone.origin) < size * size;
+        // the two sides are before and after the middle of the chord
+        let middle = self.nearest(&ray);
+        if is_inside {
+            ray.t_min = middle.max(ray.t_min);
+        } else {
+            ray.t_max = middle.min(ray.t_max);
         }
         self.sphere.intersect(&ray, ray.t_max)
+    }
+
+    /// The depth at which a ray comes nearest to the centre.
+    fn nearest(&self, ray: &Ray<f64>) -> f64 {
+        (self.sphere.center - ray.origin).dot(ray.direction) / ray.direction.dot(ray.direction)
     }
 }
 

@@ -19,7 +19,7 @@ pub struct Left {
     pub id: u32,
     /// Whether the cone goes into the body: against the outer geometric normal.
     pub inwards: bool,
-    /// Where the surface is flat: what lies behind it is not met. A unit normal on the side of the
+    /// Where the surface is flat, or the cone goes into a ball: what lies behind is not met. A unit normal on the side of the
     /// cone, and how far along it the surface lies.
     pub plane: Option<(DVec3, f64)>,
 }
@@ -81,6 +81,11 @@ impl Forms {
     /// Whether the primitive is flat.
     pub fn is_flat(&self, id: u32) -> bool {
         matches!(self.forms[id as usize], Form::Flat(_))
+    }
+
+    /// Whether the primitive is a sphere.
+    pub fn is_ball(&self, id: u32) -> bool {
+        matches!(self.forms[id as usize], Form::Ball(_))
     }
 
     /// How much of the cone a primitive covers; `None` for nothing.

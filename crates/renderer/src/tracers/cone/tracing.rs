@@ -438,18 +438,31 @@ impl<'a> Caster<'a> {
         let axis = direction.normalize_or(hit.incoming);
         let cone = Cone::new(hit.point.foot.position, axis, radius, spread).across(right, up);
         let left = self.left(hit, axis);
-        Bundle::Cone(begun(cone, &left), Some(left))
+        Bundle::Cone(self.begun(cone, &left), Some(left))
     }
 
     /// The surface that a bundle leaves along a direction.
     fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Left {
         let foot = hit.point.foot;
         let inwards = direction.dot(foot.normal) < 0.0;
-        let plane = self.forms.is_flat(hit.id).then(|| {
+        // within a convex body, all of it is on the inner side of the surface
+        let is_one_sided = self.forms.is_flat(hit.id) || self.forms.is_ball(hit.id) && inwards;
+        let plane = is_one_sided.then(|| {
             let normal = if inwards { -foot.normal } else { foot.normal };
             (normal, normal.dot(foot.position) + PLANE_SLACK * foot.magnitude)
         });
         Left { id: hit.id, inwards, plane }
+    }
+
+    /// The cone that leaves a flat surface begins where its edge does, before its middle.
+    fn begun(&self, mut cone: Cone, left: &Left) -> Cone {
+        if let Some((normal, _)) = left.plane.filter(|_| self.forms.is_flat(left.id)) {
+            let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
+            let slope = (1.0 - cosine * cosine).sqrt() / cosine;
+            // the edge recedes from the axis as the cone spreads
+            cone.begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
+        }
+        cone
     }
 
     /// The share of a light that is hidden from a surface.
@@ -475,7 +488,7 @@ impl<'a> Caster<'a> {
         let ratio = foot.normal.dot(towards).abs() / incidence.cosine;
         let cone = shadow_cone(foot.position, incidence.radius * ratio.sqrt(), light, light_radius);
         let left = self.left(hit, towards);
-        self.blocked(&begun(cone, &left), &left, path.level, scratch)
+        self.blocked(&self.begun(cone, &left), &left, path.level, scratch)
     }
 }
 
@@ -504,17 +517,6 @@ fn together(seen: &[Seen], little: f64) -> Vec<(Seen, f64)> {
     }
     all.extend(group);
     all
-}
-
-/// The cone that leaves a flat surface begins where its edge does, before its middle.
-fn begun(mut cone: Cone, left: &Left) -> Cone {
-    if let Some((normal, _)) = left.plane {
-        let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
-        let slope = (1.0 - cosine * cosine).sqrt() / cosine;
-        // the edge recedes from the axis as the cone spreads
-        cone.begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
-    }
-    cone
 }
 
 fn add(color: &mut Rgb, weight: Rgb, light: Rgb) {
