@@ -386,7 +386,8 @@ fn the_penumbra_of_a_half_plane_is_the_closed_form() {
     }
     println!("{within} pixels, worst {worst}, planted {planted}");
     assert!(within > 40, "{within} pixels within the penumbra");
-    assert!(worst < 0.006, "{worst}");
+    // the cosine at the floor, which the closed form leaves out: 0.003; the footprint of the pixel
+    assert!(worst < 0.008, "{worst}");
     assert!(planted > 0.02, "{planted}");
 }
 

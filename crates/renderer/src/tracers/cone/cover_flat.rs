@@ -193,7 +193,9 @@ mod tests {
         assert_eq!(cover(&cone, &quad(-1e6, 1e6, 2.0, 2.0), None), 1.0);
         assert!((cover(&cone, &quad(0.0, 1e6, 2.0, 2.0), None) - 0.5).abs() < 1e-12);
         // a floor that runs from beside the eye to infinity, and one behind it
-        assert!((cover(&cone, &quad(0.0, 1e6, -3.0, 1e6), None) - 0.5).abs() < 1e-9);
+        let floor = [(-1e6, -3.0), (1e6, -3.0), (1e6, 1e6), (-1e6, 1e6)];
+        let floor = floor.map(|(x, z)| DVec3::new(x, -1.0, z));
+        assert!((cover(&cone, &floor, None) - 0.5).abs() < 1e-5);
         assert_eq!(cover(&cone, &quad(-1.0, 1.0, -2.0, -2.0), None), 0.0);
         // edge on
         assert_eq!(cover(&cone, &quad(0.0, 0.0, 1.0, 9.0), None), 0.0);
@@ -206,15 +208,21 @@ mod tests {
     }
 
     #[test]
-    fn through_a_focus_a_slanted_plane_is_covered_once() {
+    fn a_plane_along_a_cone_is_met_before_the_focus_or_behind_it() {
         let cone = Cone::new(DVec3::ZERO, DVec3::Z, 1.0, -0.5);
-        let wide = [(-9.0, -9.0, 1.9), (9.0, -9.0, 2.1), (9.0, 9.0, 2.1), (-9.0, 9.0, 1.9)];
-        let share = cover(&cone, &wide.map(DVec3::from), None);
-        assert!((share - 1.0).abs() < 1e-5, "{share}");
-        let half = wide.map(|(x, y, z)| DVec3::new(x, y.max(0.0), z));
-        // behind the focus the other half
-        let share = cover(&cone, &half, None);
-        assert!((share - 0.5).abs() < 1e-5, "{share}");
+        let wall = [(-1e6, -9.0), (1e6, -9.0), (1e6, 1e5), (-1e6, 1e5)];
+        let wall = wall.map(|(y, z)| DVec3::new(0.1, y, z));
+        // x > 0.1 before the focus, x < 0 behind it
+        let strip = (0.1 * 0.99_f64.sqrt() + 0.1_f64.asin()) / std::f64::consts::PI;
+        let share = cover(&cone, &wall, None);
+        assert!((share - (1.0 - strip)).abs() < 1e-5, "{share} {strip}");
+        let across = [(-9.0, -9.0), (9.0, -9.0), (9.0, 0.0), (-9.0, 0.0)];
+        let across = |z: f64| across.map(|(x, y)| DVec3::new(x, y, z));
+        assert!((cover(&cone, &across(1.9), None) - 0.5).abs() < 1e-9);
+        assert!((cover(&cone, &across(2.1), None) - 0.5).abs() < 1e-9);
+        let place = of_polygon(&project(&cone, &across(2.1), None).unwrap().1).centroid;
+        let before = of_polygon(&project(&cone, &across(1.9), None).unwrap().1).centroid;
+        assert!((place + before).length() < 1e-9 && place.length() > 0.4, "upside down");
     }
 
     #[test]

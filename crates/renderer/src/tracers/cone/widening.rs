@@ -94,17 +94,21 @@ impl Incidence {
     /// Radius and spread of the refracted cone, whose direction has the cosine `refracted` to the
     /// normal; `from` and `to` are the indices on both sides.
     pub fn refracted(&self, refracted: f64, from: f64, to: f64) -> (f64, f64) {
+        let ratio = (refracted.abs().clamp(LEAST_COSINE, 1.0) / self.cosine).sqrt();
+        let [within, aside] = self.refracted_spreads(refracted, from, to);
+        (self.radius * ratio, mean(within, aside))
+    }
+
+    /// In the plane of incidence, and across it.
+    fn refracted_spreads(&self, refracted: f64, from: f64, to: f64) -> [f64; 2] {
         let Self { radius, spread, cosine, curvatures: [along, across] } = *self;
-        if radius <= 0.0 {
-            return (0.0, mean(spread * from / to, spread * from / to));
-        }
         let refracted = refracted.abs().clamp(LEAST_COSINE, 1.0);
-        let (vergence, power) = (spread / radius, to * refracted - from * cosine);
-        let aside = (from * vergence - power * across) / to;
+        // vergences times the radius, which may be 0
+        let power = (to * refracted - from * cosine) * radius;
+        let aside = (from * spread - power * across) / to;
         let within =
-            (from * cosine * cosine * vergence - power * along) / (to * refracted * refracted);
-        let ratio = refracted / cosine;
-        (radius * ratio.sqrt(), mean(within * radius * ratio, aside * radius))
+            (from * cosine * cosine * spread - power * along) / (to * refracted * refracted);
+        [within * refracted / cosine, aside]
     }
 }
 
@@ -165,11 +169,12 @@ mod tests {
                 let bent = |d: DVec3, n: DVec3| refract(d, n, 1.5).unwrap();
                 let [t, s] = by_rays(a, spread, bent);
                 let inside = bent(DVec3::new(a.sin(), 0.0, -a.cos()), DVec3::Z);
-                let (radius, found) = incidence.refracted(inside.z, 1.0, 1.5);
-                if incidence.curvatures.iter().all(|c| *c > 0.0) && found < 0.0 {
-                    let expected = (t * s).sqrt();
-                    assert!((found.abs() / expected - 1.0).abs() < 1e-3, "{a} {found} {expected}");
+                let found = incidence.refracted_spreads(inside.z, 1.0, 1.5);
+                for (found, expected) in found.into_iter().zip([t, s]) {
+                    let error = (found.abs() - expected).abs() / (t + s);
+                    assert!(error < 1e-3, "glass {a} {spread}: {found} {expected}");
                 }
+                let (radius, _) = incidence.refracted(inside.z, 1.0, 1.5);
                 let ratio = (inside.z.abs() / a.cos()).sqrt();
                 assert!((radius / 1e-5 / ratio - 1.0).abs() < 1e-9);
             }
