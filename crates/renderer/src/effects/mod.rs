@@ -25,6 +25,7 @@ pub(crate) use eye::Pinhole;
 pub(crate) use hard_shadows::{PointLights, lights, lit_normal, shadow_ray};
 pub(crate) use mirror::Scatter;
 pub use plan::{EffectPlan, RenderSettings, Samples};
+pub(crate) use textures::ImageColors;
 
 /// An effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -2,6 +2,7 @@
 //! [`TRACERS`].
 
 pub mod beam;
+pub mod cone;
 pub mod stages;
 pub mod whitted;
 
@@ -12,7 +13,7 @@ use scene_loading::Scene;
 use crate::film::Image;
 
 /// Every tracer: one line each.
-pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &beam::INFO];
+pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &cone::INFO, &beam::INFO];
 
 /// What is known of a tracer.
 #[derive(Debug)]

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 use accel_core::region::Work;
 use accel_core::tracer::Tracer;
-use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, whitted};
+use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
 use renderer::{Image, render_plan};
 use scene_loading::{Scene, Shape};
 
@@ -29,9 +29,17 @@ use reference::{Reference, Sampled};
 type Draw = fn(&Scene, Frame, Structures<'_>) -> Result<Drawn, Refusal>;
 
 /// The ways without samples, in the order of the table: one line each.
-static WAYS: &[(&TracerInfo, &str, Draw)] = &[(&beam::INFO, "", |scene, frame, over| {
-    beam::draw(scene, frame, &beam::Settings::default(), over)
-})];
+static WAYS: &[(&TracerInfo, &str, Draw)] = &[
+    (&cone::INFO, "", |scene, frame, over| {
+        cone::draw(scene, frame, &cone::Settings::default(), over)
+    }),
+    (&cone::INFO, "subdivisions=0", |scene, frame, over| {
+        cone::draw(scene, frame, &cone::Settings { subdivisions: 0, ..Default::default() }, over)
+    }),
+    (&beam::INFO, "", |scene, frame, over| {
+        beam::draw(scene, frame, &beam::Settings::default(), over)
+    }),
+];
 
 /// What a comparison is made with.
 pub struct Question<'a> {
