@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use accel_core::params::ParamSpec;
+use accel_core::primitives::chosen;
 use accel_core::structures::StructureInfo;
 use renderer::RayKind;
 use serde_json::{Value, json};
@@ -17,9 +19,9 @@ use crate::error::Error;
 pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let value = match args.what {
         Listed::Structures => {
-            context.registry.iter().map(|e| structure(e.info)).collect::<Vec<_>>()
+            context.registry.iter().map(|e| structure(e.info, chosen::PARAMS)).collect::<Vec<_>>()
         }
-        Listed::Occluders => context.occluders.iter().map(|e| structure(e.info)).collect(),
+        Listed::Occluders => context.occluders.iter().map(|e| structure(e.info, &[])).collect(),
         Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
         Listed::Sets => context
             .scenes
@@ -46,6 +48,8 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             for e in context.registry {
                 write_structure(out, e.info)?;
             }
+            writeln!(out, "every structure:")?;
+            chosen::PARAMS.iter().try_for_each(|p| write_param(out, p))?;
         }
         Format::Text if args.what == Listed::Occluders => {
             for e in context.occluders {
@@ -62,8 +66,8 @@ fn entry((name, summary): &(String, String)) -> Value {
     json!({"name": name, "summary": summary})
 }
 
-fn structure(info: &StructureInfo) -> Value {
-    let params = info.params.iter().map(|p| {
+fn structure(info: &StructureInfo, common: &[ParamSpec]) -> Value {
+    let params = info.params.iter().chain(common).map(|p| {
         json!({
             "name": p.name,
             "summary": p.summary,
@@ -86,9 +90,7 @@ fn write_structure(out: &mut dyn Write, info: &StructureInfo) -> io::Result<()> 
     writeln!(out, "{}: {}", info.name, info.summary)?;
     writeln!(out, "  paper:      {}", info.paper)?;
     writeln!(out, "  deviations: {}", info.deviations)?;
-    for p in info.params {
-        writeln!(out, "  {} = {}: {}; {}", p.name, p.default, p.summary, p.kind)?;
-    }
+    info.params.iter().try_for_each(|p| write_param(out, p))?;
     for variant in info.variants.iter().filter(|v| !v.is_empty()) {
         writeln!(out, "  variant: {variant}")?;
     }
@@ -96,6 +98,10 @@ fn write_structure(out: &mut dyn Write, info: &StructureInfo) -> io::Result<()> 
         writeln!(out, "  timed on a sample of the rays")?;
     }
     writeln!(out)
+}
+
+fn write_param(out: &mut dyn Write, p: &ParamSpec) -> io::Result<()> {
+    writeln!(out, "  {} = {}: {}; {}", p.name, p.default, p.summary, p.kind)
 }
 
 /// A name a line, with its summary or its members.
