@@ -24,7 +24,7 @@ use scene_loading::Scene;
 pub(crate) use eye::Pinhole;
 pub(crate) use hard_shadows::PointLights;
 pub(crate) use mirror::Scatter;
-pub use plan::{EffectPlan, RenderSettings, Samples};
+pub use plan::{EffectPlan, Gating, RenderSettings, Samples};
 
 /// An effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

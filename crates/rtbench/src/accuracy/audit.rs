@@ -26,10 +26,8 @@ pub fn faults(outcome: &SceneOutcome) -> Vec<String> {
         if let ErrorOf::Counted { wrong, trials } = row.error
             && wrong > 0
         {
-            faults.push(format!(
-                "{} is the reference and wrong in {wrong} of {trials}",
-                row.variant
-            ));
+            faults
+                .push(format!("{} is the reference and wrong in {wrong} of {trials}", row.variant));
         }
     }
     faults
@@ -37,7 +35,8 @@ pub fn faults(outcome: &SceneOutcome) -> Vec<String> {
 
 /// A variant whose answers changed between judging and timing.
 pub fn inconsistency(variant: &str, judged: u64, timed: u64) -> Option<String> {
-    (judged != timed).then(|| format!("{variant} answers otherwise while it is timed than when judged"))
+    (judged != timed)
+        .then(|| format!("{variant} answers otherwise while it is timed than when judged"))
 }
 
 /// A sampled reference that is worse than stated: `error` is that of the finest variant to it,
