@@ -48,7 +48,7 @@ fn errors_are_real_and_references_have_none() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = format!(
         "accuracy triangle-test voxel-walk ray-offset mailbox cell-insertion box-test --scene \
-         teapot:4 --quick --rounds 3 --trials 4000 -o {}",
+         pavilion --quick --rounds 3 --trials 4000 -o {}",
         folder.path().display()
     );
     let ended = run(&arguments);
@@ -183,7 +183,7 @@ fn unknown_axes_and_unfit_scenes_are_errors() {
     assert!(ended.err.contains("did you mean 'voxel-walk'?"), "{}", ended.err);
     let ended = run("accuracy triangle-test --scene balls:1 --quick --rounds 3");
     assert_eq!(ended.code, 1);
-    assert!(ended.err.contains("not all of its primitives are triangles"), "{}", ended.err);
+    assert!(ended.err.contains("surrounded by triangles"), "{}", ended.err);
 }
 
 #[test]

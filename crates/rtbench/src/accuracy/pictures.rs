@@ -38,7 +38,7 @@ const PICTURES: [Picture; 4] = [
     },
     Picture {
         file: "missed-cell.png",
-        caption: "Missed cells: of rays through 256^3 cells, a row each, the cells they pierce in \
+        caption: "Missed cells: of rays through 1024^3 cells, a row each, the cells they pierce in \
                   their order; those that the walk passes by, red: accumulated, and recomputed in f64.",
         make: missed_cells,
     },
@@ -125,7 +125,7 @@ fn leaks(tracer: &dyn Tracer<f32>, mesh: &[[DVec3; 3]]) -> Image {
             for part in 0..=40 {
                 let target = corners[a].lerp(corners[b], f64::from(part) / 40.0);
                 // the outline is left out: there rays may pass
-                if target.z < 0.35 {
+                if target.dot(eye) < 1.2 {
                     continue;
                 }
                 let from = eye.as_vec3();
@@ -204,14 +204,14 @@ fn wrong_shadow(registry: &[Entry]) -> Result<Image, Error> {
 
 /// A row of pixels for each of so many rays.
 fn missed_cells(_: &[Entry]) -> Result<Image, Error> {
-    let n = 256;
+    let n = 1024;
     let mut rays = Vec::new();
     // rays from a corner region across the grid, with numbers that have few common factors
     for i in 0..u64::from(SIZE) * 4 {
         let part = |k: u64| ((i * k) % 65_521) as f64;
-        let origin = dvec3(part(7919), part(104_729), part(1_299_709)) / 1024.0 / 8.0;
+        let origin = dvec3(part(7919), part(104_729), part(1_299_709)) / 1024.0;
         let direction = dvec3(40_000.0 + part(31), 30_000.0 + part(331), 20_000.0 + part(3331));
-        rays.extend(LatticeRay::new(n, origin.floor() + 1.0 / 1024.0, direction));
+        rays.extend(LatticeRay::new(n, origin, direction));
         if rays.len() == SIZE as usize {
             break;
         }
@@ -222,7 +222,7 @@ fn missed_cells(_: &[Entry]) -> Result<Image, Error> {
             let mut visited = ray.visited(walk);
             visited.sort_unstable();
             let mut row: Vec<[f64; 3]> = vec![[0.95; 3]; SIZE as usize];
-            let mut pierced = ray.pierced.clone();
+            let mut pierced = ray.pierced();
             pierced.sort_by_key(|[x, y, z]| x + y + z);
             let shown = pierced.len().max(1);
             for (i, cell) in pierced.iter().enumerate() {

@@ -14,11 +14,11 @@ use crate::accuracy::stage::Stage;
 use crate::accuracy::timing::{Said, Variant, Work, timed};
 use crate::commands::render::plan_of;
 use crate::error::Error;
+use crate::machine;
 use crate::pools::pool;
-use rayon::ThreadPool;
 
 /// Images of a variant with seeds of their own, over which errors are averaged.
-const SEEDS: u64 = 3;
+const SEEDS: u64 = 8;
 
 /// How an experiment samples.
 #[derive(Debug, Clone, Copy)]
@@ -84,26 +84,22 @@ impl Sampled<'_> {
     /// [`Error`] for more samples than fit, or threads that cannot be started.
     pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
         let plan = Plan::new(stage.quick);
-        let one_thread = pool(1)?;
+        // what is not timed may use the whole machine
+        let helper = pool(machine::threads())?;
+        let image = |n, seed| helper.install(|| self.image(plan.size, n, seed));
         // seeds that no variant has
         let far = |i: u64| stage.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
-        let [a, b] = [
-            self.image(plan.size, plan.reference, far(0))?,
-            self.image(plan.size, plan.reference, far(1))?,
-        ];
+        let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
         let (reference, own) = (mean(&a, &b), rmse(&a, &b) / 2.0);
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         for &n in plan.samples {
             let seeds = (0..SEEDS).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
-            let images = seeds
-                .map(|seed| self.image(plan.size, n, seed))
-                .collect::<Result<Vec<Image>, Error>>()?;
+            let images = seeds.map(|seed| image(n, seed)).collect::<Result<Vec<Image>, Error>>()?;
             let squares: f64 = images.iter().map(|i| rmse(i, &reference).powi(2)).sum();
             let error = (squares / SEEDS as f64).sqrt();
-            if let ([.., c, d], true) = (images.as_slice(), Some(&n) == plan.samples.last()) {
-                let scatter = rmse(c, d) / 2.0_f64.sqrt();
-                faults.extend(audit::bad_reference(error, scatter, own));
+            if Some(&n) == plan.samples.last() {
+                faults.extend(audit::bad_reference(error, scatter(&images), own));
             }
             variants.push(Variant {
                 name: format!("{n} samples"),
@@ -116,7 +112,6 @@ impl Sampled<'_> {
                     scene: self.scene,
                     tracer: self.tracer,
                     plan: self.plan(plan.size, n, stage.seed)?,
-                    pool: &one_thread,
                     image: None,
                 }),
             });
@@ -134,7 +129,7 @@ impl Sampled<'_> {
     }
 }
 
-/// An image that is made again and again.
+/// An image that is made again and again, in the current rayon pool.
 pub struct Rendering<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -142,8 +137,6 @@ pub struct Rendering<'a> {
     pub tracer: &'a dyn Tracer<f32>,
     /// Its effects.
     pub plan: EffectPlan,
-    /// Where it is made.
-    pub pool: &'a ThreadPool,
     /// The last one.
     pub image: Option<Image>,
 }
@@ -154,8 +147,7 @@ impl Work for Rendering<'_> {
     }
 
     fn run(&mut self) {
-        let image = self.pool.install(|| render_plan(self.scene, self.tracer, &self.plan).image);
-        self.image = Some(image);
+        self.image = Some(render_plan(self.scene, self.tracer, &self.plan).image);
     }
 
     fn fingerprint(&self) -> u64 {
@@ -165,6 +157,18 @@ impl Work for Rendering<'_> {
         pixels.for_each(|x| x.to_bits().hash(&mut hasher));
         hasher.finish()
     }
+}
+
+/// The error of one of several equal images by their distances from each other alone.
+fn scatter(images: &[Image]) -> f64 {
+    let (mut squares, mut pairs) = (0.0, 0.0);
+    for (i, a) in images.iter().enumerate() {
+        for b in images.iter().skip(i + 1) {
+            squares += rmse(a, b).powi(2);
+            pairs += 1.0;
+        }
+    }
+    (squares / f64::max(pairs, 1.0) / 2.0).sqrt()
 }
 
 /// Pixel by pixel.
@@ -191,5 +195,7 @@ mod tests {
         let image = |x: f64| Image { width: 1, height: 2, pixels: vec![[x; 3]; 2] };
         assert_eq!(rmse(&image(1.0), &image(1.5)), 0.5);
         assert_eq!(mean(&image(1.0), &image(2.0)), image(1.5));
+        assert_eq!(scatter(&[image(1.0), image(1.0)]), 0.0);
+        assert!((scatter(&[image(1.0), image(2.0)]) - 0.5_f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -140,7 +140,9 @@ fn scene(scene: &SceneOutcome, cost: &Cost) -> String {
             error(accurate)
         );
     }
-    let cost = if accurate.ratio.median < 2.0 {
+    let cost = if accurate.ratio.holds(1.0) {
+        format!("takes no more time, as far as was measured ({}), than", more(&accurate.ratio))
+    } else if accurate.ratio.median < 2.0 {
         format!("costs {} more time than", more(&accurate.ratio))
     } else {
         format!("takes {} times as long as", times(&accurate.ratio))

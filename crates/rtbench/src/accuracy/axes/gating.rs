@@ -9,7 +9,6 @@ use crate::accuracy::sampled::{Rendering, rmse};
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::error::Error;
-use crate::pools::pool;
 
 /// Registry line.
 pub static AXIS: Axis = Axis {
@@ -34,7 +33,6 @@ const SIZE: [u32; 2] = [96, 24];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
     let built = stage.built(TRACER)?;
-    let one_thread = pool(1)?;
     let size = SIZE[usize::from(stage.quick)];
     let settings =
         RenderSettings { resolution: [size; 2], seed: stage.seed, ..RenderSettings::default() };
@@ -54,7 +52,6 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
                 scene: stage.scene(),
                 tracer: &*built.tracer,
                 plan,
-                pool: &one_thread,
                 image: None,
             }),
         }

@@ -67,11 +67,14 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
                 ("leaks in 10^6", share(found.leaks, found.trials)),
                 ("self-hits in 10^6 100 diagonals away", share(far.self_hits, far.trials)),
             ],
-            work: Box::new(here.work(rule)),
+            work: Box::new(here.work(rule, stage.timed_rays)),
         });
     }
     let said = Said {
-        timed: format!("{} rays made and traced through {TRACER}", here.points.len()),
+        timed: format!(
+            "{} rays made and traced through {TRACER}",
+            here.points.len().min(stage.timed_rays)
+        ),
         judged: format!(
             "{} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above",
             here.points.len()
@@ -140,7 +143,9 @@ impl<'a> Leavings<'a> {
         let surfaces = Surfaces::new(scene, false);
         let mut random: Random = stage.random("directions");
         let mut points = Vec::new();
-        for (ray, hit) in eye_rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
+        let seen = eye_rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
+        // several rays leave each hit, the first ones all different hits
+        for (ray, hit) in seen.cycle().take(stage.aims) {
             let along = ray.direction.to_dvec3();
             let position = ray.origin.to_dvec3() + along * f64::from(hit.t);
             let normal = surfaces.at(hit.id, position).foot.normal;
@@ -162,24 +167,26 @@ impl<'a> Leavings<'a> {
         Ok(Self { surfaces, points, tracer, magnitude: magnitude.max_element(), gap })
     }
 
-    fn surface_points(&self) -> Vec<(SurfacePoint<'_>, DVec3)> {
+    fn surface_points(&self, most: usize) -> Vec<(SurfacePoint<'_>, DVec3)> {
         let at =
             |(id, position, out): &(u32, DVec3, DVec3)| (self.surfaces.at(*id, *position), *out);
-        self.points.iter().map(at).collect()
+        self.points.iter().take(most).map(at).collect()
     }
 
-    fn work(&self, rule: OffsetRule) -> LeavingWork<'_> {
+    /// At most so many rays.
+    fn work(&self, rule: OffsetRule, most: usize) -> LeavingWork<'_> {
+        let points = self.surface_points(most);
         LeavingWork {
-            points: self.surface_points(),
             leaving: Leaving::new(rule, self.magnitude),
             tracer: &*self.tracer,
-            rays: Vec::with_capacity(self.points.len()),
-            answers: vec![Answers::new(RayKind::Diffuse, self.points.len())],
+            rays: Vec::with_capacity(points.len()),
+            answers: vec![Answers::new(RayKind::Diffuse, points.len())],
+            points,
         }
     }
 
     fn judged(&self, rule: OffsetRule) -> Found {
-        let mut work = self.work(rule);
+        let mut work = self.work(rule, self.points.len());
         work.prepare();
         work.run();
         let mut found = Found::default();

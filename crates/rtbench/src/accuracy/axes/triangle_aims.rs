@@ -29,7 +29,7 @@ type Corners = [[f32; 3]; 3];
 
 /// Where edges and corners are shared, by the bits of coordinates.
 pub struct Shared<'a> {
-    triangles: &'a [Corners],
+    triangles: &'a [(u32, Corners)],
     edges: HashMap<[[u32; 3]; 2], Vec<u32>>,
     corners: HashMap<[u32; 3], Vec<u32>>,
     /// Corners in the order of their first appearance, so that a seed means the same on any machine.
@@ -48,11 +48,11 @@ fn edge(a: [f32; 3], b: [f32; 3]) -> [[u32; 3]; 2] {
 }
 
 impl<'a> Shared<'a> {
-    /// Of a mesh; triangles without area are left out.
-    pub fn new(triangles: &'a [Corners]) -> Self {
+    /// Of the triangles of a scene with their ids; those without area are left out.
+    pub fn new(triangles: &'a [(u32, Corners)]) -> Self {
         let (mut edges, mut corners) = (HashMap::new(), HashMap::new());
         let mut order = Vec::new();
-        for (t, id) in triangles.iter().zip(0_u32..) {
+        for ((_, t), index) in triangles.iter().zip(0_u32..) {
             let [a, b, c] = t.map(|p| Vec3::from(p).as_dvec3());
             if (b - a).cross(c - a).length_squared() == 0.0 {
                 continue;
@@ -62,16 +62,24 @@ impl<'a> Shared<'a> {
                 if around.is_empty() {
                     order.push(t[k]);
                 }
-                around.push(id);
+                around.push(index);
                 let of_edge: &mut Vec<u32> = edges.entry(edge(t[k], t[(k + 1) % 3])).or_default();
-                of_edge.push(id);
+                of_edge.push(index);
             }
         }
         Self { triangles, edges, corners, order }
     }
 
-    fn corners_of(&self, id: u32) -> Corners {
-        self.triangles.get(id as usize).copied().unwrap_or_default()
+    fn corners_of(&self, index: u32) -> Corners {
+        self.triangles.get(index as usize).map(|(_, corners)| *corners).unwrap_or_default()
+    }
+
+    /// The ray at a target, and the ids of the triangles around it.
+    fn aimed(&self, from: Vec3, target: Vec3, around: &[u32]) -> Option<Aim> {
+        let ray = Ray::<f32>::new(from, target - from);
+        let id = |index: &u32| self.triangles.get(*index as usize).map(|(id, _)| *id);
+        let around = around.iter().filter_map(id).collect();
+        ray.is_traceable().then_some(Aim { ray, around })
     }
 
     /// The corner of a triangle that is none of the two.
@@ -111,22 +119,17 @@ impl<'a> Shared<'a> {
         let eye = from.as_dvec3();
         if random.below(2) == 0 {
             let around = self.ring(eye, corner)?;
-            return aimed(from, Vec3::from(corner), around);
+            return self.aimed(from, Vec3::from(corner), &around);
         }
         let around = self.corners.get(&bits(corner))?;
         let id = *around.get(random.below(around.len()))?;
         let end = self.corners_of(id).into_iter().find(|p| bits(*p) != bits(corner))?;
-        let around = self.both_sides(eye, corner, end)?.to_vec();
+        let around = self.both_sides(eye, corner, end)?;
         // clear of the ends, where other triangles begin
         let part = 0.1 + 0.8 * unit(random) as f32;
         let target = Vec3::from(corner).lerp(Vec3::from(end), part);
-        aimed(from, target, around)
+        self.aimed(from, target, &around)
     }
-}
-
-fn aimed(from: Vec3, target: Vec3, around: Vec<u32>) -> Option<Aim> {
-    let ray = Ray::<f32>::new(from, target - from);
-    ray.is_traceable().then_some(Aim { ray, around })
 }
 
 fn coord(p: DVec3) -> Coord3D<f64> {
@@ -143,7 +146,8 @@ mod tests {
         let ball = icosphere(2, DVec3::ZERO);
         let corners: Vec<Corners> =
             ball.iter().map(|t| t.map(|p| p.as_vec3().to_array())).collect();
-        let shared = Shared::new(&corners);
+        let with_ids: Vec<_> = (0..).zip(corners.clone()).collect();
+        let shared = Shared::new(&with_ids);
         let mut random = Random::new(1, "aims");
         let aims: Vec<Aim> =
             (0..4000).filter_map(|_| shared.aim(&mut random, Vec3::ZERO, 2.0)).collect();
@@ -161,7 +165,7 @@ mod tests {
 
     #[test]
     fn open_edges_are_left_out() {
-        let alone = [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]];
+        let alone = [(0, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])];
         let shared = Shared::new(&alone);
         let mut random = Random::new(1, "aims");
         assert!((0..100).all(|_| shared.aim(&mut random, Vec3::ZERO, 2.0).is_none()));

@@ -1,7 +1,7 @@
 //! The test of triangles: what leaks, and what it takes not to.
 
-use accel_core::primitives::PrimSet;
 use accel_core::primitives::chosen::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::primitives::{PrimSet, PrimitiveKind};
 use accel_core::structures::PrimsRef;
 
 use super::triangle_aims::{Aim, Shared};
@@ -36,20 +36,24 @@ pub const TESTS: [(&str, TriangleChoice); 6] = [
 ];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
-    let PrimsRef::Watertight(set) = stage.prepared.geometry.prims() else {
-        return Err(stage.unfit("not all of its primitives are triangles"));
-    };
+    let prims = stage.prepared.geometry.prims();
     let labels = TESTS.map(|(name, _)| format!("{TRACER}:triangle-test={name}"));
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
     let sheets = stage.all_sheets();
     let rays = count(&sheets);
-    let aims = aims(stage)?;
+    let aims = match prims {
+        PrimsRef::Watertight(set) => aims(stage, set),
+        PrimsRef::Mixed(set) => aims(stage, set),
+    };
     if aims.is_empty() {
         return Err(stage.unfit("no edge or corner of it is surrounded by triangles"));
     }
     let hit = |triangle: TriangleChoice| {
         let choice = Choice { triangle, sphere: SphereChoice::Rearranged };
-        let tested = ChosenTests::of_triangles(set, choice);
+        let tested = match prims {
+            PrimsRef::Watertight(set) => ChosenTests::of_triangles(set, choice),
+            PrimsRef::Mixed(set) => ChosenTests::of_mixed(set, choice),
+        };
         let nearest = move |aim: &Aim| {
             let setup = tested.setup(&aim.ray);
             let t = |id: &u32| tested.intersect(*id, &aim.ray, &setup, f32::INFINITY);
@@ -87,19 +91,25 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
     Ok(timed(stage, said, variants))
 }
 
-/// Rays at the corners and edges of the scene's mesh.
-///
-/// # Errors
-/// [`Error::UnfitScene`] where not all primitives are triangles.
-pub fn aims(stage: &Stage<'_>) -> Result<Vec<Aim>, Error> {
-    let PrimsRef::Watertight(set) = stage.prepared.geometry.prims() else {
-        return Err(stage.unfit("not all of its primitives are triangles"));
+/// Rays at the corners and edges of the scene's meshes.
+fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
+    let mut balls = Vec::new();
+    let corners = |id: u32| {
+        balls.clear();
+        set.hull(id, &mut balls);
+        match (set.kind(id), balls.as_slice()) {
+            (PrimitiveKind::Triangle, [a, b, c]) => {
+                Some((id, [a, b, c].map(|p| p.center.as_vec3().to_array())))
+            }
+            _ => None,
+        }
     };
-    let shared = Shared::new(set.triangles());
+    let triangles: Vec<_> = (0..set.len() as u32).filter_map(corners).collect();
+    let shared = Shared::new(&triangles);
     let bounds = set.scene_bounds();
     let (centre, reach) = ((bounds.min + bounds.max) * 0.5, bounds.size().length());
     let mut random = stage.random("aims");
     // some of what is drawn is an outline or open
     let drawn = (0..stage.aims * 8).filter_map(|_| shared.aim(&mut random, centre, reach));
-    Ok(drawn.take(stage.aims).collect())
+    drawn.take(stage.aims).collect()
 }

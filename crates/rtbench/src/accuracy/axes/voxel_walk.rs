@@ -1,8 +1,8 @@
 //! The walk through voxels: accumulated, recomputed, driven by an axis, in f64; against whole
 //! numbers.
 //!
-//! The rays that are judged are those of the scene, as seen from the cells of its grid and moved to
-//! the nearest 1024th of a cell: then the oracle of `verify` says exactly which cells they pierce. A
+//! The rays that are judged are those of the scene, as seen from the cells of a fine grid and moved to
+//! 1024ths of a cell near by: then the oracle of `verify` says exactly which cells they pierce. A
 //! ray is wrong when its walk passes by a cell that it pierces, however shortly.
 
 use accel_core::Ray;
@@ -21,6 +21,7 @@ use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::error::Error;
+use crate::verify::draw::point;
 use crate::verify::parts::integer_walk::IntegerRay;
 
 /// Registry line.
@@ -38,6 +39,12 @@ pub static AXIS: Axis = Axis {
 /// Cells an axis, in a full run and in a quick one.
 const CELLS: [u32; 2] = [256, 64];
 
+/// Cells an axis of the grid that rays are judged in: no list is kept for them.
+const FINE: u32 = 1024;
+
+/// One trial of so many that are asked for is made: each visits thousands of cells.
+const SHARE: usize = 5;
+
 /// Kinds of walk, as the setting has them.
 const WALKS: [&str; 4] = ["accumulate", "t-next", "driving-axis", "f64"];
 
@@ -51,16 +58,19 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
         .iter()
         .map(|r| replays.last().map_or(0, |reference| r.differing(reference)))
         .collect();
-    let aimed = lattice_rays(stage, n);
-    let (mut variants, rays) = (Vec::new(), count(&sheets));
-    let parts = built.iter().zip(replays).zip(WALKS).zip(differing);
-    for (((built, replay), walk), differing) in parts {
-        let (mut tally, mut missed) = (Tally::default(), 0);
-        for aim in &aimed {
-            let passed_by = aim.passed_by(walk);
+    let aimed = lattice_rays(stage, FINE);
+    let mut found = WALKS.map(|_| (Tally::default(), 0));
+    for aim in &aimed {
+        let pierced = aim.pierced();
+        for ((tally, missed), walk) in found.iter_mut().zip(WALKS) {
+            let passed_by = aim.passed_by(walk, &pierced);
             tally.add(passed_by > 0);
-            missed += passed_by;
+            *missed += passed_by;
         }
+    }
+    let (mut variants, rays) = (Vec::new(), count(&sheets));
+    let parts = built.iter().zip(replays).zip(WALKS).zip(differing).zip(found);
+    for ((((built, replay), walk), differing), (tally, missed)) in parts {
         variants.push(Variant {
             name: walk.into(),
             setting: built.setting(),
@@ -76,7 +86,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
     }
     let said = Said {
         timed: format!("{rays} rays of the scene through {n}^3 cells"),
-        judged: format!("{} rays of the scene on the lattice of {n}^3 cells", aimed.len()),
+        judged: format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
         ..Said::default()
     };
     Ok(timed(stage, said, variants))
@@ -86,19 +96,21 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
 pub struct LatticeRay {
     n: u32,
     ray: Ray<f32>,
-    /// The cells it pierces.
-    pub pierced: Vec<[i32; 3]>,
+    exact: IntegerRay,
 }
 
 impl LatticeRay {
-    /// In a grid of `n` cells an axis; `None` where it pierces none or the oracle cannot hold it.
+    /// In a grid of `n` cells an axis; `None` where the oracle or single precision cannot hold it.
     pub fn new(n: u32, origin: DVec3, direction: DVec3) -> Option<Self> {
-        let exact = IntegerRay::new(origin, direction)?.pierced(n as i32);
+        let exact = IntegerRay::new(origin, direction)?;
         let ray = Ray::<f32>::new(origin.as_vec3(), direction.as_vec3());
         let is_held = ray.origin.as_dvec3() == origin && ray.direction.as_dvec3() == direction;
-        let mut pierced: Vec<_> = exact.into_iter().map(|p| p.cell).collect();
-        pierced.sort_unstable();
-        (is_held && !pierced.is_empty()).then_some(Self { n, ray, pierced })
+        is_held.then_some(Self { n, ray, exact })
+    }
+
+    /// The cells it pierces.
+    pub fn pierced(&self) -> Vec<[i32; 3]> {
+        self.exact.pierced(self.n as i32).into_iter().map(|p| p.cell).collect()
     }
 
     /// The cells that a walk visits.
@@ -114,10 +126,10 @@ impl LatticeRay {
     }
 
     /// How many pierced cells a walk passes by.
-    fn passed_by(&self, walk: &str) -> usize {
+    fn passed_by(&self, walk: &str, pierced: &[[i32; 3]]) -> usize {
         let mut visited = self.visited(walk);
         visited.sort_unstable();
-        self.pierced.iter().filter(|cell| visited.binary_search(cell).is_err()).count()
+        pierced.iter().filter(|cell| visited.binary_search(cell).is_err()).count()
     }
 }
 
@@ -132,7 +144,8 @@ fn cells<S: accel_core::Scalar>(walk: Option<impl CellWalk<S>>) -> Vec<[i32; 3]>
     }
 }
 
-/// The scene's closest-hit rays in a grid of `n` cells an axis, moved onto the lattice.
+/// The scene's closest-hit rays in a grid of `n` cells an axis, moved onto the lattice, each by up to
+/// a cell so that there are as many as are asked for.
 pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
     let bounds = match stage.prepared.geometry.prims() {
         PrimsRef::Watertight(set) => set.scene_bounds(),
@@ -141,12 +154,16 @@ pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
     let (low, size) = (bounds.min.to_dvec3(), bounds.size().to_dvec3());
     let cell = (size / f64::from(n)).max(DVec3::splat(f64::MIN_POSITIVE));
     let sheets = stage.sheets(stage.aims, |kind| kind != RayKind::Shadow);
-    let rays = sheets.iter().flat_map(|(_, rays)| rays);
-    rays.filter_map(|ray| {
-        let origin = ((ray.origin.to_dvec3() - low) / cell * 1024.0).round() / 1024.0;
+    let rays: Vec<_> = sheets.iter().flat_map(|(_, rays)| rays).collect();
+    let mut random = stage.random("lattice");
+    let drawn = (0..2 * stage.aims / SHARE).filter_map(|_| {
+        let ray = rays.get(random.below(rays.len()))?;
+        let origin = (ray.origin.to_dvec3() - low) / cell + point(&mut random);
         let along = ray.direction.to_dvec3() / cell;
         let direction = (along / along.abs().max_element() * f64::from(1 << 16)).round();
-        LatticeRay::new(n, origin, direction)
-    })
-    .collect()
+        let aim = LatticeRay::new(n, (origin * 1024.0).round() / 1024.0, direction)?;
+        // most that miss the grid would be right whatever the walk
+        (!aim.visited("f64").is_empty()).then_some(aim)
+    });
+    drawn.take(stage.aims / SHARE).collect()
 }
