@@ -13,8 +13,11 @@ use crate::statistics::{Estimate, geometric_mean_of_medians};
 pub enum Cost {
     /// All variants are equally accurate.
     NoneAtStake,
-    /// The most accurate one takes no longer: no difference was measured, or it is the cheapest.
+    /// The most accurate one takes no longer: it is the cheapest, or no difference was measured and
+    /// one of a tenth would have been.
     Free,
+    /// No difference was measured, but one of more than a tenth may be there.
+    NotTold(Estimate),
     /// Less than a tenth more, over all scenes.
     Cheap(Estimate),
     /// More.
@@ -41,7 +44,8 @@ pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
     let groups: Vec<&[f64]> = ratios.iter().map(Vec::as_slice).collect();
     let over_all = geometric_mean_of_medians(&groups, seed)?;
     Some(match () {
-        () if over_all.low <= 1.0 => Cost::Free,
+        () if over_all.low <= 1.0 && over_all.high < TENTH => Cost::Free,
+        () if over_all.low <= 1.0 => Cost::NotTold(over_all),
         () if over_all.median < TENTH => Cost::Cheap(over_all),
         () => Cost::Expensive(over_all),
     })
@@ -58,7 +62,7 @@ fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Vec<f64>> {
 pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time\n\n");
     text.push_str(&facts(run));
-    let mut lists: [Vec<String>; 4] = Default::default();
+    let mut lists: [Vec<String>; 5] = Default::default();
     for axis in &run.axes {
         let Some(cost) = cost(axis, run.seed) else { continue };
         let line = line(axis, &cost);
@@ -66,16 +70,18 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
             Cost::Free => 0,
             Cost::Cheap(_) => 1,
             Cost::Expensive(_) => 2,
-            Cost::NoneAtStake => 3,
+            Cost::NotTold(_) => 3,
+            Cost::NoneAtStake => 4,
         };
         if let Some(list) = lists.get_mut(list) {
             list.push(line);
         }
     }
     let heads = [
-        "Free: no difference in time was measured",
+        "Free: no difference in time, and one of 10% would have shown",
         "Costs less than 10%",
         "Expensive",
+        "Not told: no difference in time was measured, but one of more than 10% may be there",
         "No accuracy is at stake: all variants give the same answers",
     ];
     for (head, lines) in heads.iter().zip(&lists) {
@@ -112,6 +118,10 @@ pub fn line(axis: &AxisRecord, cost: &Cost) -> String {
         Cost::Cheap(e) | Cost::Expensive(e) => {
             format!("the most accurate variant costs {} more time over all scenes", more(e))
         }
+        Cost::NotTold(e) => format!(
+            "what the most accurate variant costs over all scenes was not told: {} more time",
+            more(e)
+        ),
         Cost::NoneAtStake => "answers are the same".into(),
     };
     format!("**{}**: {head}. {}.", axis.axis, scenes.join("; "))
@@ -229,6 +239,9 @@ mod tests {
     fn costs_are_told_and_said() {
         let of = |rows| cost(&axis(rows), 1).unwrap();
         assert_eq!(of(vec![row("a", 2.0, 5), row("b", 2.0, 0)]), Cost::Free);
+        let mut noisy = row("b", 2.1, 0);
+        noisy.seconds = vec![1.0, 2.1, 9.0];
+        assert!(matches!(of(vec![row("a", 2.0, 5), noisy]), Cost::NotTold(_)));
         assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 2.1, 0)]), Cost::Cheap(_)));
         assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 3.0, 0)]), Cost::Expensive(_)));
         assert_eq!(of(vec![row("a", 2.0, 0), row("b", 3.0, 0)]), Cost::NoneAtStake);
