@@ -70,8 +70,7 @@ fn errors_are_real_and_references_have_none() {
     for axis in ["triangle-test", "voxel-walk", "ray-offset", "mailbox", "cell-insertion"] {
         let of_axis = || rows.iter().filter(|r| r["axis"] == axis);
         assert!(of_axis().count() >= 3, "{axis}");
-        let least = of_axis().map(|r| number(r, "ratio_to_cheapest")).fold(f64::INFINITY, f64::min);
-        assert_eq!(least, 1.0, "{axis}");
+        assert!(of_axis().any(|r| number(r, "ratio_to_cheapest") == 1.0), "{axis}");
         let svg = std::fs::read_to_string(folder.path().join(format!("{axis}.svg"))).unwrap();
         roxmltree::Document::parse(&svg).unwrap();
     }

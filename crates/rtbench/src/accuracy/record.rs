@@ -77,14 +77,18 @@ pub struct SceneOutcome {
 impl SceneOutcome {
     /// The cheapest variant: that to which ratios are taken.
     pub fn cheapest(&self) -> Option<&VariantRecord> {
-        self.rows.iter().min_by(|a, b| a.time_s.median.total_cmp(&b.time_s.median))
+        let width = |row: &VariantRecord| row.ratio.high - row.ratio.low;
+        self.rows.iter().min_by(|a, b| {
+            let is_other = |row: &VariantRecord| row.ratio.median != 1.0;
+            is_other(a).cmp(&is_other(b)).then(width(a).total_cmp(&width(b)))
+        })
     }
 
     /// The most accurate variant; of equally accurate ones the cheapest.
     pub fn most_accurate(&self) -> Option<&VariantRecord> {
         let error = |row: &VariantRecord| row.error.value();
         self.rows.iter().min_by(|a, b| {
-            error(a).total_cmp(&error(b)).then(a.time_s.median.total_cmp(&b.time_s.median))
+            error(a).total_cmp(&error(b)).then(a.ratio.median.total_cmp(&b.ratio.median))
         })
     }
 }

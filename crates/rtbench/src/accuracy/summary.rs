@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord};
 use crate::accuracy::tables::facts;
+use crate::accuracy::timing::ratios;
 use crate::export::numbers::short;
 use crate::statistics::{Estimate, geometric_mean_of_medians};
 
@@ -54,8 +55,7 @@ pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
 /// Time of the most accurate variant over that of the cheapest, round by round.
 fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Vec<f64>> {
     let (accurate, cheapest) = (scene.most_accurate()?, scene.cheapest()?);
-    let pairs = accurate.seconds.iter().zip(&cheapest.seconds);
-    Some(pairs.filter(|(_, least)| **least > 0.0).map(|(s, least)| s / least).collect())
+    Some(ratios(&accurate.seconds, &cheapest.seconds))
 }
 
 /// The page.

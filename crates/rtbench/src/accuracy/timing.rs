@@ -6,7 +6,7 @@ use crate::accuracy::pareto::{self, Place};
 use crate::accuracy::record::{SceneOutcome, Standing, VariantRecord};
 use crate::accuracy::stage::Stage;
 use crate::schedule::round_order;
-use crate::statistics::{Estimate, estimate};
+use crate::statistics::{Estimate, estimate, median};
 
 /// What is timed of a variant.
 pub trait Work {
@@ -103,6 +103,26 @@ pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> S
     outcome
 }
 
+/// One's time over another's, round by round.
+pub fn ratios(seconds: &[f64], other: &[f64]) -> Vec<f64> {
+    let pairs = seconds.iter().zip(other).filter(|(_, other)| **other > 0.0);
+    pairs.map(|(s, other)| s / other).collect()
+}
+
+/// Which variant is the cheapest: none takes less than it in the middle of the rounds that both were
+/// in. (Medians of times of their own would compare different rounds.)
+fn cheapest(seconds: &[Vec<f64>]) -> usize {
+    let mut least = 0;
+    for i in 1..seconds.len() {
+        if let (Some(own), Some(best)) = (seconds.get(i), seconds.get(least))
+            && median(&ratios(own, best)).is_some_and(|ratio| ratio < 1.0)
+        {
+            least = i;
+        }
+    }
+    least
+}
+
 fn rows(
     variants: Vec<Variant<'_>>,
     seconds: Vec<Vec<f64>>,
@@ -112,17 +132,9 @@ fn rows(
     const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
     let times: Vec<Estimate> =
         seconds.iter().map(|s| estimate(s, seed).unwrap_or(NO_TIME)).collect();
-    let cheapest = (0..times.len())
-        .min_by(|&a, &b| times[a].median.total_cmp(&times[b].median))
-        .map(|i| seconds[i].clone())
-        .unwrap_or_default();
+    let cheapest = seconds.get(cheapest(&seconds)).cloned().unwrap_or_default();
     let record = |((variant, seconds), time_s): ((Variant<'_>, Vec<f64>), Estimate)| {
-        let ratios: Vec<f64> = seconds
-            .iter()
-            .zip(&cheapest)
-            .filter(|(_, least)| **least > 0.0)
-            .map(|(s, least)| s / least)
-            .collect();
+        let ratios = ratios(&seconds, &cheapest);
         let is_below_reference = variant.error.value() < TIMES_REFERENCE * reference_error;
         VariantRecord {
             variant: variant.name,
@@ -145,4 +157,19 @@ fn rows(
         row.standing = standing;
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cheapest_is_found_round_by_round() {
+        // a machine that slows down: the second is faster in each round, the third never
+        let seconds = [vec![2.0, 4.0, 8.0], vec![1.0, 3.9, 7.0], vec![2.5, 4.5, 6.9]];
+        assert_eq!(cheapest(&seconds), 1);
+        assert_eq!(ratios(&seconds[0], &seconds[1])[0], 2.0);
+        assert_eq!(ratios(&[1.0], &[0.0]).len(), 0);
+        assert_eq!((repeats(1.0), repeats(0.001), repeats(0.0)), (1, 4, 1000));
+    }
 }
