@@ -156,7 +156,9 @@ mod tests {
             assert!(aim.around.len() == 2 || (5..=6).contains(&aim.around.len()));
             let sides = aim.around.iter().map(|&id| {
                 let [a, b, c] = corners[id as usize].map(Vec3::from);
-                (b - a).cross(c - a).dot(aim.ray.direction) > 0.0
+                // outwards, whichever way round the corners are
+                let normal = (b - a).cross(c - a);
+                normal.dot(a) * normal.dot(aim.ray.origin - a) > 0.0
             });
             let sides: Vec<bool> = sides.collect();
             assert!(sides.iter().all(|s| *s == sides[0]), "an outline: {aim:?}");
