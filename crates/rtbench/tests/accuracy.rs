@@ -176,6 +176,13 @@ fn a_variant_that_answers_otherwise_while_it_is_timed_is_found_out() {
 }
 
 #[test]
+fn axes_are_listed() {
+    let ended = run("list axes");
+    assert_eq!(ended.code, 0);
+    assert!(ended.out.lines().count() >= 14 && ended.out.contains("voxel-walk  "), "{}", ended.out);
+}
+
+#[test]
 fn unknown_axes_and_unfit_scenes_are_errors() {
     let ended = run("accuracy voxelwalk");
     assert_eq!(ended.code, 2);

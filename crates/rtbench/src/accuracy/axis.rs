@@ -22,7 +22,7 @@ pub struct Axis {
     pub reference: &'static str,
     /// Scenes where none are named: two of SPD and a modelled one.
     pub scenes: &'static [&'static str],
-    /// The files that variants are made of, for readers who look for them.
+    /// Which setting of the product varies.
     pub setting: &'static str,
     /// All variants on a scene, timed and judged.
     pub measure: fn(&Stage<'_>) -> Result<SceneOutcome, Error>,

@@ -224,6 +224,8 @@ pub enum Listed {
     Sets,
     /// Kinds of rays
     Rays,
+    /// Axes of accuracy
+    Axes,
 }
 
 /// How to print a list.

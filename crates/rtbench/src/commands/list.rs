@@ -8,6 +8,7 @@ use accel_core::structures::StructureInfo;
 use renderer::RayKind;
 use serde_json::{Value, json};
 
+use crate::accuracy::axis::AXES;
 use crate::args::{Format, ListArgs, Listed};
 use crate::context::Context;
 use crate::error::Error;
@@ -34,6 +35,20 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             .map(|k| {
                 let question = if k.is_occlusion() { "occlusion" } else { "closest hit" };
                 json!({"name": k.name(), "summary": k.summary(), "question": question})
+            })
+            .collect(),
+        Listed::Axes => AXES
+            .iter()
+            .map(|axis| {
+                json!({
+                    "name": axis.name,
+                    "summary": axis.summary,
+                    "paper": axis.paper,
+                    "metric": axis.metric,
+                    "reference": axis.reference,
+                    "setting": axis.setting,
+                    "default_scenes": axis.scenes,
+                })
             })
             .collect(),
     };

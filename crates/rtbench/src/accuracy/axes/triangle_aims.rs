@@ -3,8 +3,9 @@
 //! A ray aims at an edge that two triangles share, or at a corner that a ring of triangles
 //! surrounds. Exact predicates (crate `robust`) say, as seen from the ray's origin, that the two lie on
 //! different sides of the edge, and each neighbours of the ring on different sides of the spoke they
-//! share. Then the ray passes through one of them at least, however its direction was rounded, and a
-//! test that hits none has a hole.
+//! share. Where the outline of the two, or of the ring, is farther from the ray than rounding can move
+//! anything, the ray passes through one of them at least, however its direction was rounded, and a test
+//! that hits none has a hole.
 
 use std::collections::HashMap;
 
@@ -23,6 +24,9 @@ pub struct Aim {
     /// The triangles around the target.
     pub around: Vec<u32>,
 }
+
+/// How many roundings of the largest coordinate an outline keeps off the ray.
+const ROUNDINGS: f64 = 64.0;
 
 /// Three corners in single precision.
 type Corners = [[f32; 3]; 3];
@@ -74,9 +78,26 @@ impl<'a> Shared<'a> {
         self.triangles.get(index as usize).map(|(_, corners)| *corners).unwrap_or_default()
     }
 
-    /// The ray at a target, and the ids of the triangles around it.
-    fn aimed(&self, from: Vec3, target: Vec3, around: &[u32]) -> Option<Aim> {
+    /// The ray at a target, and the ids of the triangles around it, unless an edge of them that is not
+    /// an inner one comes too near.
+    fn aimed(
+        &self,
+        from: Vec3,
+        target: Vec3,
+        around: &[u32],
+        is_inner: impl Fn([f32; 3], [f32; 3]) -> bool,
+    ) -> Option<Aim> {
         let ray = Ray::<f32>::new(from, target - from);
+        let reach = from.abs().max(target.abs()).max(ray.direction.abs()).max_element();
+        let margin = f64::from(reach * f32::EPSILON) * ROUNDINGS;
+        let edges = around.iter().flat_map(|index| {
+            let [a, b, c] = self.corners_of(*index);
+            [(a, b), (b, c), (c, a)]
+        });
+        let mut outline = edges.filter(|(p, q)| !is_inner(*p, *q));
+        if outline.any(|(p, q)| passes_at(&ray, p, q) < margin) {
+            return None;
+        }
         let id = |index: &u32| self.triangles.get(*index as usize).map(|(id, _)| *id);
         let around = around.iter().filter_map(id).collect();
         ray.is_traceable().then_some(Aim { ray, around })
@@ -119,7 +140,8 @@ impl<'a> Shared<'a> {
         let eye = from.as_dvec3();
         if random.below(2) == 0 {
             let around = self.ring(eye, corner)?;
-            return self.aimed(from, Vec3::from(corner), &around);
+            let is_inner = |p, q| bits(p) == bits(corner) || bits(q) == bits(corner);
+            return self.aimed(from, Vec3::from(corner), &around, is_inner);
         }
         let around = self.corners.get(&bits(corner))?;
         let id = *around.get(random.below(around.len()))?;
@@ -128,8 +150,20 @@ impl<'a> Shared<'a> {
         // clear of the ends, where other triangles begin
         let part = 0.1 + 0.8 * unit(random) as f32;
         let target = Vec3::from(corner).lerp(Vec3::from(end), part);
-        self.aimed(from, target, &around)
+        self.aimed(from, target, &around, |p, q| edge(p, q) == edge(corner, end))
     }
+}
+
+/// How near the line of a ray comes to an edge, seen along the ray.
+fn passes_at(ray: &Ray<f32>, a: [f32; 3], b: [f32; 3]) -> f64 {
+    let Some(along) = ray.direction.as_dvec3().try_normalize() else { return 0.0 };
+    let seen = |p: [f32; 3]| {
+        let from = Vec3::from(p).as_dvec3() - ray.origin.as_dvec3();
+        from - along * from.dot(along)
+    };
+    let (a, b) = (seen(a), seen(b));
+    let part = -a.dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE);
+    (a + (b - a) * part.clamp(0.0, 1.0)).length()
 }
 
 fn coord(p: DVec3) -> Coord3D<f64> {
