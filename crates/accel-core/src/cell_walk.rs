@@ -1,7 +1,8 @@
 //! What every walk of a ray through a regular grid offers, and the setting that chooses one.
 //!
-//! Two walks exist: `voxel_walk.rs` (t_next stepping) and `driving_axis_walk.rs` (Fujimoto's
-//! synchronised DDAs). Storages and structures are written once, over [`CellWalk`].
+//! Two walks are for use: `voxel_walk.rs` (t_next stepping) and `driving_axis_walk.rs` (Fujimoto's
+//! synchronised DDAs). Two more are for comparison, in the uniform grid alone:
+//! `accumulating_walk.rs` and `double_walk.rs`. Storages and structures are written once, over [`CellWalk`].
 
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::scalar::Scalar;
@@ -43,8 +44,8 @@ pub trait CellWalk<S: Scalar>: CellPosition {
     fn advance(&mut self) -> bool;
 }
 
-/// Which walk a grid uses. Both visit every pierced cell; they differ in time only, and in which
-/// cells they touch where a ray meets an edge or corner of cells exactly.
+/// Which walk a grid uses. The first two visit every pierced cell; they differ in time only, and in
+/// which cells they touch where a ray meets an edge or corner of cells exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Traversal {
     /// Amanatides and Woo 1987.
@@ -52,6 +53,10 @@ pub enum Traversal {
     TNext,
     /// Fujimoto, Tanaka and Iwata 1986.
     DrivingAxis,
+    /// Amanatides and Woo 1987 to the letter: it passes cells by.
+    Accumulate,
+    /// [`Traversal::TNext`] in f64.
+    Double,
 }
 
 impl Traversal {
@@ -63,10 +68,20 @@ impl Traversal {
         kind: ParamKind::Choice(&["t-next", "driving-axis"]),
     };
 
+    /// The same with the walks that are there for comparison.
+    pub const PARAM_OF_ALL: ParamSpec = ParamSpec {
+        summary: "step to the nearest of three planes, or along a driving axis (Fujimoto's \
+                  3D-DDA); for comparison: accumulate (as published, passes cells by), f64",
+        kind: ParamKind::Choice(&["t-next", "driving-axis", "accumulate", "f64"]),
+        ..Self::PARAM
+    };
+
     /// What the settings ask for; the structure declares [`Traversal::PARAM`].
     pub fn of(params: &Params) -> Self {
         match params.text(Self::PARAM.name) {
             "driving-axis" => Self::DrivingAxis,
+            "accumulate" => Self::Accumulate,
+            "f64" => Self::Double,
             _ => Self::TNext,
         }
     }

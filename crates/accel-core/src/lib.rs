@@ -13,13 +13,17 @@
 //! * [`structures::REGISTRY`] lists the structures: one line each.
 
 pub mod aabb;
+pub mod accumulating_walk;
 pub mod bounds_rule;
 mod box_placement;
+pub mod box_test;
 pub mod cell_lists;
+pub mod cell_overlap;
 pub mod cell_walk;
 pub mod clustering;
 pub mod counters;
 pub mod distance_field;
+pub mod double_walk;
 pub mod driving_axis_walk;
 pub mod far_ray;
 pub mod mailbox;

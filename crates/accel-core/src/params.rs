@@ -104,15 +104,27 @@ impl Params {
         specs: &'static [ParamSpec],
         settings: impl IntoIterator<Item = (&'s str, &'s str)>,
     ) -> Result<Self, ParamError> {
-        let mut values: BTreeMap<_, _> =
-            specs.iter().map(|s| (s.name, s.default.to_owned())).collect();
+        Self::with_common(structure, specs, &[], settings)
+    }
+
+    /// The same with parameters that the structure has in common with others.
+    ///
+    /// # Errors
+    /// As [`Params::new`].
+    pub fn with_common<'s>(
+        structure: &'static str,
+        own: &'static [ParamSpec],
+        common: &'static [ParamSpec],
+        settings: impl IntoIterator<Item = (&'s str, &'s str)>,
+    ) -> Result<Self, ParamError> {
+        let specs = || own.iter().chain(common);
+        let mut values: BTreeMap<_, _> = specs().map(|s| (s.name, s.default.to_owned())).collect();
         for (name, value) in settings {
-            let spec =
-                specs.iter().find(|s| s.name == name).ok_or_else(|| ParamError::Unknown {
-                    structure,
-                    name: name.to_owned(),
-                    valid: specs.iter().map(|s| s.name).collect(),
-                })?;
+            let spec = specs().find(|s| s.name == name).ok_or_else(|| ParamError::Unknown {
+                structure,
+                name: name.to_owned(),
+                valid: specs().map(|s| s.name).collect(),
+            })?;
             if !is_valid(spec.kind, value) {
                 return Err(ParamError::Invalid {
                     structure,
@@ -123,7 +135,7 @@ impl Params {
             }
             values.insert(spec.name, value.to_owned());
         }
-        let set = specs.iter().filter(|s| values[s.name] != s.default).map(|s| s.name).collect();
+        let set = specs().filter(|s| values[s.name] != s.default).map(|s| s.name).collect();
         Ok(Self { structure, values, set })
     }
 

@@ -7,6 +7,8 @@ mod in_motion;
 
 pub use in_motion::BoundInMotion;
 
+use std::ops::Deref;
+
 use crate::counters::{NoCounters, WorkCounters};
 use crate::far_ray::{self, Place};
 use crate::mailbox::{AnyMailbox, MailboxSource, NoMailbox, Setting};
@@ -59,17 +61,18 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     fn shape(&self) -> Shape;
 }
 
-/// The one implementation of [`Tracer`].
-pub struct Bound<'a, S, P, T> {
-    prims: &'a P,
+/// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
+/// view that nobody else keeps.
+pub struct Bound<S, H, T> {
+    prims: H,
     structure: T,
     mailbox: Setting,
     reach: S,
 }
 
-impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
+impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H, T> {
     /// Joins a structure with the primitives it was built over.
-    pub fn new(prims: &'a P, structure: T) -> Self {
+    pub fn new(prims: H, structure: T) -> Self {
         let reach = far_ray::reach(prims.magnitude());
         Self { prims, structure, mailbox: Setting::None, reach }
     }
@@ -121,7 +124,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
     fn timed_closest<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
         self.closest::<B>(rays, hits, mailboxes, |ray, mailbox| {
             let mut sink =
-                ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
+                ClosestHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
             self.structure.walk(ray, &mut sink);
             sink.finish().0
         });
@@ -138,7 +141,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
         let mut total = WorkCounters::default();
         self.closest::<B>(rays, hits, mailboxes, |ray, mailbox| {
             let mut sink =
-                ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox);
+                ClosestHit::<S, P, WorkCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
             counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
             let (hit, counters) = sink.finish();
             total += counters;
@@ -158,7 +161,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
             *blocked = self.near(ray, false, |ray, _| {
                 let mailbox = mailboxes.next_ray();
                 let mut sink =
-                    AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
+                    AnyHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
                 self.structure.walk(ray, &mut sink);
                 sink.finish().0
             });
@@ -175,7 +178,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
         match rule {
             ShadowRule::OpaqueBlocks => {
                 let mut sink = AnyHit::<S, P, WorkCounters, _>::with_mailbox(
-                    self.prims,
+                    &*self.prims,
                     ray,
                     mailbox.next_ray(),
                 );
@@ -184,13 +187,13 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>> Bound<'a, S, P, T> {
                 (ShadowCount { blocked, glass: 0 }, counters)
             }
             ShadowRule::Historical => {
-                let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(&*self.prims, ray);
                 counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
                 let (blocked, glass, counters) = sink.finish();
                 (ShadowCount { blocked, glass: glass as u32 }, counters)
             }
             ShadowRule::HistoricalInCell => {
-                let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(&*self.prims, ray);
                 counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
                 let (hit, counters) = sink.finish();
                 let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
@@ -235,7 +238,13 @@ fn counted_walk<S: Scalar, T: Structure<S>>(structure: &T, ray: &Ray<S>, mut sin
     structure.walk(ray, &mut sink);
 }
 
-impl<S: Scalar, P: PrimSet<S>, T: Structure<S>> Tracer<S> for Bound<'_, S, P, T> {
+impl<S, P, H, T> Tracer<S> for Bound<S, H, T>
+where
+    S: Scalar,
+    P: PrimSet<S>,
+    H: Deref<Target = P> + Send + Sync,
+    T: Structure<S>,
+{
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         if self.has_no_mailbox() {
             return self.timed_closest(rays, hits, NoMailbox);

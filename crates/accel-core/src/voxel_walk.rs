@@ -16,6 +16,7 @@
 //! parameter of the hit. `rtbench verify --cases T1,T3,T4` holds both walks against exact integers.
 
 use crate::aabb::Aabb;
+use crate::accumulating_walk::AccumulatingWalk;
 use crate::cell_walk::{CellPosition, CellWalk, GridCell};
 use crate::driving_axis_walk::DrivingAxisWalk;
 use crate::ray::Ray;
@@ -175,6 +176,20 @@ impl<S: Scalar> GridFrame<S> {
         walk
     }
 
+    /// [`GridFrame::walk_from`] with accumulated parameters.
+    #[inline(always)]
+    pub fn accumulating_walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<AccumulatingWalk<S>> {
+        self.walk_from(ray, t_start).map(AccumulatingWalk::new)
+    }
+
+    /// The same grid in f64, its planes where `S` has them but for the rounding of their sums.
+    pub fn in_double(&self) -> GridFrame<f64> {
+        let wide = |v: [S; 3]| v.map(S::to_f64);
+        let cell = wide(self.cell);
+        let bounds = Aabb { min: self.bounds.min.to_dvec3(), max: self.bounds.max.to_dvec3() };
+        GridFrame { bounds, lo: wide(self.lo), cell, inv_cell: cell.map(|c| 1.0 / c), n: self.n }
+    }
+
     /// [`GridFrame::walk_from`] along the driving axis.
     #[inline(always)]
     pub fn driving_walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<DrivingAxisWalk<S>> {
@@ -248,7 +263,7 @@ impl<S: Scalar> VoxelWalk<S> {
 
     /// The axis whose plane is met first; of equal ones the lowest.
     #[inline(always)]
-    fn axis(&self) -> usize {
+    pub(crate) fn axis(&self) -> usize {
         let [x, y, z] = self.t_next;
         let (k, t) = if y < x { (1, y) } else { (0, x) };
         if z < t { 2 } else { k }

@@ -1,8 +1,7 @@
 //! From the f64 scene to the primitive sets that structures are built over, converted once.
 
 use accel_core::primitives::{
-    Cone, MixedSet, MixedSetBuilder, MoellerTrumbore, PrimSet, PrimitiveError, TriangleSet,
-    Watertight,
+    Cone, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
 };
 use accel_core::structures::{Buildable, PrimsRef};
 use accel_core::{Vec3, Vector};
@@ -22,9 +21,7 @@ pub struct GeometryError {
 /// A scene's primitives in the precision `S`; ids are the positions in [`Scene::primitives`].
 pub enum Geometry<S: Buildable> {
     /// Triangles alone, with the watertight test.
-    Triangles(TriangleSet<S, Watertight>),
-    /// Triangles alone, with the Moeller-Trumbore test.
-    MoellerTrumbore(TriangleSet<S, MoellerTrumbore>),
+    Triangles(TriangleSet<S>),
     /// Primitives of several kinds.
     Mixed(MixedSet<S>),
 }
@@ -50,19 +47,10 @@ impl<S: Buildable> Geometry<S> {
         }
     }
 
-    /// The same with another triangle test; mixed sets keep theirs.
-    pub fn with_moeller_trumbore(self) -> Self {
-        match self {
-            Self::Triangles(set) => Self::MoellerTrumbore(set.with_test()),
-            other => other,
-        }
-    }
-
     /// For building structures.
     pub fn prims(&self) -> PrimsRef<'_, S> {
         match self {
             Self::Triangles(set) => PrimsRef::Watertight(set),
-            Self::MoellerTrumbore(set) => PrimsRef::MoellerTrumbore(set),
             Self::Mixed(set) => PrimsRef::Mixed(set),
         }
     }
@@ -71,7 +59,6 @@ impl<S: Buildable> Geometry<S> {
     pub fn len(&self) -> usize {
         match self {
             Self::Triangles(set) => set.len(),
-            Self::MoellerTrumbore(set) => set.len(),
             Self::Mixed(set) => set.len(),
         }
     }
@@ -85,7 +72,6 @@ impl<S: Buildable> Geometry<S> {
     pub fn bytes(&self) -> usize {
         match self {
             Self::Triangles(set) => set.bytes(),
-            Self::MoellerTrumbore(set) => set.bytes(),
             Self::Mixed(set) => set.bytes(),
         }
     }

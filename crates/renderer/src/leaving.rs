@@ -35,6 +35,9 @@ pub enum OffsetRule {
     Fixed(f64),
     /// Hits nearer than 512 ulps of the scene's largest coordinate do not count.
     SceneRelative,
+    /// The origin, on whatever side of the surface rounding left it, moves along the normal by 256
+    /// ulps of each of its own coordinates; near zero by 2^-16 world units (Waechter, Binder 2019).
+    UlpWise,
     /// The origin moves along the normal by so many epsilons of the precision times the largest
     /// coordinate of its primitive.
     ErrorBound(f64),
@@ -79,6 +82,9 @@ impl Leaving {
                 let reach = largest(target).max(largest(origin));
                 (origin, bound::<S>(ulps * TARGET_MARGIN, reach))
             }
+            OffsetRule::UlpWise => {
+                (self.origin::<S>(point, target - point.position).to_dvec3(), 0.0)
+            }
             _ => (point.position, 0.0),
         };
         let way = target - from;
@@ -91,24 +97,45 @@ impl Leaving {
 
     /// Where a ray along `direction` starts.
     fn origin<S: Buildable>(&self, point: &SurfacePoint<'_>, direction: DVec3) -> Vec3<S> {
-        let OffsetRule::ErrorBound(ulps) = self.rule else {
-            return Vec3::<S>::from_dvec3(point.position);
-        };
         let Foot { position, normal, magnitude } = point.foot;
         // an apex has no normal: straight ahead
         let normal = if normal == DVec3::ZERO { direction.normalize_or_zero() } else { normal };
         let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
-        Vec3::<S>::from_dvec3(position + side * bound::<S>(ulps, magnitude))
+        match self.rule {
+            OffsetRule::ErrorBound(ulps) => {
+                Vec3::<S>::from_dvec3(position + side * bound::<S>(ulps, magnitude))
+            }
+            OffsetRule::UlpWise => ulp_wise::<S>(Vec3::<S>::from_dvec3(point.position), side),
+            _ => Vec3::<S>::from_dvec3(point.position),
+        }
     }
 
     /// The smallest parameter that counts.
     fn nearest<S: Buildable>(&self) -> f64 {
         match self.rule {
-            OffsetRule::None | OffsetRule::ErrorBound(_) => 0.0,
+            OffsetRule::None | OffsetRule::UlpWise | OffsetRule::ErrorBound(_) => 0.0,
             OffsetRule::Fixed(epsilon) => epsilon,
             OffsetRule::SceneRelative => self.magnitude * S::EPSILON.to_f64() * SCENE_ULPS,
         }
     }
+}
+
+/// See [`OffsetRule::UlpWise`]; the numbers are those of the paper.
+fn ulp_wise<S: Buildable>(origin: Vec3<S>, side: DVec3) -> Vec3<S> {
+    const NEAR_ZERO: f64 = 1.0 / 32.0;
+    const STEP_NEAR_ZERO: f64 = 1.0 / 65536.0;
+    const ULPS: f64 = 256.0;
+    let at = origin.to_array();
+    let along = side.to_array();
+    Vec3::<S>::from_array(std::array::from_fn(|k| {
+        let size = at[k].abs();
+        let step = match size.to_f64() < NEAR_ZERO {
+            true => STEP_NEAR_ZERO,
+            // whole ulps, as the paper adds whole numbers to the bits
+            false => (size.next_up() - size).to_f64() * ULPS,
+        };
+        S::from_f64(at[k].to_f64() + step * along[k])
+    }))
 }
 
 /// What rounding may do to a surface whose largest coordinate is `magnitude`.

@@ -15,7 +15,7 @@ pub mod tracers;
 pub mod work;
 
 pub use effects::counts::RayCounts;
-pub use effects::{Effect, EffectPlan, RenderSettings, Samples};
+pub use effects::{Effect, EffectPlan, Gating, RenderSettings, Samples};
 pub use film::{Image, ImageError, ImageFormat};
 pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, generate_rays};

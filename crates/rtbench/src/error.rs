@@ -64,6 +64,16 @@ pub enum Error {
         /// Why.
         source: ImageError,
     },
+    /// A scene has nothing that an axis of accuracy is about.
+    #[error("{axis}: scene {scene} does not serve: {reason}")]
+    UnfitScene {
+        /// Axis.
+        axis: &'static str,
+        /// Scene.
+        scene: String,
+        /// What it lacks.
+        reason: &'static str,
+    },
     /// Nothing was measured that a model of times could be made from.
     #[error("the images of {scenes} took no time that a prediction could be made from")]
     NoModel {

@@ -5,6 +5,7 @@
 //! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`]. A [`sweep`] is such a run
 //! whose rows are the values of one parameter.
 
+pub mod accuracy;
 pub mod args;
 pub mod batches;
 pub mod check;
@@ -24,6 +25,7 @@ pub mod plan;
 pub mod pools;
 pub mod progress;
 pub mod random;
+pub mod ray_overrides;
 pub mod record;
 pub mod reference;
 pub mod reproduce;
@@ -94,6 +96,7 @@ pub fn run(
         Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
+        Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
     };
     match ended {

@@ -68,7 +68,6 @@ impl<'a> Oracle<'a> {
         let tracer = entry.build(prims, &entry.params([])?)?;
         let bounds = match prims {
             PrimsRef::Watertight(p) => p.scene_bounds(),
-            PrimsRef::MoellerTrumbore(p) => p.scene_bounds(),
             PrimsRef::Mixed(p) => p.scene_bounds(),
         };
         let magnitude = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -196,7 +195,6 @@ impl<'a> Oracle<'a> {
         }
         match self.prims {
             PrimsRef::Watertight(p) => of(p, id, ray),
-            PrimsRef::MoellerTrumbore(p) => of(p, id, ray),
             PrimsRef::Mixed(p) => of(p.in_motion(), id, ray),
         }
     }

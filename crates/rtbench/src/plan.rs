@@ -11,6 +11,7 @@ use accel_core::structures::Entry;
 
 use crate::args::{MeasuringArgs, Precision, RunArgs};
 use crate::measured_row::{self, MeasuredRow};
+use crate::ray_overrides;
 use crate::rows::Row;
 use crate::scene_source::{KnownScene, LoadError, SceneSource};
 use crate::suggest;
@@ -86,6 +87,26 @@ pub enum PlanError {
     /// No such hard case or group of them.
     #[error("unknown case '{name}'{hint}; valid: {valid}")]
     UnknownCase {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// No such rule for rays that leave surfaces.
+    #[error("unknown offset '{name}'{hint}; valid: {valid}")]
+    UnknownOffset {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// No such axis of accuracy.
+    #[error("unknown axis '{name}'{hint}; valid: {valid}")]
+    UnknownAxis {
         /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
@@ -211,8 +232,10 @@ impl<'r> Plan<'r> {
     ) -> Result<Self, PlanError> {
         let default = [DEFAULT_SET.to_owned()];
         let names = if args.scenes.is_empty() { &default } else { args.scenes.as_slice() };
+        let mut ray_settings = RaySettings::default();
+        let overrides = ray_overrides::apply(&args.overrides, &mut ray_settings)?;
         let (mut rows, occluding) =
-            measured_row::select(registry, occluders, &args.structures, &args.overrides)?;
+            measured_row::select(registry, occluders, &args.structures, &overrides)?;
         let reference = args.measuring.reference.as_deref();
         if rows.is_empty() && !occluding.is_empty() && reference.is_none() {
             // an occluder is compared with a structure
@@ -221,6 +244,7 @@ impl<'r> Plan<'r> {
         let baseline = baseline(registry, &mut rows, reference)?;
         let scenes = scenes.resolve(names)?;
         let mut plan = Self::over(scenes, rows, baseline, &args.measuring, registry)?;
+        plan.settings.offset = ray_settings.offset;
         if plan.kinds.iter().any(|k| k.is_occlusion()) {
             plan.rows.extend(occluding.into_iter().map(MeasuredRow::Occluder));
         } else if let Some(row) = occluding.first()

@@ -1,6 +1,7 @@
 //! Which structures with which settings: the rows of the tables.
 
 use accel_core::params::{ParamError, ParamSpec, Params};
+use accel_core::primitives::chosen;
 use accel_core::structures::{Entry, StructureInfo};
 use accel_core::{occluders, region};
 
@@ -11,11 +12,21 @@ use crate::suggest;
 pub trait Registered {
     /// What it says of itself.
     fn info(&self) -> &'static StructureInfo;
+
+    /// Parameters beside its own.
+    fn common(&self) -> &'static [ParamSpec] {
+        &[]
+    }
 }
 
 impl Registered for Entry {
     fn info(&self) -> &'static StructureInfo {
         self.info
+    }
+
+    /// The tests of primitives.
+    fn common(&self) -> &'static [ParamSpec] {
+        chosen::PARAMS
     }
 }
 
@@ -76,6 +87,7 @@ impl<'r, E: Registered> Row<'r, E> {
     /// The defect that these settings keep on purpose, if any.
     pub fn known_defect(&self) -> Option<&'static str> {
         (self.entry.info().known_defect)(&self.params)
+            .or_else(|| chosen::known_defect(&self.params))
     }
 
     /// Only measured on a sample of the rays.
@@ -107,7 +119,8 @@ impl<'r, E: Registered> Row<'r, E> {
         let own = overrides.iter().filter(|o| std::ptr::eq(o.entry, entry));
         let all = own.map(|o| (o.name, o.value)).chain(settings.iter().copied());
         let info = entry.info();
-        let params = Params::new(info.name, info.params, all).map_err(|e| param_error(e, info))?;
+        let params = Params::with_common(info.name, info.params, entry.common(), all)
+            .map_err(|e| param_error(e, entry))?;
         Ok(Self { entry, params })
     }
 
@@ -255,17 +268,18 @@ pub fn find<'r, E: Registered>(registry: &'r [E], name: &str) -> Result<&'r E, P
 /// # Errors
 /// [`PlanError::Param`] naming those there are.
 pub fn find_param(entry: &Entry, name: &str) -> Result<&'static ParamSpec, PlanError> {
-    let params = entry.info.params;
-    params.iter().find(|p| p.name == name).ok_or_else(|| {
-        let valid = params.iter().map(|p| p.name).collect();
+    let mut params = entry.info.params.iter().chain(entry.common());
+    params.clone().find(|p| p.name == name).ok_or_else(|| {
+        let valid = params.by_ref().map(|p| p.name).collect();
         let structure = entry.info.name;
-        param_error(ParamError::Unknown { structure, name: name.to_owned(), valid }, entry.info)
+        param_error(ParamError::Unknown { structure, name: name.to_owned(), valid }, entry)
     })
 }
 
-fn param_error(error: ParamError, info: &StructureInfo) -> PlanError {
+fn param_error<E: Registered>(error: ParamError, entry: &E) -> PlanError {
+    let params = || entry.info().params.iter().chain(entry.common());
     let hint = match &error {
-        ParamError::Unknown { name, .. } => suggest::hint(name, info.params.iter().map(|p| p.name)),
+        ParamError::Unknown { name, .. } => suggest::hint(name, params().map(|p| p.name)),
         ParamError::Invalid { .. } => String::new(),
     };
     PlanError::Param { error, hint }

@@ -26,6 +26,16 @@ pub enum PrimitiveKind {
     Cone,
 }
 
+/// A primitive at rest, as far as other tests than the set's own are made for it.
+pub(super) enum ShapeRef<'a, S: Scalar> {
+    /// A triangle.
+    Triangle(&'a [[S; 3]; 3]),
+    /// A sphere.
+    Sphere(&'a Sphere<S>),
+    /// Any other.
+    Other,
+}
+
 /// The kind in the upper two bits, the index within the kind below.
 #[derive(Debug, Clone, Copy)]
 struct Tagged(u32);
@@ -196,6 +206,17 @@ impl<S: Scalar> MixedSet<S> {
     /// The same set as rays with a time see it.
     pub fn in_motion(&self) -> &InMotion<S> {
         InMotion::of(self)
+    }
+
+    /// What primitive `id` is.
+    #[inline(always)]
+    pub(super) fn shape(&self, id: u32) -> ShapeRef<'_, S> {
+        let tagged = self.order[id as usize];
+        match tagged.kind() {
+            PrimitiveKind::Triangle => ShapeRef::Triangle(&self.triangles[tagged.index()]),
+            PrimitiveKind::Sphere => ShapeRef::Sphere(&self.spheres[tagged.index()]),
+            PrimitiveKind::Polygon | PrimitiveKind::Cone => ShapeRef::Other,
+        }
     }
 
     pub(super) fn motion(&self) -> &Motion<S> {

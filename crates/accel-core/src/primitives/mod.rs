@@ -2,15 +2,19 @@
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
+//! * [`chosen::ChosenTests`]: either of them under tests that are chosen at run time.
 
+pub mod chosen;
 mod collinear;
 mod cone;
 mod mixed;
 mod moving;
 mod polygon;
 mod sphere;
+mod sphere_tests;
 mod support;
 mod triangle;
+mod triangle_tests;
 
 pub use cone::Cone;
 pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};

@@ -49,7 +49,7 @@ impl<S: Scalar> Motion<S> {
 
     /// Its velocity, if it moves.
     #[inline(always)]
-    fn velocity(&self, id: u32) -> Option<Vec3<S>> {
+    pub(super) fn velocity(&self, id: u32) -> Option<Vec3<S>> {
         let v = *self.velocities.get(id as usize)?;
         (v != [S::ZERO; 3]).then(|| Vec3::<S>::from_array(v))
     }

@@ -73,6 +73,12 @@ impl<S: Scalar> Shear<S> {
         }
     }
 
+    /// What the third coordinate of a sheared vertex is scaled by.
+    #[inline(always)]
+    pub(super) fn depth_scale(&self) -> S {
+        self.shear[2]
+    }
+
     /// A vertex in the sheared space; `z` is still to be scaled by the third shear factor.
     #[inline(always)]
     pub(super) fn apply(&self, v: &[S; 3]) -> [S; 3] {
@@ -210,16 +216,6 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
     /// The vertices, by id.
     pub fn triangles(&self) -> &[[[S; 3]; 3]] {
         &self.triangles
-    }
-
-    /// The same triangles under another test.
-    pub fn with_test<U: TriangleTest<S>>(self) -> TriangleSet<S, U> {
-        TriangleSet {
-            triangles: self.triangles,
-            transmissive: self.transmissive,
-            magnitude: self.magnitude,
-            test: PhantomData,
-        }
     }
 }
 

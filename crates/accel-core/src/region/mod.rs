@@ -100,7 +100,6 @@ pub fn build<T: ShaftWalk + 'static>(
     }
     match prims {
         PrimsRef::Watertight(p) => over::<T, _>(p, params),
-        PrimsRef::MoellerTrumbore(p) => over::<T, _>(p, params),
         PrimsRef::Mixed(p) => over::<T, _>(p, params),
     }
 }

@@ -27,7 +27,8 @@ pub mod uniform_grid;
 
 use crate::mailbox::Setting;
 use crate::params::{ParamError, ParamSpec, Params};
-use crate::primitives::{MixedSet, MoellerTrumbore, PrimSet, TriangleSet, Watertight};
+use crate::primitives::chosen::{self, Choice, ChosenTests};
+use crate::primitives::{MixedSet, PrimSet, TriangleSet};
 use crate::ray::Ray;
 use crate::scalar::Scalar;
 use crate::sink::Sink;
@@ -170,9 +171,7 @@ pub struct StructureInfo {
 /// A set of primitives, whichever.
 pub enum PrimsRef<'a, S: Scalar> {
     /// Triangles with the watertight test.
-    Watertight(&'a TriangleSet<S, Watertight>),
-    /// Triangles with the Moeller-Trumbore test.
-    MoellerTrumbore(&'a TriangleSet<S, MoellerTrumbore>),
+    Watertight(&'a TriangleSet<S>),
     /// Primitives of any kind.
     Mixed(&'a MixedSet<S>),
 }
@@ -205,7 +204,7 @@ impl Entry {
         &self,
         settings: impl IntoIterator<Item = (&'s str, &'s str)>,
     ) -> Result<Params, ParamError> {
-        Params::new(self.info.name, self.info.params, settings)
+        Params::with_common(self.info.name, self.info.params, chosen::PARAMS, settings)
     }
 
     /// Builds the structure over the set, ready to trace.
@@ -263,9 +262,22 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         refuse_unusable(prims, params)?;
         Ok(Setting::of(params, prims.len(), prims.bytes()))
     }
+    if let Some(choice) = Choice::of(params) {
+        // built from the same bounds, so the structure is that of the set itself
+        let (view, mailbox, structure) = match prims {
+            PrimsRef::Watertight(p) => {
+                let mailbox = mailbox::<S, _>(p, params)?;
+                (ChosenTests::of_triangles(p, choice), mailbox, T::build(p, params)?)
+            }
+            PrimsRef::Mixed(p) => {
+                let mailbox = mailbox::<S, _>(p, params)?;
+                (ChosenTests::of_mixed(p, choice), mailbox, T::build(p, params)?)
+            }
+        };
+        return Ok(Box::new(Bound::new(Box::new(view), structure).with_mailbox(mailbox)));
+    }
     match prims {
         PrimsRef::Watertight(p) => over::<S, _, T>(p, params),
-        PrimsRef::MoellerTrumbore(p) => over::<S, _, T>(p, params),
         PrimsRef::Mixed(p) if p.has_motion() => {
             // built from the bounds of the whole way, so the structure is that of any mixed set
             let mailbox = mailbox::<S, _>(p, params)?;

@@ -9,7 +9,9 @@ use super::{BuildError, Shape, Structure};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
+use crate::cell_overlap::{Insertion, overlaps};
 use crate::cell_walk::{CellPosition, CellWalk, Traversal};
+use crate::double_walk::DoubleWalk;
 use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -20,6 +22,9 @@ use crate::voxel_walk::GridFrame;
 
 /// Where the lists of a grid's cells are kept.
 pub trait CellStorage: Sized + Send + Sync {
+    /// Whether the walks that are there for comparison are compiled for it.
+    const COMPARES_WALKS: bool = false;
+
     /// Stores the lists that `contents` describes.
     ///
     /// # Errors
@@ -51,19 +56,57 @@ pub struct Contents<'a, S: Scalar, P: PrimSet<S>> {
     pub max_references: u64,
     boxes: BoundsOf<'a, S, P>,
     historical: bool,
+    insertion: Insertion,
 }
 
 impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     /// First and last cell of primitive `id` on each axis.
     #[inline(always)]
     pub fn range(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        if self.insertion != Insertion::PaddedBox {
+            return self.range_compared(id);
+        }
         let b = self.boxes.of(id);
         if self.historical { self.frame.range_by_division(&b) } else { self.frame.range(&b) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn range_compared(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        match self.insertion.is_padded() {
+            true => self.frame.range(&self.boxes.of(id)),
+            false => self.frame.range(&self.boxes.prims().bounds(id)),
+        }
+    }
+
+    /// The cells of [`Contents::range`] that the primitive overlaps itself.
+    #[cold]
+    #[inline(never)]
+    fn overlapped(&self, id: u32) -> Vec<[i32; 3]> {
+        let margin = if self.insertion.is_padded() { self.boxes.padding().to_f64() } else { 0.0 };
+        let wide = self.frame.in_double();
+        let (first, last) = self.range(id);
+        let (mut cells, mut balls) = (Vec::new(), Vec::new());
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    let cell = wide.cell_bounds(wide.index([x, y, z])).expanded(margin);
+                    let corners = (cell.min, cell.max);
+                    if overlaps(self.boxes.prims(), id, corners, &mut balls) {
+                        cells.push([x, y, z]);
+                    }
+                }
+            }
+        }
+        cells
     }
 
     /// Calls `emit` with the coordinates of every cell primitive `id` goes to, x fastest.
     #[inline(always)]
     pub fn cells_of(&self, id: u32, mut emit: impl FnMut([i32; 3])) {
+        if self.insertion.is_exact() {
+            return self.overlapped(id).into_iter().for_each(emit);
+        }
         let (first, last) = self.range(id);
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
@@ -114,13 +157,28 @@ pub struct RegularGrid<S: Scalar, G> {
     /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
     from_origin: bool,
     traversal: Traversal,
+    /// For [`Traversal::Double`].
+    wide_frame: GridFrame<f64>,
+}
+
+impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
+    /// Where its cells are.
+    pub fn frame(&self) -> &GridFrame<S> {
+        &self.frame
+    }
+
+    /// The ids in the cell of those coordinates.
+    pub fn list(&self, coords: [i32; 3]) -> &[u32] {
+        self.storage.list(&self.frame.cell(coords))
+    }
 }
 
 impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let (contents, storage) = stored::<S, P, G>(prims, params)?;
         let (frame, from_origin) = (contents.frame, contents.historical);
-        Ok(Self { frame, storage, from_origin, traversal: Traversal::of(params) })
+        let (wide_frame, traversal) = (frame.in_double(), Traversal::of(params));
+        Ok(Self { frame, storage, from_origin, traversal, wide_frame })
     }
 
     #[inline(always)]
@@ -134,6 +192,18 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
             }
             Traversal::DrivingAxis => {
                 if let Some(walk) = self.frame.driving_walk_from(ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+            // the parameter of other grids does not offer what follows
+            Traversal::Accumulate | Traversal::Double if !G::COMPARES_WALKS => {}
+            Traversal::Accumulate => {
+                if let Some(walk) = self.frame.accumulating_walk_from(ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+            Traversal::Double => {
+                if let Some(walk) = DoubleWalk::from(&self.wide_frame, ray, t_start) {
                     visit(walk, &self.storage, sink);
                 }
             }
@@ -223,7 +293,9 @@ pub(super) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
     let order =
         if params.text("order") == "reverse" { ListOrder::Reverse } else { ListOrder::File };
     let max_references = params.integer("max-references");
-    Ok(Contents { frame, primitives: prims.len(), order, max_references, boxes, historical })
+    let insertion = Insertion::of(params);
+    let primitives = prims.len();
+    Ok(Contents { frame, primitives, order, max_references, boxes, historical, insertion })
 }
 
 fn too_many_references(e: TooManyReferences, limit: u64, params: &Params) -> BuildError {

@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 use crate::structures::{Shape, Structure};
 
 /// A structure over a set in motion.
-pub struct BoundInMotion<'a, S: Scalar, T>(pub Bound<'a, S, InMotion<S>, T>);
+pub struct BoundInMotion<'a, S: Scalar, T>(pub Bound<S, &'a InMotion<S>, T>);
 
 impl<S: Scalar, T: Structure<S>> Tracer<S> for BoundInMotion<'_, S, T> {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {

@@ -24,7 +24,7 @@ use scene_loading::Scene;
 pub(crate) use eye::Pinhole;
 pub(crate) use hard_shadows::{PointLights, lights, lit_normal, shadow_ray};
 pub(crate) use mirror::Scatter;
-pub use plan::{EffectPlan, RenderSettings, Samples};
+pub use plan::{EffectPlan, Gating, RenderSettings, Samples};
 pub(crate) use textures::ImageColors;
 
 /// An effect.

@@ -89,6 +89,20 @@ pub struct EffectPlan {
     /// Some material mirrors or transmits, and rays are long enough to show it.
     scatters: bool,
     lit: bool,
+    gating: Gating,
+}
+
+/// Whether effects that nothing calls for are left out. In an image they change nothing, since
+/// nothing has their extent: this is here to show what leaving them out saves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Gating {
+    /// Only what the scene calls for is simulated.
+    #[default]
+    AsCalledFor,
+    /// Every eye ray has a moment of the exposure, too.
+    Eye,
+    /// Lights are asked as discs, mirrors as rough ones, surfaces as textured and moving ones, too.
+    All,
 }
 
 impl EffectPlan {
@@ -106,7 +120,13 @@ impl EffectPlan {
             settings: *settings,
             scatters,
             lit: true,
+            gating: Gating::AsCalledFor,
         }
+    }
+
+    /// The same under another rule for effects that nothing calls for.
+    pub fn gated(self, gating: Gating) -> Self {
+        Self { gating, ..self }
     }
 
     /// The same without an effect: its rays are not sent. Soft shadows become hard, rough mirrors
@@ -185,10 +205,11 @@ impl EffectPlan {
             lights: self.lights(scene),
             scatter: self.scatter(),
         };
-        if self.calls_for(Effect::Motion) {
+        let all = self.gating == Gating::All;
+        if all || self.calls_for(Effect::Motion) {
             stages.hits.push(Box::new(MovedSurfaces::new(scene)));
         }
-        if self.calls_for(Effect::Textures) {
+        if all || self.calls_for(Effect::Textures) {
             stages.hits.push(Box::new(ImageColors::new(scene)));
         }
         stages
@@ -203,11 +224,13 @@ impl EffectPlan {
             seed: self.settings.seed,
         };
         let planted = cfg!(feature = "plant-effect-cost");
-        sampled(eye, sampling, flags.map(|effect| planted || self.calls_for(effect)))
+        let timed = |effect| effect == Effect::Motion && self.gating != Gating::AsCalledFor;
+        sampled(eye, sampling, flags.map(|e| planted || timed(e) || self.calls_for(e)))
     }
 
     fn lights(&self, scene: &Scene) -> Option<Box<dyn LightStage>> {
-        if self.calls_for(Effect::SoftShadows) {
+        let all = self.gating == Gating::All && self.lit && !scene.lights.is_empty();
+        if all || self.calls_for(Effect::SoftShadows) {
             let lights = DiscLights::new(scene, self.samples.shadow, self.settings.seed);
             return Some(Box::new(lights));
         }
@@ -219,6 +242,8 @@ impl EffectPlan {
         let lobe = Lobe { samples: self.samples.glossy, seed: self.settings.seed };
         let [gloss, glass] =
             [Effect::Gloss, Effect::Refraction].map(|effect| self.calls_for(effect));
+        let all = self.gating == Gating::All;
+        let (gloss, glass) = (all || gloss, all || glass);
         match (glass, gloss) {
             (true, true) => Some(Box::new(Scatter::<true, true>::new(lobe))),
             (true, false) => Some(Box::new(Scatter::<true, false>::new(lobe))),

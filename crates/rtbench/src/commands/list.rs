@@ -2,11 +2,14 @@
 
 use std::io::{self, Write};
 
+use accel_core::params::ParamSpec;
+use accel_core::primitives::chosen;
 use accel_core::structures::StructureInfo;
 use renderer::RayKind;
 use renderer::tracers::{TRACERS, TracerInfo};
 use serde_json::{Value, json};
 
+use crate::accuracy::axis::AXES;
 use crate::args::{Format, ListArgs, Listed};
 use crate::context::Context;
 use crate::error::Error;
@@ -18,9 +21,9 @@ use crate::error::Error;
 pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let value = match args.what {
         Listed::Structures => {
-            context.registry.iter().map(|e| structure(e.info)).collect::<Vec<_>>()
+            context.registry.iter().map(|e| structure(e.info, chosen::PARAMS)).collect::<Vec<_>>()
         }
-        Listed::Occluders => context.occluders.iter().map(|e| structure(e.info)).collect(),
+        Listed::Occluders => context.occluders.iter().map(|e| structure(e.info, &[])).collect(),
         Listed::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
         Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
         Listed::Sets => context
@@ -36,6 +39,20 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
                 json!({"name": k.name(), "summary": k.summary(), "question": question})
             })
             .collect(),
+        Listed::Axes => AXES
+            .iter()
+            .map(|axis| {
+                json!({
+                    "name": axis.name,
+                    "summary": axis.summary,
+                    "paper": axis.paper,
+                    "metric": axis.metric,
+                    "reference": axis.reference,
+                    "setting": axis.setting,
+                    "default_scenes": axis.scenes,
+                })
+            })
+            .collect(),
     };
     let out = &mut *context.out;
     match args.format {
@@ -48,6 +65,8 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             for e in context.registry {
                 write_structure(out, e.info)?;
             }
+            writeln!(out, "every structure:")?;
+            chosen::PARAMS.iter().try_for_each(|p| write_param(out, p))?;
         }
         Format::Text if args.what == Listed::Occluders => {
             for e in context.occluders {
@@ -89,8 +108,8 @@ fn write_tracer(out: &mut dyn Write, info: &TracerInfo) -> io::Result<()> {
     writeln!(out)
 }
 
-fn structure(info: &StructureInfo) -> Value {
-    let params = info.params.iter().map(|p| {
+fn structure(info: &StructureInfo, common: &[ParamSpec]) -> Value {
+    let params = info.params.iter().chain(common).map(|p| {
         json!({
             "name": p.name,
             "summary": p.summary,
@@ -113,9 +132,7 @@ fn write_structure(out: &mut dyn Write, info: &StructureInfo) -> io::Result<()> 
     writeln!(out, "{}: {}", info.name, info.summary)?;
     writeln!(out, "  paper:      {}", info.paper)?;
     writeln!(out, "  deviations: {}", info.deviations)?;
-    for p in info.params {
-        writeln!(out, "  {} = {}: {}; {}", p.name, p.default, p.summary, p.kind)?;
-    }
+    info.params.iter().try_for_each(|p| write_param(out, p))?;
     for variant in info.variants.iter().filter(|v| !v.is_empty()) {
         writeln!(out, "  variant: {variant}")?;
     }
@@ -123,6 +140,10 @@ fn write_structure(out: &mut dyn Write, info: &StructureInfo) -> io::Result<()> 
         writeln!(out, "  timed on a sample of the rays")?;
     }
     writeln!(out)
+}
+
+fn write_param(out: &mut dyn Write, p: &ParamSpec) -> io::Result<()> {
+    writeln!(out, "  {} = {}: {}; {}", p.name, p.default, p.summary, p.kind)
 }
 
 /// A name a line, with its summary or its members.

@@ -1,5 +1,6 @@
 //! The subcommands, one a file.
 
+pub mod accuracy;
 pub mod compare_tracers;
 pub mod cost;
 pub mod list;

@@ -20,7 +20,6 @@ const PASSES: usize = 7;
 pub fn seconds_a_test(prims: PrimsRef<'_, f32>, clock: &dyn Clock) -> f64 {
     match prims {
         PrimsRef::Watertight(p) => of(p, clock),
-        PrimsRef::MoellerTrumbore(p) => of(p, clock),
         PrimsRef::Mixed(p) if p.has_motion() => of(p.in_motion(), clock),
         PrimsRef::Mixed(p) => of(p, clock),
     }

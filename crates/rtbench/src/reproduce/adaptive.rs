@@ -36,7 +36,6 @@ pub(super) fn counters(
     match scene.geometry.prims() {
         PrimsRef::Mixed(prims) => count_over(scene, prims, &params),
         PrimsRef::Watertight(prims) => count_over(scene, prims, &params),
-        PrimsRef::MoellerTrumbore(prims) => count_over(scene, prims, &params),
     }
 }
 

@@ -1,9 +1,7 @@
 //! The scene of a round: triangles alone, or primitives of any kind.
 
 use accel_core::Scalar;
-use accel_core::primitives::{
-    MixedSet, MixedSetBuilder, MoellerTrumbore, PrimitiveError, TriangleSet, Watertight,
-};
+use accel_core::primitives::{MixedSet, MixedSetBuilder, PrimitiveError, TriangleSet};
 use accel_core::structures::PrimsRef;
 use glam::DVec3;
 
@@ -14,7 +12,7 @@ pub type Corners = [DVec3; 3];
 #[derive(Debug)]
 pub enum Model<S: Scalar> {
     /// Triangles with the watertight test.
-    Triangles(TriangleSet<S, Watertight>),
+    Triangles(TriangleSet<S>),
     /// Primitives of any kind.
     Mixed(MixedSet<S>),
 }
@@ -46,14 +44,6 @@ impl<S: Scalar> Model<S> {
         match self {
             Self::Triangles(set) => PrimsRef::Watertight(set),
             Self::Mixed(set) => PrimsRef::Mixed(set),
-        }
-    }
-
-    /// The same triangles under plain Moeller-Trumbore; `None` for other primitives.
-    pub fn with_moeller_trumbore(&self) -> Option<TriangleSet<S, MoellerTrumbore>> {
-        match self {
-            Self::Triangles(set) => Some(set.clone().with_test()),
-            Self::Mixed(_) => None,
         }
     }
 }

@@ -1,6 +1,5 @@
 //! What is put to the test: a structure, a part of structures, or the negative control.
 
-use accel_core::primitives::{MoellerTrumbore, TriangleSet};
 use accel_core::structures::{BuildError, Buildable, Entry, PrimsRef, find};
 use accel_core::tracer::Tracer;
 
@@ -128,9 +127,9 @@ impl<'r> Subject<'r> {
                 Ok(Some(ask(&*tracer)))
             }
             Self::Control => {
-                let leaky: Option<TriangleSet<S, MoellerTrumbore>> = model.with_moeller_trumbore();
-                let Some(set) = leaky else { return Ok(None) };
-                with_brute_force(PrimsRef::MoellerTrumbore(&set), ask).map(Some)
+                let Model::Triangles(_) = model else { return Ok(None) };
+                let leaky = [("triangle-test", CONTROL)];
+                brute_force(model.prims(), &leaky, ask).map(Some)
             }
             Self::Part(_) => Ok(None),
         }
@@ -145,8 +144,16 @@ pub fn with_brute_force<S: Buildable, R>(
     prims: PrimsRef<'_, S>,
     ask: impl FnOnce(&dyn Tracer<S>) -> R,
 ) -> Result<R, BuildError> {
+    brute_force(prims, &[], ask)
+}
+
+fn brute_force<S: Buildable, R>(
+    prims: PrimsRef<'_, S>,
+    settings: &[(&str, &str)],
+    ask: impl FnOnce(&dyn Tracer<S>) -> R,
+) -> Result<R, BuildError> {
     let entry = find("brute-force")
         .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })?;
-    let tracer = entry.build(prims, &entry.params([])?)?;
+    let tracer = entry.build(prims, &entry.params(settings.iter().copied())?)?;
     Ok(ask(&*tracer))
 }

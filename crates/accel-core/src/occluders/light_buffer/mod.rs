@@ -128,7 +128,6 @@ pub fn build<'a, S: Buildable>(
 ) -> Result<BoxedOccluder<'a, S>, BuildError> {
     match prims {
         PrimsRef::Watertight(p) => over(p, prims, lights, params),
-        PrimsRef::MoellerTrumbore(p) => over(p, prims, lights, params),
         PrimsRef::Mixed(p) if p.has_motion() => over(p.in_motion(), prims, lights, params),
         PrimsRef::Mixed(p) => over(p, prims, lights, params),
     }

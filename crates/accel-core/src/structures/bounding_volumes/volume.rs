@@ -2,6 +2,8 @@
 
 use crate::aabb::Aabb;
 use crate::bounds_rule::BoundsOf;
+use crate::box_test::BoxTest;
+use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3};
@@ -46,5 +48,47 @@ impl<S: Scalar> Volume<S> for Aabb<S> {
     #[inline(always)]
     fn entry(&self, ray: &Self::RaySetup, t_min: S, t_max: S) -> Option<S> {
         self.clip(ray.0, ray.1, t_min, t_max).map(|(t_in, _)| t_in)
+    }
+}
+
+/// How boxes are tested.
+pub(super) const BOX_TEST: ParamSpec = ParamSpec {
+    name: "box-test",
+    summary: "test of volume=box: the default has padded boxes; for comparison, on tight ones: the \
+              plain slab test, exits two ulps later, the same in f64",
+    default: "default",
+    kind: ParamKind::Choice(&["default", "plain", "padded", "f64"]),
+};
+
+/// The test for comparison that the settings ask for, if any.
+pub(super) fn box_test(params: &Params) -> Option<BoxTest> {
+    match params.text(BOX_TEST.name) {
+        "plain" => Some(BoxTest::Plain),
+        "padded" => Some(BoxTest::Padded),
+        "f64" => Some(BoxTest::Double),
+        _ => None,
+    }
+}
+
+/// A tight box, tested by a [`BoxTest`] that comes with the ray.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ComparedBox<S: Scalar>(Aabb<S>);
+
+impl<S: Scalar> Volume<S> for ComparedBox<S> {
+    type RaySetup = (BoxTest, Ray<S>);
+
+    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {
+        let tight = ids.iter().map(|&id| boxes.prims().bounds(id));
+        Self(tight.fold(Aabb::empty(), Aabb::union))
+    }
+
+    #[inline(always)]
+    fn setup(ray: &Ray<S>) -> Self::RaySetup {
+        (BoxTest::Padded, *ray)
+    }
+
+    #[inline(always)]
+    fn entry(&self, (test, ray): &Self::RaySetup, t_min: S, t_max: S) -> Option<S> {
+        test.entry(&self.0, ray, t_min, t_max)
     }
 }

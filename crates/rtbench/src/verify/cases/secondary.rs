@@ -303,7 +303,6 @@ fn from_hits<S: Buildable>(
 fn model_of<S: Buildable>(scene: &Scene) -> Result<Model<S>, PrimitiveError> {
     Ok(match Geometry::<S>::of(scene).map_err(|e| e.source)? {
         Geometry::Triangles(set) => Model::Triangles(set),
-        Geometry::MoellerTrumbore(set) => Model::Triangles(set.with_test()),
         Geometry::Mixed(set) => Model::Mixed(set),
     })
 }

@@ -1,13 +1,21 @@
 //! The command line as typed: syntax only. What it means is decided in [`crate::plan`].
 
+mod accuracy;
 mod compare_tracers;
+mod render;
+mod reproduce;
+mod verify;
+
+pub use accuracy::AccuracyArgs;
+pub use compare_tracers::CompareTracersArgs;
+pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
+pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
+pub use verify::VerifyArgs;
 
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-
-pub use compare_tracers::CompareTracersArgs;
 
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
@@ -58,6 +66,8 @@ pub enum Command {
     Scenes(ScenesArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
     Verify(VerifyArgs),
+    /// What accuracy costs in time: variants of tests, walks, offsets, samples
+    Accuracy(AccuracyArgs),
     /// Put published figures beside ours
     Reproduce(ReproduceArgs),
 }
@@ -220,6 +230,8 @@ pub enum Listed {
     Sets,
     /// Kinds of rays
     Rays,
+    /// Axes of accuracy
+    Axes,
 }
 
 /// How to print a list.
@@ -229,91 +241,6 @@ pub enum Format {
     Text,
     /// For programs
     Json,
-}
-
-/// `--shadows` for shadow rays that the structure answers.
-pub const STRUCTURE_SHADOWS: &str = "structure";
-
-/// `rtbench render`.
-#[derive(Debug, Clone, Args)]
-pub struct RenderArgs {
-    /// A scene's name or file
-    pub scene: String,
-    /// The image to write: .png, or .exr for linear floats
-    #[arg(short, long, value_name = "FILE", required_unless_present = "plan")]
-    pub output: Option<PathBuf>,
-    /// Print what the scene calls for, and the rays a pixel that each effect adds
-    #[arg(long)]
-    pub plan: bool,
-    /// The structure to trace with [default: obvhs-cwbvh, or the first]
-    #[arg(short, long, value_name = "STRUCTURE")]
-    pub structure: Option<String>,
-    /// What answers shadow rays: the structure, or an occluder like light-buffer:resolution=256
-    #[arg(long, value_name = "OCCLUDER", default_value = STRUCTURE_SHADOWS)]
-    pub shadows: String,
-    /// Width and height of the image
-    #[arg(long, value_name = "PIXELS", default_value_t = 512,
-          value_parser = clap::value_parser!(u32).range(1..=16384))]
-    pub size: u32,
-    /// How finely to sample.
-    #[command(flatten)]
-    pub sampling: SamplingArgs,
-    /// Threads [default: all]
-    #[arg(short = 'j', long, value_name = "N",
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-}
-
-/// `rtbench cost`.
-#[derive(Debug, Clone, Args)]
-pub struct CostArgs {
-    /// A scene's name or file
-    pub scene: String,
-    /// The structure to trace with [default: obvhs-cwbvh, or the first]
-    #[arg(short, long, value_name = "STRUCTURE")]
-    pub structure: Option<String>,
-    /// Width and height of the image
-    #[arg(long, value_name = "PIXELS", default_value_t = 256,
-          value_parser = clap::value_parser!(u32).range(1..=16384))]
-    pub size: u32,
-    /// How finely to sample.
-    #[command(flatten)]
-    pub sampling: SamplingArgs,
-    /// Threads that trace
-    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: u16,
-    /// Draw tests, steps and time of each pixel: tests.png, steps.png, time.png
-    #[arg(long, value_name = "DIR")]
-    pub heat_maps: Option<PathBuf>,
-}
-
-/// The factors of an image's cost beside its pixels. Those of effects that the scene does not call
-/// for change nothing.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct SamplingArgs {
-    /// Longest chain of rays; eye rays have depth 1
-    #[arg(long, value_name = "N", default_value_t = 5,
-          value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub depth: u32,
-    /// Eye rays a pixel for its area [default: what the scene says, or 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub supersamples: Option<u32>,
-    /// Shadow rays a hit, for each light with a radius [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub shadow_samples: Option<u32>,
-    /// Rays of the first rough mirror of a path [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub glossy_samples: Option<u32>,
-    /// Eye rays a pixel for the exposure [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub temporal_samples: Option<u32>,
-    /// Eye rays a pixel for the area of the lens [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub focal_samples: Option<u32>,
-    /// Seed of the sample patterns
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
 }
 
 /// `rtbench scenes`.
@@ -341,87 +268,4 @@ pub struct SceneNames {
     /// Scenes, sets or files [default: all scenes]
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
-}
-
-/// `rtbench verify`.
-#[derive(Debug, Clone, Args)]
-pub struct VerifyArgs {
-    /// Cases or groups of cases: G1,grid [default: all]
-    #[arg(long, value_name = "CASE|GROUP", value_delimiter = ',')]
-    pub cases: Vec<String>,
-    /// Structures as for `run` [default: all with all their variants, and the negative control]
-    #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
-    pub structures: Vec<String>,
-    /// Rays a case and precision; the default takes about 5 minutes of processor time
-    #[arg(long, value_name = "N", default_value_t = 5000,
-          value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
-    pub rays: u32,
-    /// Seed of scenes and rays
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// Threads [default: all]
-    #[arg(short = 'j', long, value_name = "N",
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Print what zero, infinite and NaN rays cost each structure, over normal rays
-    #[arg(long)]
-    pub timing: bool,
-    /// Repeat one trial: a line that an earlier run printed
-    #[arg(long, value_name = "LINE")]
-    pub replay: Option<String>,
-    /// Write one CSV row a case, precision and structure
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
-    /// Write everything as JSON
-    #[arg(long, value_name = "FILE")]
-    pub export_json: Option<PathBuf>,
-}
-
-/// `rtbench reproduce`.
-#[derive(Debug, Clone, Args)]
-pub struct ReproduceArgs {
-    /// The publication.
-    #[command(subcommand)]
-    pub publication: Publication,
-}
-
-/// What can be reproduced.
-#[derive(Debug, Clone, Subcommand)]
-pub enum Publication {
-    /// Havran and Sixta, Comparison of Hierarchical Grids, 1999, and Havran's octrees: all counters
-    /// (about 20 minutes on two cores; `--structures uniform,recursive` takes three)
-    Havran1999(HavranArgs),
-    /// Zachmann's lecture, 2007: build and run times as ratios, who won then and who wins now
-    Zachmann2007(ZachmannArgs),
-}
-
-/// `rtbench reproduce havran1999`.
-#[derive(Debug, Clone, Args)]
-pub struct HavranArgs {
-    /// Scenes [default: all that the publication has]
-    #[arg(long, value_name = "SCENE", value_delimiter = ',')]
-    pub scenes: Vec<String>,
-    /// Structures as the publication names them, `invariants` among them [default: all]
-    #[arg(long, value_name = "STRUCTURE", value_delimiter = ',')]
-    pub structures: Vec<String>,
-    /// Write one CSV row a figure
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
-    /// Exit with 1 when a figure differs and nobody knows why
-    #[arg(long)]
-    pub strict: bool,
-}
-
-/// `rtbench reproduce zachmann2007`.
-#[derive(Debug, Clone, Args)]
-pub struct ZachmannArgs {
-    /// Scenes [default: all seven of the lecture]
-    #[arg(long, value_name = "SCENE", value_delimiter = ',')]
-    pub scenes: Vec<String>,
-    /// How to measure; ratios are always taken to the lecture's uniform D=1.
-    #[command(flatten)]
-    pub measuring: MeasuringArgs,
-    /// Write one CSV row a scene and structure
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
 }

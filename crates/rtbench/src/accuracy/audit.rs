@@ -1,0 +1,71 @@
+//! What cannot be: faults of an experiment that would make its figures worthless.
+//!
+//! * A front with a member that another beats.
+//! * A variant that answers otherwise while it is timed than when it was judged: its time and its
+//!   error would be those of two different programs.
+//! * A reference variant of an exact oracle that is wrong.
+//! * A sampled reference that is worse than it says: the finest variant, whose own scatter is known
+//!   from several seeds, lies farther from it than both errors together explain.
+
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::pareto::{self, Place};
+use crate::accuracy::record::{SceneOutcome, Standing};
+
+/// How much farther than its scatter and the reference's own error a variant may lie from the
+/// reference. Both are estimates, which few pixels may decide.
+const TOLERATED: f64 = 3.0;
+
+/// The faults of an outcome, in words.
+pub fn faults(outcome: &SceneOutcome) -> Vec<String> {
+    let mut faults = Vec::new();
+    let places: Vec<Place> =
+        outcome.rows.iter().map(|row| Place::of(row, outcome.reference_error)).collect();
+    let standings: Vec<Standing> = outcome.rows.iter().map(|row| row.standing).collect();
+    faults.extend(pareto::fault(&places, &standings));
+    for row in outcome.rows.iter().filter(|row| row.is_reference) {
+        if let ErrorOf::Counted { wrong, trials } = row.error
+            && wrong > 0
+        {
+            faults
+                .push(format!("{} is the reference and wrong in {wrong} of {trials}", row.variant));
+        }
+    }
+    faults
+}
+
+/// A variant whose answers changed between judging and timing.
+pub fn inconsistency(variant: &str, judged: u64, timed: u64) -> Option<String> {
+    (judged != timed)
+        .then(|| format!("{variant} answers otherwise while it is timed than when judged"))
+}
+
+/// A sampled reference that is worse than stated: `error` is that of the finest variant to it,
+/// `scatter` the variant's own by its seeds, `own` the reference's.
+pub fn bad_reference(error: f64, scatter: f64, own: f64) -> Option<String> {
+    let explained = scatter.hypot(own);
+    (error > TOLERATED * explained).then(|| {
+        format!(
+            "the reference is worse than it says: the finest variant is {error:.2e} away, its \
+             scatter and the reference's error explain {explained:.2e}"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variant_that_lies_is_found_out() {
+        assert_eq!(inconsistency("fast", 7, 7), None);
+        assert!(inconsistency("fast", 7, 8).unwrap().contains("fast answers otherwise"));
+    }
+
+    #[test]
+    fn a_reference_worse_than_stated_is_found_out() {
+        assert_eq!(bad_reference(0.011, 0.01, 0.001), None);
+        assert!(bad_reference(0.04, 0.01, 0.001).is_some());
+        // planted: an honest reference that states a tenth of its error
+        assert!(bad_reference(0.03, 0.003, 0.003).is_some());
+    }
+}

@@ -1,0 +1,14 @@
+//! The axes, one a file.
+
+pub mod box_test;
+pub mod cell_insertion;
+pub mod effects;
+pub mod gating;
+pub mod light_buffer;
+pub mod mailbox;
+pub mod precision;
+pub mod ray_offset;
+pub mod sphere_test;
+pub mod triangle_aims;
+pub mod triangle_test;
+pub mod voxel_walk;

@@ -1,0 +1,201 @@
+//! Images with samples: their errors, and the reference they are held against.
+//!
+//! The reference is the mean of two images of many samples with different seeds; its own error is
+//! half the distance between the two. Errors that are not ten times that are not told from it.
+
+use accel_core::tracer::Tracer;
+use renderer::{EffectPlan, Image, RenderSettings, render_plan};
+use scene_loading::{SampleWishes, Scene};
+
+use crate::accuracy::audit;
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::Stage;
+use crate::accuracy::timing::{Said, Variant, Work, timed};
+use crate::commands::render::plan_of;
+use crate::error::Error;
+use crate::machine;
+use crate::pools::pool;
+
+/// Images of a variant with seeds of their own, over which errors are averaged.
+const SEEDS: u64 = 8;
+
+/// How an experiment samples.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan {
+    /// Pixels of the image, an axis.
+    pub size: u32,
+    /// Samples of the variants.
+    pub samples: &'static [u32],
+    /// Samples of each image of the reference.
+    pub reference: u32,
+}
+
+impl Plan {
+    /// Of a full run, or of a quick one.
+    pub fn new(quick: bool) -> Self {
+        match quick {
+            true => Self { size: 12, samples: &[1, 4, 16], reference: 512 },
+            false => Self { size: 24, samples: &[1, 4, 16, 64, 256], reference: 8192 },
+        }
+    }
+}
+
+/// A sampled effect of a scene, and who traces it.
+pub struct Sampled<'a> {
+    /// The scene, the effect put on.
+    pub scene: &'a Scene,
+    /// Who traces it.
+    pub tracer: &'a dyn Tracer<f32>,
+    /// Longest chain of rays.
+    pub max_depth: u32,
+    /// Sets the number of samples.
+    pub wish: fn(&mut SampleWishes, u32),
+    /// How to have a number of samples without this command.
+    pub option: &'static str,
+}
+
+impl Sampled<'_> {
+    fn plan(&self, size: u32, samples: u32, seed: u64) -> Result<EffectPlan, Error> {
+        let mut wishes = SampleWishes {
+            supersamples: Some(1),
+            shadow: Some(1),
+            glossy: Some(1),
+            temporal: Some(1),
+            focal: Some(1),
+        };
+        (self.wish)(&mut wishes, samples);
+        let settings = RenderSettings {
+            resolution: [size; 2],
+            max_depth: self.max_depth,
+            samples: wishes,
+            seed,
+        };
+        Ok(plan_of(self.scene, &settings)?)
+    }
+
+    fn image(&self, size: u32, samples: u32, seed: u64) -> Result<Image, Error> {
+        Ok(render_plan(self.scene, self.tracer, &self.plan(size, samples, seed)?).image)
+    }
+
+    /// All numbers of samples, judged and timed.
+    ///
+    /// # Errors
+    /// [`Error`] for more samples than fit, or threads that cannot be started.
+    pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
+        let plan = Plan::new(stage.quick);
+        // what is not timed may use the whole machine
+        let helper = pool(machine::threads())?;
+        let image = |n, seed| helper.install(|| self.image(plan.size, n, seed));
+        // seeds that no variant has
+        let far = |i: u64| stage.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
+        let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
+        let (reference, own) = (mean(&a, &b), rmse(&a, &b) / 2.0);
+        let mut faults = Vec::new();
+        let mut variants = Vec::new();
+        for &n in plan.samples {
+            let seeds = (0..SEEDS).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
+            let images = seeds.map(|seed| image(n, seed)).collect::<Result<Vec<Image>, Error>>()?;
+            let squares: f64 = images.iter().map(|i| rmse(i, &reference).powi(2)).sum();
+            let error = (squares / SEEDS as f64).sqrt();
+            if Some(&n) == plan.samples.last() {
+                faults.extend(audit::bad_reference(error, scatter(&images), own));
+            }
+            variants.push(Variant {
+                name: format!("{n} samples"),
+                setting: format!("render {}={n}", self.option),
+                known_defect: None,
+                is_reference: false,
+                error: ErrorOf::Rmse { rmse: error },
+                also: vec![("samples", f64::from(n))],
+                work: Box::new(Rendering {
+                    scene: self.scene,
+                    tracer: self.tracer,
+                    plan: self.plan(plan.size, n, stage.seed)?,
+                    image: None,
+                }),
+            });
+        }
+        let said = Said {
+            timed: format!("the image of {0} x {0} pixels, one thread", plan.size),
+            judged: format!(
+                "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
+                plan.reference
+            ),
+            reference_error: own,
+            faults,
+        };
+        Ok(timed(stage, said, variants))
+    }
+}
+
+/// An image that is made again and again, in the current rayon pool.
+pub struct Rendering<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Who traces it.
+    pub tracer: &'a dyn Tracer<f32>,
+    /// Its effects.
+    pub plan: EffectPlan,
+    /// The last one.
+    pub image: Option<Image>,
+}
+
+impl Work for Rendering<'_> {
+    fn prepare(&mut self) {
+        self.image = None;
+    }
+
+    fn run(&mut self) {
+        self.image = Some(render_plan(self.scene, self.tracer, &self.plan).image);
+    }
+
+    fn fingerprint(&self) -> u64 {
+        use std::hash::{DefaultHasher, Hash, Hasher};
+        let mut hasher = DefaultHasher::new();
+        let pixels = self.image.iter().flat_map(|image| image.pixels.as_flattened());
+        pixels.for_each(|x| x.to_bits().hash(&mut hasher));
+        hasher.finish()
+    }
+}
+
+/// The error of one of several equal images by their distances from each other alone.
+fn scatter(images: &[Image]) -> f64 {
+    let (mut squares, mut pairs) = (0.0, 0.0);
+    for (i, a) in images.iter().enumerate() {
+        for b in images.iter().skip(i + 1) {
+            squares += rmse(a, b).powi(2);
+            pairs += 1.0;
+        }
+    }
+    (squares / f64::max(pairs, 1.0) / 2.0).sqrt()
+}
+
+/// Pixel by pixel.
+fn mean(a: &Image, b: &Image) -> Image {
+    let mut mean = a.clone();
+    let all = mean.pixels.as_flattened_mut().iter_mut();
+    all.zip(b.pixels.as_flattened()).for_each(|(x, y)| *x = (*x + y) / 2.0);
+    mean
+}
+
+/// Root of the mean square of the differences, over all pixels and channels.
+pub fn rmse(a: &Image, b: &Image) -> f64 {
+    let (a, b) = (a.pixels.as_flattened(), b.pixels.as_flattened());
+    let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
+    (squares / a.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_and_means_of_images() {
+        let image = |x: f64| Image { width: 1, height: 2, pixels: vec![[x; 3]; 2] };
+        assert_eq!(rmse(&image(1.0), &image(1.5)), 0.5);
+        assert_eq!(mean(&image(1.0), &image(2.0)), image(1.5));
+        assert_eq!(scatter(&[image(1.0), image(1.0)]), 0.0);
+        assert!((scatter(&[image(1.0), image(2.0)]) - 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+}

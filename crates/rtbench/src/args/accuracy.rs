@@ -1,0 +1,31 @@
+//! `rtbench accuracy`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// `rtbench accuracy`.
+#[derive(Debug, Clone, Args)]
+pub struct AccuracyArgs {
+    /// Axes [default: all]
+    #[arg(value_name = "AXIS")]
+    pub axes: Vec<String>,
+    /// Scenes, sets or files [default: two of SPD and a modelled one, each axis its own]
+    #[arg(long = "scene", value_name = "SCENE|SET", value_delimiter = ',')]
+    pub scenes: Vec<String>,
+    /// Few rounds, rays and samples: a first look
+    #[arg(long)]
+    pub quick: bool,
+    /// Rounds: each times every variant of an axis once [default: 15, quick 5]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1000))]
+    pub rounds: Option<u32>,
+    /// Trials of an exact oracle for each variant [default: 100000, quick 10000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=100_000_000))]
+    pub trials: Option<u32>,
+    /// Seed of rays, aims, schedules and intervals
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Write accuracy.csv, accuracy.json, accuracy.md, summary.md, a plot an axis and pictures there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}

@@ -1,0 +1,90 @@
+//! `rtbench render` and `rtbench cost`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// `--shadows` for shadow rays that the structure answers.
+pub const STRUCTURE_SHADOWS: &str = "structure";
+
+/// `rtbench render`.
+#[derive(Debug, Clone, Args)]
+pub struct RenderArgs {
+    /// A scene's name or file
+    pub scene: String,
+    /// The image to write: .png, or .exr for linear floats
+    #[arg(short, long, value_name = "FILE", required_unless_present = "plan")]
+    pub output: Option<PathBuf>,
+    /// Print what the scene calls for, and the rays a pixel that each effect adds
+    #[arg(long)]
+    pub plan: bool,
+    /// The structure to trace with [default: obvhs-cwbvh, or the first]
+    #[arg(short, long, value_name = "STRUCTURE")]
+    pub structure: Option<String>,
+    /// What answers shadow rays: the structure, or an occluder like light-buffer:resolution=256
+    #[arg(long, value_name = "OCCLUDER", default_value = STRUCTURE_SHADOWS)]
+    pub shadows: String,
+    /// Width and height of the image
+    #[arg(long, value_name = "PIXELS", default_value_t = 512,
+          value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: u32,
+    /// How finely to sample.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
+    /// Threads [default: all]
+    #[arg(short = 'j', long, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// `rtbench cost`.
+#[derive(Debug, Clone, Args)]
+pub struct CostArgs {
+    /// A scene's name or file
+    pub scene: String,
+    /// The structure to trace with [default: obvhs-cwbvh, or the first]
+    #[arg(short, long, value_name = "STRUCTURE")]
+    pub structure: Option<String>,
+    /// Width and height of the image
+    #[arg(long, value_name = "PIXELS", default_value_t = 256,
+          value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: u32,
+    /// How finely to sample.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
+    /// Threads that trace
+    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Draw tests, steps and time of each pixel: tests.png, steps.png, time.png
+    #[arg(long, value_name = "DIR")]
+    pub heat_maps: Option<PathBuf>,
+}
+
+/// The factors of an image's cost beside its pixels. Those of effects that the scene does not call
+/// for change nothing.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct SamplingArgs {
+    /// Longest chain of rays; eye rays have depth 1
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub depth: u32,
+    /// Eye rays a pixel for its area [default: what the scene says, or 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub supersamples: Option<u32>,
+    /// Shadow rays a hit, for each light with a radius [default: what the scene says, or 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub shadow_samples: Option<u32>,
+    /// Rays of the first rough mirror of a path [default: what the scene says, or 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub glossy_samples: Option<u32>,
+    /// Eye rays a pixel for the exposure [default: what the scene says, or 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub temporal_samples: Option<u32>,
+    /// Eye rays a pixel for the area of the lens [default: what the scene says, or 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub focal_samples: Option<u32>,
+    /// Seed of the sample patterns
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}

@@ -1,0 +1,39 @@
+//! `rtbench verify`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// `rtbench verify`.
+#[derive(Debug, Clone, Args)]
+pub struct VerifyArgs {
+    /// Cases or groups of cases: G1,grid [default: all]
+    #[arg(long, value_name = "CASE|GROUP", value_delimiter = ',')]
+    pub cases: Vec<String>,
+    /// Structures as for `run` [default: all with all their variants, and the negative control]
+    #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Rays a case and precision; the default takes about 5 minutes of processor time
+    #[arg(long, value_name = "N", default_value_t = 5000,
+          value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    pub rays: u32,
+    /// Seed of scenes and rays
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Threads [default: all]
+    #[arg(short = 'j', long, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print what zero, infinite and NaN rays cost each structure, over normal rays
+    #[arg(long)]
+    pub timing: bool,
+    /// Repeat one trial: a line that an earlier run printed
+    #[arg(long, value_name = "LINE")]
+    pub replay: Option<String>,
+    /// Write one CSV row a case, precision and structure
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Write everything as JSON
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
+}

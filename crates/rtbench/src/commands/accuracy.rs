@@ -1,0 +1,212 @@
+//! `rtbench accuracy`: what accuracy costs in time, axis by axis.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use renderer::RaySettings;
+
+use crate::accuracy::axis::{Axis, select};
+use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
+use crate::accuracy::stage::{Prepared, Stage};
+use crate::accuracy::{csv, pictures, plot, summary, tables};
+use crate::args::{AccuracyArgs, Color};
+use crate::context::Context;
+use crate::error::{Error, FAILURE, SUCCESS};
+use crate::export::text::{write_notes, write_table};
+use crate::machine;
+use crate::pools::pool;
+use crate::scene_source::KnownScene;
+
+/// Pixels of the image whose rays are traced, an axis, in a full run and in a quick one.
+const SIZE: [u32; 2] = [96, 32];
+/// Rays of a timed pass, at most.
+const TIMED_RAYS: [usize; 2] = [20_000, 3_000];
+/// Trials of an exact oracle for each variant.
+const TRIALS: [usize; 2] = [100_000, 10_000];
+/// Rounds.
+const ROUNDS: [usize; 2] = [15, 5];
+
+/// Measures and returns the exit code.
+///
+/// # Errors
+/// [`Error`] for what ends the command early: the command line, an output. A scene that does not
+/// serve an axis is reported and costs the others nothing.
+pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
+    let axes = select(&args.axes)?;
+    let which = usize::from(args.quick);
+    let named = context.scenes.resolve(&args.scenes)?;
+    if let Some(folder) = &args.output {
+        fs::create_dir_all(folder)
+            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+    }
+    let rounds = args.rounds.map_or(ROUNDS[which], |n| n as usize);
+    let mut record = AccuracyRecord {
+        command_line: context.command_line.clone(),
+        tool: machine::tool(),
+        machine: machine::machine(),
+        compiler: machine::compiler(),
+        seed: args.seed,
+        quick: args.quick,
+        rounds,
+        took_s: 0.0,
+        axes: Vec::new(),
+    };
+    let colors = context.terminal.colors(color);
+    let (start, mut failures) = (context.clock.now(), 0);
+    let mut scenes = Scenes { size: SIZE[which], seed: args.seed, prepared: BTreeMap::new() };
+    // builds and rays use the threads of this pool: one, so that nothing is timed beside another
+    let one_thread = pool(1)?;
+    for axis in axes {
+        let own;
+        let asked = if args.scenes.is_empty() {
+            own = context
+                .scenes
+                .resolve(&axis.scenes.iter().map(|s| (*s).into()).collect::<Vec<_>>())?;
+            &own
+        } else {
+            &named
+        };
+        let mut of_axis = AxisRecord {
+            axis: axis.name.into(),
+            metric: axis.metric.into(),
+            reference: axis.reference.into(),
+            scenes: Vec::new(),
+        };
+        for known in asked {
+            let limits = Limits {
+                rounds,
+                timed_rays: TIMED_RAYS[which],
+                aims: args.trials.map_or(TRIALS[which], |n| n as usize),
+                quick: args.quick,
+                seed: args.seed,
+            };
+            let shared = Shared {
+                registry: context.registry,
+                occluders: context.occluders,
+                clock: context.clock,
+            };
+            let outcome = scenes.of(&**known, context).and_then(|prepared| {
+                one_thread.install(|| shared.on_scene(axis, known.name(), prepared, &limits))
+            });
+            match outcome {
+                Ok(outcome) => of_axis.scenes.push(outcome),
+                Err(error) => {
+                    failures += 1;
+                    let _ = writeln!(context.err, "error: {error}");
+                    continue;
+                }
+            }
+            if let Some(scene) = of_axis.scenes.last() {
+                write_table(context.out, &tables::table(&of_axis, scene), colors)?;
+                context.out.flush()?;
+            }
+        }
+        record.axes.push(of_axis);
+        record.took_s = context.clock.seconds_since(start);
+        if let Some(folder) = &args.output {
+            write_all(folder, &record)?;
+        }
+    }
+    if let Some(folder) = &args.output {
+        pictures::write_all(folder, context.registry)?;
+    }
+    write_notes(context.out, tables::GLOSSARY, colors)?;
+    let words = record.axes.iter().filter_map(|axis| {
+        Some(summary::line(axis, &summary::cost(axis, record.seed)?).replace("**", ""))
+    });
+    for line in words {
+        writeln!(context.out, "\n{line}")?;
+    }
+    writeln!(context.out, "\nThe whole took {}.", tables::took(record.took_s))?;
+    context.out.flush()?;
+    let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
+    Ok(if failures > 0 || has_faults { FAILURE } else { SUCCESS })
+}
+
+/// How much is done.
+struct Limits {
+    rounds: usize,
+    timed_rays: usize,
+    aims: usize,
+    quick: bool,
+    seed: u64,
+}
+
+/// What all axes work with.
+struct Shared<'a> {
+    registry: &'a [accel_core::structures::Entry],
+    occluders: &'a [accel_core::occluders::Entry],
+    clock: &'a dyn crate::clock::Clock,
+}
+
+impl Shared<'_> {
+    fn on_scene(
+        &self,
+        axis: &'static Axis,
+        name: &str,
+        prepared: &Prepared,
+        limits: &Limits,
+    ) -> Result<SceneOutcome, Error> {
+        let stage = Stage {
+            axis: axis.name,
+            name,
+            prepared,
+            registry: self.registry,
+            occluders: self.occluders,
+            clock: self.clock,
+            seed: limits.seed,
+            rounds: limits.rounds,
+            timed_rays: limits.timed_rays,
+            aims: limits.aims,
+            quick: limits.quick,
+        };
+        (axis.measure)(&stage)
+    }
+}
+
+/// Scenes that are loaded once.
+struct Scenes {
+    size: u32,
+    seed: u64,
+    prepared: BTreeMap<String, Prepared>,
+}
+
+impl Scenes {
+    fn of(&mut self, known: &dyn KnownScene, context: &Context<'_>) -> Result<&Prepared, Error> {
+        if !self.prepared.contains_key(known.name()) {
+            let settings = RaySettings {
+                resolution: [self.size; 2],
+                seed: self.seed,
+                ..RaySettings::default()
+            };
+            let scene = known.load()?.scene;
+            let prepared = Prepared::new(scene, context.registry, &settings)?;
+            self.prepared.insert(known.name().to_owned(), prepared);
+        }
+        self.prepared.get(known.name()).ok_or_else(|| Error::NoAnswers {
+            scene: known.name().to_owned(),
+            reasons: "it was not kept".into(),
+        })
+    }
+}
+
+/// Everything so far, so that a killed run keeps what it finished.
+fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
+    let write = |name: &str, text: String| {
+        let path = folder.join(name);
+        fs::write(&path, text).map_err(|source| Error::Write { path, source })
+    };
+    write("accuracy.csv", csv::to_string(record)?)?;
+    write("accuracy.md", tables::to_markdown(record))?;
+    let mut page = summary::to_markdown(record);
+    page.push_str(&pictures::captions());
+    write("summary.md", page)?;
+    let json = serde_json::to_string(record)
+        .map_err(|e| Error::Format { format: "JSON", message: e.to_string() })?;
+    write("accuracy.json", json)?;
+    if let Some(axis) = record.axes.last() {
+        write(&format!("{}.svg", axis.axis), plot::to_svg(axis))?;
+    }
+    Ok(())
+}
