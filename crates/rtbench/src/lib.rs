@@ -17,6 +17,7 @@ pub mod duration;
 pub mod effect_table;
 pub mod error;
 pub mod export;
+pub mod image_error;
 pub mod machine;
 pub mod measure;
 pub mod measured_row;

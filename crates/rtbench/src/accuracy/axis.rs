@@ -29,10 +29,6 @@ pub struct Axis {
 }
 
 /// Every axis: one line each.
-///
-/// The axis "cone and beam against samples" of the catalogue comes with the tracers of cones and
-/// beams: a file in [`axes`] whose variants are those tracers and numbers of supersamples, its
-/// reference that of [`crate::accuracy::sampled`], and a line here.
 pub static AXES: &[&Axis] = &[
     &axes::triangle_test::AXIS,
     &axes::box_test::AXIS,
@@ -43,6 +39,7 @@ pub static AXES: &[&Axis] = &[
     &axes::mailbox::AXIS,
     &axes::light_buffer::AXIS,
     &axes::precision::AXIS,
+    &axes::cone_and_beam::AXIS,
     &axes::effects::SOFT_SHADOWS,
     &axes::effects::GLOSS,
     &axes::effects::MOTION,

@@ -14,6 +14,7 @@ use crate::accuracy::stage::Stage;
 use crate::accuracy::timing::{Said, Variant, Work, timed};
 use crate::commands::render::plan_of;
 use crate::error::Error;
+use crate::image_error::{Converged, rmse};
 use crate::machine;
 use crate::pools::pool;
 
@@ -83,6 +84,15 @@ impl Sampled<'_> {
     /// # Errors
     /// [`Error`] for more samples than fit, or threads that cannot be started.
     pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
+        let Judged { variants, said, .. } = self.judged(stage)?;
+        Ok(timed(stage, said, variants))
+    }
+
+    /// All numbers of samples, judged, to be timed.
+    ///
+    /// # Errors
+    /// [`Error`] for more samples than fit, or threads that cannot be started.
+    pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<Judged<'s>, Error> {
         let plan = Plan::new(stage.quick);
         // what is not timed may use the whole machine
         let helper = pool(machine::threads())?;
@@ -90,16 +100,16 @@ impl Sampled<'_> {
         // seeds that no variant has
         let far = |i: u64| stage.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
         let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
-        let (reference, own) = (mean(&a, &b), rmse(&a, &b) / 2.0);
+        let reference = Converged::of(&a, &b);
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         for &n in plan.samples {
             let seeds = (0..SEEDS).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
             let images = seeds.map(|seed| image(n, seed)).collect::<Result<Vec<Image>, Error>>()?;
-            let squares: f64 = images.iter().map(|i| rmse(i, &reference).powi(2)).sum();
+            let squares: f64 = images.iter().map(|i| rmse(i, &reference.image).powi(2)).sum();
             let error = (squares / SEEDS as f64).sqrt();
             if Some(&n) == plan.samples.last() {
-                faults.extend(audit::bad_reference(error, scatter(&images), own));
+                faults.extend(audit::bad_reference(error, scatter(&images), reference.own_error));
             }
             variants.push(Variant {
                 name: format!("{n} samples"),
@@ -122,11 +132,21 @@ impl Sampled<'_> {
                 "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
                 plan.reference
             ),
-            reference_error: own,
+            reference_error: reference.own_error,
             faults,
         };
-        Ok(timed(stage, said, variants))
+        Ok(Judged { variants, said, reference })
     }
+}
+
+/// What is known of images with samples before they are timed.
+pub struct Judged<'a> {
+    /// The images.
+    pub variants: Vec<Variant<'a>>,
+    /// What is said of them.
+    pub said: Said,
+    /// What they were held against.
+    pub reference: Converged,
 }
 
 /// An image that is made again and again, in the current rayon pool.
@@ -151,12 +171,17 @@ impl Work for Rendering<'_> {
     }
 
     fn fingerprint(&self) -> u64 {
-        use std::hash::{DefaultHasher, Hash, Hasher};
-        let mut hasher = DefaultHasher::new();
-        let pixels = self.image.iter().flat_map(|image| image.pixels.as_flattened());
-        pixels.for_each(|x| x.to_bits().hash(&mut hasher));
-        hasher.finish()
+        fingerprint(self.image.as_ref())
     }
+}
+
+/// A number that changes with any bit of an image.
+pub fn fingerprint(image: Option<&Image>) -> u64 {
+    use std::hash::{DefaultHasher, Hash, Hasher};
+    let mut hasher = DefaultHasher::new();
+    let pixels = image.into_iter().flat_map(|image| image.pixels.as_flattened());
+    pixels.for_each(|x| x.to_bits().hash(&mut hasher));
+    hasher.finish()
 }
 
 /// The error of one of several equal images by their distances from each other alone.
@@ -171,30 +196,13 @@ fn scatter(images: &[Image]) -> f64 {
     (squares / f64::max(pairs, 1.0) / 2.0).sqrt()
 }
 
-/// Pixel by pixel.
-fn mean(a: &Image, b: &Image) -> Image {
-    let mut mean = a.clone();
-    let all = mean.pixels.as_flattened_mut().iter_mut();
-    all.zip(b.pixels.as_flattened()).for_each(|(x, y)| *x = (*x + y) / 2.0);
-    mean
-}
-
-/// Root of the mean square of the differences, over all pixels and channels.
-pub fn rmse(a: &Image, b: &Image) -> f64 {
-    let (a, b) = (a.pixels.as_flattened(), b.pixels.as_flattened());
-    let squares: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
-    (squares / a.len().max(1) as f64).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn distances_and_means_of_images() {
+    fn distances_of_images_from_each_other() {
         let image = |x: f64| Image { width: 1, height: 2, pixels: vec![[x; 3]; 2] };
-        assert_eq!(rmse(&image(1.0), &image(1.5)), 0.5);
-        assert_eq!(mean(&image(1.0), &image(2.0)), image(1.5));
         assert_eq!(scatter(&[image(1.0), image(1.0)]), 0.0);
         assert!((scatter(&[image(1.0), image(2.0)]) - 0.5_f64.sqrt()).abs() < 1e-12);
     }

@@ -5,6 +5,7 @@ use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, Place};
 use crate::accuracy::record::{SceneOutcome, Standing, VariantRecord};
 use crate::accuracy::stage::Stage;
+use crate::image_error::TIMES_REFERENCE;
 use crate::schedule::round_order;
 use crate::statistics::{Estimate, estimate, median};
 
@@ -48,9 +49,6 @@ pub struct Said {
     /// What an axis found that cannot be.
     pub faults: Vec<String>,
 }
-
-/// Errors that are not ten times that of the reference are not told from it.
-const TIMES_REFERENCE: f64 = 10.0;
 
 /// Seconds of a timed pass, about: shorter work is repeated within it.
 const PASS: f64 = 0.004;

@@ -25,7 +25,7 @@ use crate::pools::pool;
 use crate::rows::Row;
 use crate::suggest;
 use crate::tracer_comparison::queries::{self, Rounds, pixel_shafts};
-use crate::tracer_comparison::reference::{Reference, Sampled};
+use crate::tracer_comparison::reference::{Sampled, converged};
 use crate::tracer_comparison::report::Report;
 use crate::tracer_comparison::{KINDS, Question, compare, without};
 
@@ -84,7 +84,7 @@ pub fn run(
     let rays = row.entry.build(double.prims(), &row.params).map_err(build)?;
     let gatherer = shafts.entry.build(double.prims(), &shafts.params).map_err(build)?;
     context.say(format_args!("{}: reference of 2 x {reference_samples} samples", scene.name));
-    let reference = helpers.install(|| Reference::of(&scene, &*sampler, frame, reference_samples));
+    let reference = helpers.install(|| converged(&scene, &*sampler, frame, reference_samples));
     let question = Question {
         scene: &scene,
         sampler: &*sampler,
@@ -111,6 +111,7 @@ pub fn run(
         seed: frame.seed,
         command_line: context.command_line.clone(),
         reference,
+        reference_samples,
         rows,
         queries,
     };

@@ -6,7 +6,6 @@
 //! the fastest structure, as their users would; cones and beams in f64, where areas need it.
 
 pub mod equal_error;
-pub mod image_error;
 pub mod queries;
 pub mod reference;
 pub mod report;
@@ -19,27 +18,59 @@ use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, con
 use renderer::{Image, render_plan};
 use scene_loading::{Scene, Shape};
 
+use crate::accuracy::pareto::{Place, standings};
+use crate::accuracy::record::Standing;
+use crate::accuracy::timing::ratios;
 use crate::clock::Clock;
+use crate::image_error::{Converged, edge_rmse, edges, rmse};
 use crate::schedule::round_order;
+use crate::statistics::{Estimate, estimate};
 use equal_error::{AtError, SampledImage, at_error};
-use image_error::{edge_rmse, edges, rmse};
-use reference::{Reference, Sampled};
+use reference::Sampled;
 
 /// A way to draw with cones or beams.
-type Draw = fn(&Scene, Frame, Structures<'_>) -> Result<Drawn, Refusal>;
+pub struct Way {
+    /// The tracer.
+    pub info: &'static TracerInfo,
+    /// Its settings where they are not the default ones.
+    pub settings: &'static str,
+    /// The tracer with these settings.
+    pub draw: fn(&Scene, Frame, Structures<'_>) -> Result<Drawn, Refusal>,
+}
 
-/// The ways without samples, in the order of the table: one line each.
-static WAYS: &[(&TracerInfo, &str, Draw)] = &[
-    (&cone::INFO, "", |scene, frame, over| {
-        cone::draw(scene, frame, &cone::Settings::default(), over)
-    }),
-    (&cone::INFO, "subdivisions=0", |scene, frame, over| {
-        cone::draw(scene, frame, &cone::Settings { subdivisions: 0, ..Default::default() }, over)
-    }),
-    (&beam::INFO, "", |scene, frame, over| {
-        beam::draw(scene, frame, &beam::Settings::default(), over)
-    }),
+impl Way {
+    /// Tracer and settings.
+    pub fn label(&self) -> String {
+        format!("{} {}", self.info.name, self.settings).trim_end().to_owned()
+    }
+}
+
+/// The ways without samples, in the order of the table: one entry each.
+static WAYS: &[Way] = &[
+    Way {
+        info: &cone::INFO,
+        settings: "",
+        draw: |scene, frame, over| cone::draw(scene, frame, &cone::Settings::default(), over),
+    },
+    Way {
+        info: &cone::INFO,
+        settings: "subdivisions=0",
+        draw: |scene, frame, over| {
+            let plain = cone::Settings { subdivisions: 0, ..Default::default() };
+            cone::draw(scene, frame, &plain, over)
+        },
+    },
+    Way {
+        info: &beam::INFO,
+        settings: "",
+        draw: |scene, frame, over| beam::draw(scene, frame, &beam::Settings::default(), over),
+    },
 ];
+
+/// The ways of the tracers that are asked for.
+pub fn ways(is_asked: impl Fn(&TracerInfo) -> bool) -> impl Iterator<Item = &'static Way> {
+    WAYS.iter().filter(move |way| is_asked(way.info))
+}
 
 /// What a comparison is made with.
 pub struct Question<'a> {
@@ -93,8 +124,10 @@ pub struct Measured {
     pub edge_error: Option<f64>,
     /// The error is not ten times that of the reference.
     pub is_below_reference: bool,
-    /// No other row is faster and has a smaller error.
-    pub is_on_front: bool,
+    /// Time over that of the cheapest row, round by round.
+    pub ratio: Option<Estimate>,
+    /// Whether another row is faster and has a smaller error.
+    pub standing: Standing,
     /// What was counted.
     pub counts: BTreeMap<&'static str, u64>,
     /// The image.
@@ -112,7 +145,7 @@ impl Measured {
 
 /// Draws with every tracer that is asked for, `rounds` times in seeded random order, in the
 /// current rayon pool. Times are those of the image alone: structures are built before.
-pub fn compare(question: &Question<'_>, reference: &Reference, clock: &dyn Clock) -> Vec<Row> {
+pub fn compare(question: &Question<'_>, reference: &Converged, clock: &dyn Clock) -> Vec<Row> {
     let mut rows = Vec::new();
     let mut makers: Vec<Box<dyn Fn() -> Result<Made, Refusal> + '_>> = Vec::new();
     let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
@@ -125,9 +158,9 @@ pub fn compare(question: &Question<'_>, reference: &Reference, clock: &dyn Clock
         }
     }
     let size = Frame { resolution: frame.resolution, max_depth: frame.max_depth };
-    for (info, settings, draw) in WAYS.iter().filter(|(info, ..)| is_asked(info)) {
-        rows.push((info.name, settings, None));
-        makers.push(Box::new(move || draw(scene, size, question.structures).map(Made::from)));
+    for way in ways(is_asked) {
+        rows.push((way.info.name, way.settings, None));
+        makers.push(Box::new(move || (way.draw)(scene, size, question.structures).map(Made::from)));
     }
     let mut made: Vec<Option<Result<Made, Refusal>>> = rows.iter().map(|_| None).collect();
     let mut seconds = vec![Vec::new(); rows.len()];
@@ -146,13 +179,14 @@ pub fn compare(question: &Question<'_>, reference: &Reference, clock: &dyn Clock
     let finished = rows.into_iter().zip(made).zip(seconds).filter_map(|((row, made), seconds)| {
         let (tracer, settings, samples) = row;
         let outcome = made?.map(|made| {
-            let error = rmse(&made.image, &reference.image).unwrap_or(f64::NAN);
+            let error = rmse(&made.image, &reference.image);
             Measured {
                 seconds,
                 error,
                 edge_error: edge_rmse(&made.image, &reference.image, &edges),
                 is_below_reference: reference.hides(error),
-                is_on_front: false,
+                ratio: None,
+                standing: Standing::Dominated,
                 counts: made.counts,
                 image: made.image,
                 by_samples: None,
@@ -161,7 +195,7 @@ pub fn compare(question: &Question<'_>, reference: &Reference, clock: &dyn Clock
         Some(Row { tracer, settings: settings.to_owned(), samples, outcome })
     });
     let mut rows: Vec<Row> = finished.collect();
-    judge(&mut rows);
+    judge(&mut rows, reference, frame.seed);
     rows
 }
 
@@ -190,9 +224,29 @@ impl From<Drawn> for Made {
 }
 
 /// Finds the Pareto front, and what samples take for the errors of the others.
-fn judge(rows: &mut [Row]) {
-    let points: Vec<Option<(f64, f64)>> =
-        rows.iter().map(|r| r.outcome.as_ref().ok().map(|m| (m.median(), m.error))).collect();
+fn judge(rows: &mut [Row], reference: &Converged, seed: u64) {
+    let measured = |row: &Row| row.outcome.as_ref().ok().cloned();
+    let cheapest = rows
+        .iter()
+        .filter_map(measured)
+        .min_by(|a, b| a.median().total_cmp(&b.median()))
+        .map(|m| m.seconds)
+        .unwrap_or_default();
+    let (mut places, mut placed) = (Vec::new(), Vec::new());
+    for (i, row) in rows.iter_mut().enumerate() {
+        let Ok(m) = &mut row.outcome else { continue };
+        m.ratio = estimate(&ratios(&m.seconds, &cheapest), seed);
+        let Some(time) = m.ratio else { continue };
+        // errors below the reference's are not told from it
+        let error = if m.is_below_reference { reference.own_error } else { m.error };
+        places.push(Place { time, error });
+        placed.push(i);
+    }
+    for (standing, i) in standings(&places).into_iter().zip(placed) {
+        if let Ok(m) = &mut rows[i].outcome {
+            m.standing = standing;
+        }
+    }
     let series: Vec<SampledImage> = rows
         .iter()
         .filter_map(|row| {
@@ -200,14 +254,9 @@ fn judge(rows: &mut [Row]) {
             Some(SampledImage { samples, error: m.error, seconds: m.median() })
         })
         .collect();
-    for (i, row) in rows.iter_mut().enumerate() {
-        let Ok(measured) = &mut row.outcome else { continue };
-        let (time, error) = (measured.median(), measured.error);
-        let beats = |&(t, e): &(f64, f64)| t <= time && e <= error && (t < time || e < error);
-        let others = points.iter().enumerate().filter(|(j, _)| *j != i);
-        measured.is_on_front = !others.filter_map(|(_, p)| p.as_ref()).any(beats);
-        if row.samples.is_none() {
-            measured.by_samples = at_error(&series, error);
+    for row in rows.iter_mut().filter(|row| row.samples.is_none()) {
+        if let Ok(m) = &mut row.outcome {
+            m.by_samples = at_error(&series, m.error);
         }
     }
 }
@@ -252,7 +301,8 @@ mod tests {
             error,
             edge_error: None,
             is_below_reference: false,
-            is_on_front: false,
+            ratio: None,
+            standing: Standing::Dominated,
             counts: BTreeMap::new(),
             image: Image { width: 0, height: 0, pixels: Vec::new() },
             by_samples: None,
@@ -271,9 +321,12 @@ mod tests {
             // better than 16 samples for less
             row(None, 8.0, 0.05),
         ];
-        judge(&mut rows);
-        let front: Vec<bool> =
-            rows.iter().map(|r| r.outcome.as_ref().unwrap().is_on_front).collect();
+        let blank = Image { width: 0, height: 0, pixels: Vec::new() };
+        judge(&mut rows, &Converged::of(&blank, &blank), 1);
+        let front: Vec<bool> = rows
+            .iter()
+            .map(|r| r.outcome.as_ref().unwrap().standing == Standing::OnFront)
+            .collect();
         assert_eq!(front, [true, true, false, false, true]);
         let by_samples = |i: usize| rows[i].outcome.as_ref().unwrap().by_samples;
         assert!(matches!(by_samples(3), Some(AtError::Reached { seconds, .. }) if seconds < 4.0));

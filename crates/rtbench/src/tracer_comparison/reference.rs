@@ -4,39 +4,19 @@ use accel_core::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 
-use super::image_error::rmse;
+use crate::image_error::Converged;
 
-/// A row's error must be this many times that of the reference to be told from it.
-const MARGIN: f64 = 10.0;
-
-/// A converged image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Reference {
-    /// The mean of two images of unlike seeds.
-    pub image: Image,
-    /// Its own error: half the root mean square difference of the two.
-    pub own_error: f64,
-    /// Samples a pixel, of each of the two.
-    pub samples: u32,
-}
-
-impl Reference {
-    /// Two images of `samples` a pixel, in the current rayon pool. The seeds are none that a
-    /// measured image has.
-    pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, frame: Sampled, samples: u32) -> Self {
-        let image = |seed| frame.image(scene, tracer, samples, seed);
-        let first = image(frame.seed ^ 0x5265_6665_7265_6e63);
-        let second = image(frame.seed ^ 0x6552_6665_7265_6e63);
-        let own_error = rmse(&first, &second).unwrap_or(f64::NAN) / 2.0;
-        let mean = |(a, b): (&[f64; 3], &[f64; 3])| std::array::from_fn(|k| (a[k] + b[k]) / 2.0);
-        let pixels = first.pixels.iter().zip(&second.pixels).map(mean).collect();
-        Self { image: Image { pixels, ..first }, own_error, samples }
-    }
-
-    /// Whether an error is so small that much of it may be that of the reference itself.
-    pub fn hides(&self, error: f64) -> bool {
-        self.own_error * MARGIN > error
-    }
+/// The converged image of a scene: two images of `samples` a pixel, in the current rayon pool.
+/// The seeds are none that a measured image has.
+pub fn converged(
+    scene: &Scene,
+    tracer: &dyn Tracer<f32>,
+    frame: Sampled,
+    samples: u32,
+) -> Converged {
+    let image = |seed| frame.image(scene, tracer, samples, seed);
+    let first = image(frame.seed ^ 0x5265_6665_7265_6e63);
+    Converged::of(&first, &image(frame.seed ^ 0x6552_6665_7265_6e63))
 }
 
 /// An image by samples: size, depth, and the seed of its patterns.

@@ -7,14 +7,15 @@ use serde_json::{Value, json};
 
 use super::equal_error::AtError;
 use super::queries::QueryRow;
-use super::reference::Reference;
 use super::{Measured, Row};
+use crate::accuracy::record::Standing;
 use crate::error::Error;
 use crate::export::csv::{number, written};
 use crate::export::markdown::push_table;
 use crate::export::numbers::{milliseconds, ratio, short};
 use crate::export::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 use crate::export::table::{Cell, Style, Table};
+use crate::image_error::Converged;
 use crate::statistics::{Estimate, estimate};
 
 /// Columns of the CSV, in order.
@@ -55,7 +56,9 @@ pub struct Report {
     /// The command line.
     pub command_line: Vec<String>,
     /// What images were compared with.
-    pub reference: Reference,
+    pub reference: Converged,
+    /// Samples a pixel of each of its two images.
+    pub reference_samples: u32,
     /// The images.
     pub rows: Vec<Row>,
     /// The candidate queries; empty where no tracer that makes them took part.
@@ -72,13 +75,9 @@ impl Report {
         self.rows.iter().filter_map(|row| Some((row, row.outcome.as_ref().ok()?)))
     }
 
-    /// Seconds of an image with their interval, and the ratio to the cheapest row's by rounds.
-    fn times(&self, m: &Measured) -> Option<(Estimate, Estimate)> {
-        let cheapest =
-            self.measured().map(|(_, m)| m).min_by(|a, b| a.median().total_cmp(&b.median()))?;
-        let pairs = m.seconds.iter().zip(&cheapest.seconds);
-        let ratios: Vec<f64> = pairs.map(|(a, b)| a / b.max(f64::MIN_POSITIVE)).collect();
-        Some((estimate(&m.seconds, self.seed)?, estimate(&ratios, self.seed)?))
+    /// Seconds of an image with their interval.
+    fn seconds(&self, m: &Measured) -> Option<Estimate> {
+        estimate(&m.seconds, self.seed)
     }
 
     /// Images down; time, error and what they mean across.
@@ -113,11 +112,11 @@ impl Report {
                 }
             });
         }
-        let Reference { own_error, samples, .. } = &self.reference;
+        let (own_error, samples) = (self.reference.own_error, self.reference_samples);
         table.notes.push(format!(
             "reference: the mean of two images of {samples} samples a pixel; its own error is \
              {}; errors below ten times that are marked <",
-            short(*own_error)
+            short(own_error)
         ));
         table.notes.push(format!(
             "samples in f32 through {}, cones and beams in f64 through {}; {} thread(s); \
@@ -129,20 +128,19 @@ impl Report {
     }
 
     fn image_cells(&self, row: &Row, m: &Measured) -> Vec<Cell> {
-        let times = self.times(m);
         let below = if m.is_below_reference { "<" } else { "" };
         let counted: Vec<String> = m.counts.iter().map(|(k, n)| format!("{n} {k}")).collect();
         let texts = [
             row.label(),
-            times.map_or("-".into(), |(seconds, _)| milliseconds(seconds.median)),
-            times.map_or("-".into(), |(_, r)| ratio(&r)),
+            milliseconds(m.median()),
+            m.ratio.map_or("-".into(), |r| ratio(&r)),
             format!("{below}{}", short(m.error)),
             m.edge_error.map_or("-".into(), short),
-            if m.is_on_front { "*".into() } else { String::new() },
+            front(m.standing).to_owned(),
             m.by_samples.map_or(String::new(), |at| against(m.median(), at)),
             counted.join(", "),
         ];
-        let style = if m.is_on_front { Style::Best } else { Style::Plain };
+        let style = if m.standing == Standing::OnFront { Style::Best } else { Style::Plain };
         texts.into_iter().map(|text| Cell { text, style }).collect()
     }
 
@@ -250,8 +248,7 @@ impl Report {
             vec![self.scene.clone(), row.tracer.to_owned(), row.settings.clone(), samples];
         match &row.outcome {
             Ok(m) => {
-                let (seconds, ratio) = self.times(m).unzip();
-                for e in [seconds, ratio] {
+                for e in [self.seconds(m), m.ratio] {
                     fields.extend(
                         [e.map(|e| e.median), e.map(|e| e.low), e.map(|e| e.high)].map(number),
                     );
@@ -259,7 +256,8 @@ impl Report {
                 fields.extend(
                     [Some(m.error), m.edge_error, Some(self.reference.own_error)].map(number),
                 );
-                fields.extend([m.is_below_reference, m.is_on_front].map(|b| b.to_string()));
+                let is_on_front = m.standing == Standing::OnFront;
+                fields.extend([m.is_below_reference, is_on_front].map(|b| b.to_string()));
                 let equal = match m.by_samples {
                     Some(AtError::Reached { seconds, .. }) => Some(m.median() / seconds),
                     _ => None,
@@ -290,7 +288,7 @@ impl Report {
                 let outcome = match &row.outcome {
                     Ok(m) => json!({
                         "seconds": m.seconds, "rmse": m.error, "edge_rmse": m.edge_error,
-                        "below_reference": m.is_below_reference, "on_front": m.is_on_front,
+                        "below_reference": m.is_below_reference, "standing": m.standing,
                         "counts": m.counts,
                     }),
                     Err(refusal) => json!({ "refused": refusal.to_string() }),
@@ -320,7 +318,7 @@ impl Report {
             "threads": self.threads,
             "seed": self.seed,
             "reference": {
-                "samples": self.reference.samples, "own_error": self.reference.own_error,
+                "samples": self.reference_samples, "own_error": self.reference.own_error,
             },
             "images": rows,
             "queries": queries,
@@ -332,7 +330,7 @@ impl Report {
     /// Error over time, both logarithmic.
     pub fn to_svg(&self) -> String {
         let point = |m: &Measured| {
-            let times = self.times(m)?.0;
+            let times = self.seconds(m)?;
             // error bars are those of the vertical axis, and errors have none
             Some(Point { x: times.median, y: m.error, low: m.error, high: m.error })
         };
@@ -344,7 +342,11 @@ impl Report {
                 Some(n) => n.to_string(),
                 None => row.label(),
             };
-            let ring = if m.is_on_front { Ring::Best } else { Ring::None };
+            let ring = match m.standing {
+                Standing::OnFront => Ring::Best,
+                Standing::NotToldApart => Ring::AsGood,
+                Standing::Dominated => Ring::None,
+            };
             Some(Mark { point, label, ring, is_in_series })
         });
         let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
@@ -369,6 +371,15 @@ impl Report {
                 label: "the reference's own error".to_owned(),
             }],
         }])
+    }
+}
+
+/// Whether anything beats a row: `*` where nothing does, `~` where it is not told apart.
+fn front(standing: Standing) -> &'static str {
+    match standing {
+        Standing::OnFront => "*",
+        Standing::NotToldApart => "~",
+        Standing::Dominated => "",
     }
 }
 

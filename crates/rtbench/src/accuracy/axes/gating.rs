@@ -5,10 +5,11 @@ use renderer::{EffectPlan, Gating, RenderSettings, render_plan};
 use crate::accuracy::axis::Axis;
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::sampled::{Rendering, rmse};
+use crate::accuracy::sampled::Rendering;
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::error::Error;
+use crate::image_error::rmse;
 
 /// Registry line.
 pub static AXIS: Axis = Axis {

@@ -2,6 +2,7 @@
 
 pub mod box_test;
 pub mod cell_insertion;
+pub mod cone_and_beam;
 pub mod effects;
 pub mod gating;
 pub mod light_buffer;
