@@ -109,7 +109,7 @@ pub fn mirror() -> Scene {
     };
     scene.push_polygon(green, &(0..10).map(star).collect::<Vec<_>>());
     // hidden: only a beam that starts too early meets it
-    rectangle(&mut scene, blue, dvec3(-0.5, -0.5, -3.0), DVec3::X, DVec3::Y);
+    rectangle(&mut scene, blue, dvec3(-1.8, -0.5, -3.0), DVec3::X, DVec3::Y);
     rectangle(&mut scene, blue, dvec3(-4.0, -1.9, -4.0), DVec3::X * 8.0, DVec3::Z * 13.0);
     scene
 }
