@@ -108,8 +108,9 @@ pub fn mirror() -> Scene {
         dvec3(p.x + 3.9, p.y + 0.2, 3.0)
     };
     scene.push_polygon(green, &(0..10).map(star).collect::<Vec<_>>());
-    // hidden: only a beam that starts too early meets it
-    rectangle(&mut scene, blue, dvec3(-0.5, -0.5, -3.0), DVec3::X, DVec3::Y);
+    // through the mirror: a beam that starts too early meets the part behind it
+    let spike = [dvec3(0.9, 0.6, 0.4), dvec3(0.6, 1.0, 0.5), dvec3(-1.8, -0.2, -3.5)];
+    scene.push_triangle(blue, spike);
     rectangle(&mut scene, blue, dvec3(-4.0, -1.9, -4.0), DVec3::X * 8.0, DVec3::Z * 13.0);
     scene
 }
