@@ -248,7 +248,7 @@ mod tests {
         assert!(seen.iter().map(|s| s.1).sum::<f64>() <= 1.0);
         let (share, is_certain) = union(&many);
         assert!(share <= 1.0 && !is_certain);
-        assert_eq!(union(&[band(0, 1.0, -9.0, 0.2), band(1, 1.1, 0.2, 9.0)]).1, true);
+        assert!(union(&[band(0, 1.0, -9.0, 0.2), band(1, 1.1, 0.2, 9.0)]).1);
     }
 
     #[test]

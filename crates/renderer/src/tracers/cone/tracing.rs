@@ -32,6 +32,9 @@ const UNSEEN: f64 = 1e-6;
 /// combined at the end alone.
 const COMBINED_EARLY: usize = 16;
 
+/// How far from a footprint its neighbours are looked for, in its radii.
+const BESIDE: f64 = 2.0;
+
 /// What a flat surface's neighbours in its plane may be off it by rounding, in epsilons of its
 /// largest coordinate.
 const PLANE_SLACK: f64 = 64.0 * f64::EPSILON;
@@ -373,6 +376,9 @@ impl<'a> Caster<'a> {
                 }
                 let Some(coverage) = self.forms.cover(cone, id, left) else { continue };
                 let Coverage { overlap, far, .. } = coverage;
+                if is_shadow && self.is_beside_footprint(cone, id, overlap.centroid) {
+                    continue;
+                }
                 if overlap.share >= 1.0 {
                     if is_shadow {
                         fragments = vec![Fragment { id, depth: far, coverage }];
@@ -400,6 +406,19 @@ impl<'a> Caster<'a> {
             }
         });
         fragments
+    }
+
+    /// Whether a flat surface that a shadow cone meets at once is its neighbour in a crease: it does
+    /// not come between the middle of the footprint and the light, but the footprint, which is
+    /// thought round, sticks out through it.
+    fn is_beside_footprint(&self, cone: &Cone, id: u32, place: DVec2) -> bool {
+        let is_near = |depth: f64| depth < BESIDE * cone.radius;
+        self.forms.is_flat(id)
+            && self.forms.depth(cone, id, place, None).is_some_and(is_near)
+            && self
+                .forms
+                .depth(cone, id, DVec2::ZERO, None)
+                .is_none_or(|depth| depth <= 0.0 || depth >= cone.end)
     }
 
     fn compose(&self, cone: &Cone, left: Option<&Left>, fragments: &mut [Fragment]) -> Composition {
