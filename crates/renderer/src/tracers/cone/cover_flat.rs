@@ -234,7 +234,11 @@ mod tests {
         let far = flat.cover(&cone, &corners, None).unwrap().far;
         let deepest = (0..64)
             .filter_map(|k| {
-                flat.depth(&cone, corners[0], DVec2::from_angle(f64::from(k) / 64.0 * 6.2832))
+                flat.depth(
+                    &cone,
+                    corners[0],
+                    DVec2::from_angle(f64::from(k) / 64.0 * std::f64::consts::TAU),
+                )
             })
             .fold(0.0, f64::max);
         assert!(deepest <= far && far < deepest + 0.02, "{deepest} {far}");

@@ -40,7 +40,7 @@ pub struct Coverage {
 /// A primitive, by what cones ask of it.
 enum Form {
     Ball(Ball),
-    Side(Side),
+    Side(Box<Side>),
     Flat(Flat),
 }
 
@@ -58,7 +58,7 @@ impl Forms {
         let mut corners = Vec::new();
         let form = |primitive: &scene_loading::Primitive| match primitive.shape {
             Shape::Sphere(i) => Form::Ball(Ball::new(&scene.spheres[i as usize])),
-            Shape::Cone(i) => Form::Side(Side::new(&scene.cones[i as usize])),
+            Shape::Cone(i) => Form::Side(Box::new(Side::new(&scene.cones[i as usize]))),
             Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
                 let outline = scene.outline(primitive.shape);
                 let first = corners.len();

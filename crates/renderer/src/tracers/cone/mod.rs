@@ -28,11 +28,13 @@
 
 pub mod circular_cone;
 pub mod compose;
+mod counts;
 mod cover_flat;
 mod cover_side;
 mod cover_sphere;
 pub mod coverage;
 pub mod disc_overlap;
+mod gathering;
 pub mod outline;
 mod shadows;
 mod tracing;
@@ -47,7 +49,8 @@ use super::{Drawn, Frame, Refusal, Structures, TracerInfo};
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
 use circular_cone::Cone;
-use tracing::{Caster, Counts, Scratch};
+use counts::{Counts, Scratch};
+use tracing::Caster;
 
 /// Registry line.
 pub static INFO: TracerInfo = TracerInfo {

@@ -5,14 +5,20 @@
 //! whose covered share is the shadow. Deviation: the cone begins as wide as the footprint of what
 //! is seen, so that shadows of point lights have antialiased edges, too, and ends as wide as the
 //! light. Between them it is as wide as straight lines from edge to edge: the blurs of footprint
-//! and light, which are independent, would together be at most by a factor of sqrt(2) narrower.
+//! and light, which are independent, would together be at most by a factor of sqrt(2) narrower. A
+//! neighbour in a crease of a mesh, which a round footprint sticks out through, casts no shadow on it
+//! ([`super::gathering`]).
 
 use glam::DVec3;
+use scene_loading::Rgb;
 
 use super::circular_cone::Cone;
 use super::compose::union;
+use super::counts::Scratch;
 use super::coverage::Left;
-use super::tracing::{Caster, Scratch};
+use super::tracing::{Caster, Path};
+use super::widening::Incidence;
+use crate::tracers::stages::SurfaceHit;
 
 /// Lights end a shadow cone by this part of the way before them: they may stand on a surface.
 const BEFORE_LIGHT: f64 = 1e-9;
@@ -49,5 +55,31 @@ impl Caster<'_> {
         scratch.counts.subdivided += 1;
         let quarters = cone.quarters();
         quarters.iter().map(|part| self.blocked(part, left, level + 1, scratch)).sum::<f64>() / 4.0
+    }
+
+    /// The share of a light that is hidden from a surface.
+    pub(super) fn shadow(
+        &self,
+        hit: &SurfaceHit<'_>,
+        incidence: &Incidence,
+        (light, light_radius): (DVec3, f64),
+        path: Path,
+        arriving: Rgb,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let is_little = arriving.into_iter().fold(0.0, f64::max) < self.settings.ray_below;
+        if light_radius <= 0.0 && (incidence.radius <= 0.0 || is_little) {
+            scratch.counts.shadow_rays += 1;
+            let mut blocked = [false];
+            self.over.rays.occlusions(&[self.leaving.to(&hit.point, light)], &mut blocked);
+            return if blocked[0] { 1.0 } else { 0.0 };
+        }
+        let foot = hit.point.foot;
+        let towards = (light - foot.position).normalize_or(foot.normal);
+        // the footprint seen from the light: as on the surface, and foreshortened
+        let ratio = foot.normal.dot(towards).abs() / incidence.cosine;
+        let cone = shadow_cone(foot.position, incidence.radius * ratio.sqrt(), light, light_radius);
+        let left = self.left(hit, towards);
+        self.blocked(&self.begun(cone, &left), &left, path.level, scratch)
     }
 }

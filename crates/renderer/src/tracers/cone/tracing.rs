@@ -3,18 +3,15 @@
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984. The surface model is that of
 //! [`crate::tracers::whitted`], whose functions say what light arrives.
 
-use std::ops::ControlFlow;
-
-use accel_core::region::Gathered;
 use accel_core::{Hit, Ray};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use scene_loading::{Rgb, Scene};
 
 use super::Settings;
 use super::circular_cone::Cone;
-use super::compose::{Composition, Fragment, Seen, compose};
-use super::coverage::{Coverage, Forms, Left};
-use super::shadows::shadow_cone;
+use super::compose::Seen;
+use super::counts::Scratch;
+use super::coverage::{Forms, Left};
 use super::widening::{Incidence, LEAST_COSINE};
 use crate::effects::{ImageColors, lights, lit_normal, shadow_ray};
 use crate::leaving::{Leaving, OffsetRule};
@@ -26,71 +23,25 @@ use crate::tracers::stages::{HitStage, Origin, SurfaceHit};
 const WIDE: f64 = 0.5;
 
 /// A surface that is seen in less than this share of a cone is not shaded.
-const UNSEEN: f64 = 1e-6;
-
-/// While candidates still arrive, so many are combined to see whether the cone is full; more are
-/// combined at the end alone.
-const COMBINED_EARLY: usize = 16;
+pub(super) const UNSEEN: f64 = 1e-6;
 
 /// What a flat surface's neighbours in its plane may be off it by rounding, in epsilons of its
 /// largest coordinate.
 const PLANE_SLACK: f64 = 64.0 * f64::EPSILON;
 
-/// What was traced.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
-    cones: u64,
-    pub(super) subdivided: u64,
-    pub(super) shadow_cones: u64,
-    rays: u64,
-    shadow_rays: u64,
-}
-
-impl Counts {
-    /// With their names.
-    pub fn rows(self) -> Vec<(&'static str, u64)> {
-        vec![
-            ("cones", self.cones),
-            ("shadow cones", self.shadow_cones),
-            ("cones cut into four", self.subdivided),
-            ("rays", self.rays),
-            ("shadow rays", self.shadow_rays),
-        ]
-    }
-}
-
-impl std::ops::AddAssign for Counts {
-    fn add_assign(&mut self, other: Self) {
-        self.cones += other.cones;
-        self.subdivided += other.subdivided;
-        self.shadow_cones += other.shadow_cones;
-        self.rays += other.rays;
-        self.shadow_rays += other.shadow_rays;
-    }
-}
-
-/// What a thread needs while it traces.
-#[derive(Default)]
-pub struct Scratch {
-    /// Memory of the candidate queries, and their cost.
-    pub gathered: Gathered,
-    /// What was traced.
-    pub counts: Counts,
-}
-
 /// A scene made ready for cones.
 pub struct Caster<'a> {
     scene: &'a Scene,
     surfaces: Surfaces<'a>,
-    forms: Forms,
-    leaving: Leaving,
+    pub(super) forms: Forms,
+    pub(super) leaving: Leaving,
     /// Centre, colour and radius.
     lights: Vec<(DVec3, Rgb, f64)>,
     textures: ImageColors<'a>,
-    bounds: [DVec3; 2],
+    pub(super) bounds: [DVec3; 2],
     max_depth: u32,
     pub(super) settings: Settings,
-    over: Structures<'a>,
+    pub(super) over: Structures<'a>,
 }
 
 /// A bundle on its way.
@@ -101,12 +52,13 @@ enum Bundle {
 
 /// What a bundle will contribute, and where in the tree it is.
 #[derive(Clone, Copy)]
-struct Path {
-    weight: Rgb,
+pub(super) struct Path {
+    /// What it contributes, by colour.
+    pub weight: Rgb,
     /// 1 for those from the eye.
-    depth: u32,
+    pub depth: u32,
     /// How often it was cut.
-    level: u32,
+    pub level: u32,
 }
 
 /// A surface that is seen, and the cone that sees it.
@@ -348,64 +300,6 @@ impl<'a> Caster<'a> {
         hit
     }
 
-    /// The surfaces that cover a part of a cone. What comes after the cone is full may be missing.
-    pub(super) fn gather(
-        &self,
-        cone: &Cone,
-        left: Option<&Left>,
-        is_shadow: bool,
-        scratch: &mut Scratch,
-    ) -> Vec<Fragment> {
-        let [lo, hi] = self.bounds;
-        let deepest = DVec3::select(cone.axis.cmpgt(DVec3::ZERO), hi, lo);
-        let end = cone.locate(deepest).0.min(cone.end);
-        let mut fragments: Vec<Fragment> = Vec::new();
-        if end.is_nan() || end <= cone.begin {
-            return fragments;
-        }
-        let shaft = cone.shaft(end);
-        let (mut stop, mut sum) = (f64::INFINITY, 0.0);
-        self.over.shafts.gather_in_order(&shaft, &mut scratch.gathered, &mut |ids, depth| {
-            let before = fragments.len();
-            for &id in ids {
-                if is_shadow && self.forms.is_clear(id) {
-                    continue;
-                }
-                let Some(coverage) = self.forms.cover(cone, id, left) else { continue };
-                let Coverage { overlap, far, .. } = coverage;
-                if overlap.share >= 1.0 {
-                    if is_shadow {
-                        fragments = vec![Fragment { id, depth: far, coverage }];
-                        return ControlFlow::Break(());
-                    }
-                    stop = stop.min(far);
-                }
-                sum += overlap.share;
-                let met = self.forms.depth(cone, id, overlap.centroid, left);
-                let depth = met.unwrap_or_else(|| self.forms.middle(cone, id));
-                fragments.push(Fragment { id, depth, coverage });
-            }
-            let is_new = fragments.len() > before && fragments.len() <= COMBINED_EARLY;
-            if !is_shadow && is_new && stop.is_infinite() && sum >= 1.0 - UNSEEN {
-                let found = self.compose(cone, left, &mut fragments);
-                if found.is_certain && found.left_over <= UNSEEN {
-                    let fars = found.seen.iter().map(|s| fragments[s.fragment].coverage.far);
-                    stop = fars.fold(f64::NEG_INFINITY, f64::max);
-                }
-            }
-            if cone.begin + depth > stop {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
-        fragments
-    }
-
-    fn compose(&self, cone: &Cone, left: Option<&Left>, fragments: &mut [Fragment]) -> Composition {
-        compose(fragments, &|id: u32, place: DVec2| self.forms.depth(cone, id, place, left))
-    }
-
     /// Adds the light that arrives at a surface.
     fn light(&self, sight: &Sight<'_>, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
         let Sight { hit, incidence, .. } = sight;
@@ -442,7 +336,7 @@ impl<'a> Caster<'a> {
     }
 
     /// The surface that a bundle leaves along a direction.
-    fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Left {
+    pub(super) fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Left {
         let foot = hit.point.foot;
         let inwards = direction.dot(foot.normal) < 0.0;
         // within a convex body, all of it is on the inner side of the surface
@@ -455,7 +349,7 @@ impl<'a> Caster<'a> {
     }
 
     /// The cone that leaves a flat surface begins where its edge does, before its middle.
-    fn begun(&self, mut cone: Cone, left: &Left) -> Cone {
+    pub(super) fn begun(&self, mut cone: Cone, left: &Left) -> Cone {
         if let Some((normal, _)) = left.plane.filter(|_| self.forms.is_flat(left.id)) {
             let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
             let slope = (1.0 - cosine * cosine).sqrt() / cosine;
@@ -463,32 +357,6 @@ impl<'a> Caster<'a> {
             cone.begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
         }
         cone
-    }
-
-    /// The share of a light that is hidden from a surface.
-    fn shadow(
-        &self,
-        hit: &SurfaceHit<'_>,
-        incidence: &Incidence,
-        (light, light_radius): (DVec3, f64),
-        path: Path,
-        arriving: Rgb,
-        scratch: &mut Scratch,
-    ) -> f64 {
-        let is_little = arriving.into_iter().fold(0.0, f64::max) < self.settings.ray_below;
-        if light_radius <= 0.0 && (incidence.radius <= 0.0 || is_little) {
-            scratch.counts.shadow_rays += 1;
-            let mut blocked = [false];
-            self.over.rays.occlusions(&[self.leaving.to(&hit.point, light)], &mut blocked);
-            return if blocked[0] { 1.0 } else { 0.0 };
-        }
-        let foot = hit.point.foot;
-        let towards = (light - foot.position).normalize_or(foot.normal);
-        // the footprint seen from the light: as on the surface, and foreshortened
-        let ratio = foot.normal.dot(towards).abs() / incidence.cosine;
-        let cone = shadow_cone(foot.position, incidence.radius * ratio.sqrt(), light, light_radius);
-        let left = self.left(hit, towards);
-        self.blocked(&self.begun(cone, &left), &left, path.level, scratch)
     }
 }
 
