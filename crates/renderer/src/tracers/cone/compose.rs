@@ -64,6 +64,8 @@ pub fn compose(
     let mut composition =
         Composition { seen: Vec::new(), is_certain: are_compared, left_over: 1.0 };
     let Composition { seen, is_certain, left_over } = &mut composition;
+    // where the whole one stands among those seen
+    let mut whole: Option<usize> = None;
     for (index, fragment) in fragments.iter().enumerate() {
         let Coverage { overlap, outline, doubtful, .. } = &fragment.coverage;
         if is_whole(fragment) {
@@ -76,7 +78,8 @@ pub fn compose(
                 continue;
             }
             *is_certain &= !doubtful;
-            seen.push(Seen { fragment: index, share: *left_over, centroid: rest(seen) });
+            whole = Some(seen.len());
+            seen.push(Seen { fragment: index, share: *left_over, centroid: DVec2::ZERO });
             *left_over = 0.0;
             continue;
         }
@@ -99,14 +102,13 @@ pub fn compose(
             continue;
         }
         *is_certain &= !doubtful;
-        let mut whole = None;
-        for (position, s) in seen.iter().enumerate() {
-            let before = &fragments[s.fragment];
-            if is_whole(before) {
-                whole = Some(position);
-            } else if are_compared && !before.coverage.outline.is_beside(outline) {
-                hidden += s.share;
-                *is_certain = false;
+        if are_compared {
+            for s in seen.iter() {
+                let before = &fragments[s.fragment];
+                if !is_whole(before) && !before.coverage.outline.is_beside(outline) {
+                    hidden += s.share;
+                    *is_certain = false;
+                }
             }
         }
         let wanted = overlap.share * (1.0 - f64::min(hidden, 1.0));
@@ -119,12 +121,13 @@ pub fn compose(
         seen.push(Seen { fragment: index, share, centroid: overlap.centroid });
         if let Some(at) = whole {
             seen[at].share = free - share;
-            let others: Vec<Seen> =
-                seen.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, s)| *s).collect();
-            seen[at].centroid = rest(&others);
         } else {
             *left_over = free - share;
         }
+    }
+    if let Some(at) = whole {
+        let others = seen.iter().enumerate().filter(|(k, _)| *k != at);
+        seen[at].centroid = rest(others.map(|(_, s)| *s));
     }
     seen.retain(|s| s.share > 0.0);
     composition
@@ -141,9 +144,10 @@ fn in_front_of(
 }
 
 /// The middle of what others leave of the disc.
-fn rest(others: &[Seen]) -> DVec2 {
-    let covered: f64 = others.iter().map(|s| s.share).sum();
-    let moment: DVec2 = others.iter().map(|s| s.centroid * s.share).sum();
+fn rest(others: impl Iterator<Item = Seen>) -> DVec2 {
+    let (covered, moment) = others.fold((0.0, DVec2::ZERO), |(covered, moment), s| {
+        (covered + s.share, moment + s.centroid * s.share)
+    });
     let rest = 1.0 - covered;
     if rest > LEFT_OVER { (moment / -rest).clamp_length_max(1.0) } else { DVec2::ZERO }
 }
