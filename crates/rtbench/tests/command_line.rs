@@ -2,6 +2,7 @@
 
 mod common;
 
+use accel_core::primitives::chosen;
 use std::io::{self, Write};
 use std::process::{Command, Stdio};
 
@@ -77,7 +78,8 @@ fn lists_come_from_the_registries() {
         serde_json::from_str(&run("list structures --format json").out).unwrap();
     for (entry, listed) in PLANTED.iter().zip(json.as_array().unwrap()) {
         assert_eq!(listed["name"], entry.info.name);
-        assert_eq!(listed["params"].as_array().unwrap().len(), entry.info.params.len());
+        let params = entry.info.params.len() + chosen::PARAMS.len();
+        assert_eq!(listed["params"].as_array().unwrap().len(), params);
         assert!(text.out.contains(entry.info.summary) && text.out.contains(entry.info.paper));
         for p in entry.info.params {
             assert!(text.out.contains(&format!("{} = {}", p.name, p.default)), "{}", p.name);
