@@ -250,7 +250,7 @@ fn l7_gltf_accessors_that_lie() {
     // Zeros that the file does not hold.
     let mut zeros = triangle();
     zeros["accessors"][0] = json!({
-        "componentType": 5126, "count": 60_000_000, "type": "VEC3",
+        "componentType": 5126, "count": 60_000_000, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1],
         "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5121},
                    "values": {"bufferView": 0}}
     });
