@@ -2,8 +2,8 @@
 //!
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
-//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`]. A [`sweep`] is such a run
-//! whose rows are the values of one parameter.
+//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`]. A [`sweep`] is
+//! such a run whose rows are the values of one parameter.
 
 pub mod args;
 pub mod batches;
@@ -16,10 +16,13 @@ pub mod duration;
 pub mod effect_table;
 pub mod error;
 pub mod export;
+pub mod interrupt;
+pub mod journal;
 pub mod machine;
 pub mod measure;
 pub mod measured_row;
 pub mod oracle;
+pub mod panics;
 pub mod plan;
 pub mod pools;
 pub mod progress;
@@ -38,7 +41,7 @@ pub mod sweep;
 pub mod verify;
 
 use std::ffi::OsString;
-use std::io;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use accel_core::{occluders, structures::REGISTRY};
@@ -52,6 +55,8 @@ use crate::scene_source::Installed;
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
+    panics::keep_quiet();
+    interrupt::arm();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     let mut out = io::stdout().lock();
@@ -67,7 +72,11 @@ pub fn main() -> ExitCode {
         terminal: Terminal::detect(),
         verbosity: Verbosity::Normal,
     };
-    ExitCode::from(run(&mut context, arguments))
+    let ended = panics::caught(|| run(&mut context, arguments));
+    ExitCode::from(ended.unwrap_or_else(|panicked| {
+        let _ = writeln!(io::stderr(), "error: {panicked}; this is a defect of rtbench");
+        FAILURE
+    }))
 }
 
 /// The whole program on the given arguments, program name first; returns the exit code.
@@ -75,7 +84,8 @@ pub fn run(
     context: &mut Context<'_>,
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
 ) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => return usage(context, &error),
     };
@@ -85,7 +95,7 @@ pub fn run(
         _ => Verbosity::Normal,
     };
     let ended = match &cli.command {
-        Command::Run(args) => commands::run::run(context, args, cli.color),
+        Command::Run(args) => commands::run::run(context, args, cli.color, &arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
@@ -96,7 +106,15 @@ pub fn run(
     };
     match ended {
         Ok(code) => code,
-        Err(error) if error.is_closed_pipe() => SUCCESS,
+        Err(error) if error.is_closed_pipe() && !cli.command.measures() => SUCCESS,
+        Err(error) if error.is_closed_pipe() => {
+            let _ = writeln!(
+                context.err,
+                "error: standard output was closed before the run was finished; what is finished \
+                 is in the output files"
+            );
+            FAILURE
+        }
         Err(error) => {
             let _ = writeln!(context.err, "error: {error}");
             if error.exit_code() == USAGE {

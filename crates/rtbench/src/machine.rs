@@ -25,6 +25,12 @@ pub fn compiler() -> Compiler {
     }
 }
 
+/// SHA-256 of the program's file, where it can be read.
+pub fn program_sha256() -> Option<String> {
+    let program = fs::read(std::env::current_exe().ok()?).ok()?;
+    Some(scene_loading::source_hash::sha256_of_bytes(&program))
+}
+
 /// Threads the process may use.
 pub fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
