@@ -5,12 +5,26 @@
 //! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`]. A [`sweep`] is
 //! such a run whose rows are the values of one parameter.
 
+// What a command line or a file says can make nothing panic. Modules that index lists of their own
+// making say so.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 pub mod args;
 pub mod batches;
 pub mod check;
 pub mod clock;
 pub mod commands;
 pub mod context;
+#[allow(clippy::indexing_slicing)]
 pub mod cost;
 pub mod duration;
 pub mod effect_table;
@@ -19,6 +33,7 @@ pub mod export;
 pub mod interrupt;
 pub mod journal;
 pub mod machine;
+#[allow(clippy::indexing_slicing)]
 pub mod measure;
 pub mod measured_row;
 pub mod oracle;
@@ -34,10 +49,13 @@ pub mod rows;
 pub mod scene_run;
 pub mod scene_source;
 pub mod schedule;
+#[allow(clippy::indexing_slicing)]
 pub mod statistics;
 mod suggest;
 pub mod summary;
+#[allow(clippy::indexing_slicing)]
 pub mod sweep;
+#[allow(clippy::indexing_slicing)]
 pub mod verify;
 
 use std::ffi::OsString;

@@ -136,6 +136,9 @@ impl Journal {
             }
             other => other.map_err(fail)?,
         };
+        if !file.metadata().map_err(fail)?.is_file() {
+            return Err(fail(io::Error::other("not a regular file")));
+        }
         match file.try_lock() {
             Ok(()) => Ok(Self { file, path, length: 0 }),
             Err(std::fs::TryLockError::WouldBlock) => Err(JournalError::Busy { path }),
