@@ -20,7 +20,7 @@ use accel_core::structures::{
 };
 use accel_core::{Ray, Scalar};
 use resuming::{begun, csv, journal, outputs, record, run, run_in, show};
-use rtbench::journal::lines::Line;
+use rtbench::journal::lines::{Line, read};
 use rtbench::record::{SceneRecord, Verdict};
 
 /// Arguments of the program as a process.
@@ -446,4 +446,17 @@ fn a_resumed_run_has_the_table_of_an_unbroken_one() {
 #[test]
 fn a_run_that_would_differ_is_not_resumed() {
     resuming::refusals();
+}
+
+/// The fixed inputs of the fuzz target `results`.
+#[test]
+fn fuzz_seeds_of_the_journal() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/seeds/results");
+    let mut finished = Vec::new();
+    for file in std::fs::read_dir(folder).unwrap() {
+        let bytes = std::fs::read(file.unwrap().path()).unwrap();
+        finished.extend(read(&bytes).ok().map(|found| found.finished.len()));
+    }
+    finished.sort();
+    assert_eq!(finished, [0, 0, 1, 2]);
 }

@@ -51,8 +51,8 @@ fn parser_error(path: &Path, message: String) -> LoadError {
 
 fn parse_checked(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
     let fail = |error: ::gltf::Error| parser_error(path, error.to_string());
-    let ::gltf::Gltf { document, blob } =
-        ::gltf::Gltf::from_slice_without_validation(bytes).map_err(fail)?;
+    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice_without_validation(bytes)
+        .map_err(|error| first_version(path, bytes).unwrap_or_else(|| fail(error)))?;
     let json = document.into_json();
     check_before_validation(path, &json)?;
     let document = ::gltf::Document::from_json(json).map_err(fail)?;
@@ -91,6 +91,27 @@ fn check_objects(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
         what: "the number of JSON objects".into(),
         count: count as u64,
         limit: MAX_OBJECTS as u64,
+    })
+}
+
+/// The error for a file of glTF 1.0, which has another structure: the parser would name something
+/// that its author never got wrong. None for other files.
+fn first_version(path: &Path, bytes: &[u8]) -> Option<LoadError> {
+    #[derive(serde::Deserialize)]
+    struct Document {
+        asset: Option<Asset>,
+    }
+    #[derive(serde::Deserialize)]
+    struct Asset {
+        version: Option<String>,
+    }
+    let document: Document = serde_json::from_slice(bytes).ok()?;
+    let version = document.asset.and_then(|asset| asset.version).unwrap_or_default();
+    (version.starts_with("1.") || version.is_empty()).then(|| LoadError::Gltf {
+        place: Place::file(path),
+        object: "asset".into(),
+        found: format!("version `{version}`"),
+        expected: "version 2.0".into(),
     })
 }
 
@@ -140,6 +161,14 @@ fn check_glb_header(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
         let expected = "a GLB header of 12 bytes".to_string();
         return Err(LoadError::UnexpectedEnd { place: Place::file(path), expected });
     };
+    if let Some(version @ [1, 0, 0, 0]) = rest.first_chunk::<4>() {
+        return Err(LoadError::Gltf {
+            place: Place::file(path),
+            object: "GLB header".into(),
+            found: format!("version {}", u32::from_le_bytes(*version)),
+            expected: "version 2".into(),
+        });
+    }
     let declared = u64::from(u32::from_le_bytes([a, b, c, d]));
     if declared != actual || declared < 20 {
         return Err(LoadError::GlbLength { place: Place::file(path), declared, actual });

@@ -1,7 +1,7 @@
 //! Wavefront OBJ with its materials (MTL), read by a parser of our own: `obj_scan` checks every
 //! line and keeps what matters, this file makes the scene of it once the text is gone. (The crate
-//! tobj, which was used before, has errors without lines, panics on some MTL files, and takes ten
-//! times the memory; a test still compares with it.)
+//! tobj, which was used before, has errors without lines, panics on some MTL files, and takes two and
+//! a half times the memory; a test still compares with it.)
 //!
 //! Vertices and normals are numbered anew from each change of material on, in the order of their
 //! use, so that what no face uses is not in the scene.

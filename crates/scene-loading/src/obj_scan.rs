@@ -74,6 +74,10 @@ struct Wanted {
 }
 
 pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError> {
+    if text.starts_with(b"\xff\xfe") || text.starts_with(b"\xfe\xff") {
+        let expected = "UTF-8, or any text whose first 128 characters are ASCII's";
+        return Err(LoadError::syntax(Place::line(path, 1), "UTF-16 text", expected));
+    }
     let mut scan = ObjScan::default();
     let mut names: HashMap<Vec<u8>, usize> = HashMap::new();
     let wanted = Wanted {
@@ -83,6 +87,10 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
     let mut texcoords = 0;
     let (mut start, mut line, mut told) = (0, 1, 0);
     progress::begin(text.len());
+    if text.starts_with(b"\xef\xbb\xbf") {
+        // a byte order mark is no part of the first word
+        start = 3;
+    }
     while start < text.len() {
         if start >= told {
             progress::at(start);
