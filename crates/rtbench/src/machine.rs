@@ -1,6 +1,7 @@
 //! What the results were measured on and with.
 
 use std::fs;
+use std::sync::OnceLock;
 
 use crate::record::{Compiler, Machine, Tool};
 
@@ -27,8 +28,12 @@ pub fn compiler() -> Compiler {
 
 /// SHA-256 of the program's file, where it can be read.
 pub fn program_sha256() -> Option<String> {
-    let program = fs::read(std::env::current_exe().ok()?).ok()?;
-    Some(scene_loading::source_hash::sha256_of_bytes(&program))
+    static HASH: OnceLock<Option<String>> = OnceLock::new();
+    let hash = || {
+        let program = fs::read(std::env::current_exe().ok()?).ok()?;
+        Some(scene_loading::source_hash::sha256_of_bytes(&program))
+    };
+    HASH.get_or_init(hash).clone()
 }
 
 /// Threads the process may use.

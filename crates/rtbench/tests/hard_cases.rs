@@ -300,7 +300,10 @@ fn k2_a_panic_costs_its_row_and_is_reported_once() {
         assert_eq!(verdicts, [Verdict::Ok, Verdict::Panicked, Verdict::Panicked], "{name}");
         assert!(rows[0].trace_s.is_some() && rows[1].trace_s.is_none(), "{name}");
     }
-    let notes: Vec<&str> = out.lines().filter(|line| line.contains("planted")).collect();
+    let notes: Vec<&str> = out
+        .lines()
+        .filter(|line| line.starts_with("panics-") && line.contains("planted"))
+        .collect();
     assert_eq!(notes.len(), 4, "once a scene and row: {notes:?}");
     assert!(notes[0].starts_with("panics-at-a-ray: panicked: planted in a tile"), "{notes:?}");
     assert!(notes[1].contains("planted in a build"), "{notes:?}");
