@@ -12,10 +12,10 @@ targets=("$@")
 export CARGO_BUILD_JOBS=${CARGO_BUILD_JOBS:-2}
 # The code is safe Rust: no address sanitizer, which would hide the memory that is really used.
 for target in "${targets[@]}"; do
-    mkdir -p "fuzz/corpus/$target"
+    mkdir -p "fuzz/corpus/$target" "fuzz/artifacts/$target"
     cargo +nightly fuzz build --sanitizer none "$target" >&2
     host=$(rustc -vV | sed -n 's/^host: //p')
     "fuzz/target/$host/release/$target" "fuzz/corpus/$target" "fuzz/seeds/$target" \
         -runs="$executions" -max_len=16384 -timeout=10 -rss_limit_mb=1024 -print_final_stats=1 \
-        -artifact_prefix="fuzz/artifacts-$target-" -verbosity=0 2>&1 | tail -12 | sed "s/^/$target: /"
+        -artifact_prefix="fuzz/artifacts/$target/" -verbosity=0 2>&1 | tail -12 | sed "s/^/$target: /"
 done

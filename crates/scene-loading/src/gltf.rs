@@ -103,11 +103,12 @@ fn first_version(path: &Path, bytes: &[u8]) -> Option<LoadError> {
     }
     #[derive(serde::Deserialize)]
     struct Asset {
-        version: Option<String>,
+        version: Option<serde_json::Value>,
     }
     let document: Document = serde_json::from_slice(bytes).ok()?;
     let version = document.asset.and_then(|asset| asset.version).unwrap_or_default();
-    (version.starts_with("1.") || version.is_empty()).then(|| LoadError::Gltf {
+    let version = version.as_str().map_or_else(|| version.to_string(), str::to_owned);
+    (version.starts_with('1') || version == "null").then(|| LoadError::Gltf {
         place: Place::file(path),
         object: "asset".into(),
         found: format!("version `{version}`"),
