@@ -7,7 +7,8 @@ use accel_core::structures::Entry;
 
 use crate::args::Color;
 use crate::clock::Clock;
-use crate::scene_source::SceneSource;
+use crate::progress::Progress;
+use crate::scene_source::{KnownScene, LoadError, LoadedScene, SceneSource};
 
 /// The outside world as a command sees it.
 pub struct Context<'a> {
@@ -73,6 +74,18 @@ pub enum Verbosity {
 }
 
 impl Context<'_> {
+    /// Loads a scene and shows how far that is.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn load(&self, scene: &dyn KnownScene) -> Result<LoadedScene, LoadError> {
+        let is_visible = self.terminal.stderr && self.verbosity > Verbosity::Quiet;
+        let progress = Progress::of_loading(is_visible, scene.name());
+        let loaded = scene.load();
+        progress.finish();
+        loaded
+    }
+
     /// Prints a warning. A closed standard error is nobody's loss.
     pub fn warn(&mut self, message: impl std::fmt::Display) {
         if self.verbosity > Verbosity::Quiet {

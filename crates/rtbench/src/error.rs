@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use crate::scene_source::LoadError;
 use accel_core::structures::BuildError;
 
+use crate::journal::JournalError;
+use crate::panics::Panicked;
 use crate::plan::PlanError;
 use crate::reproduce::ReproduceError;
 use renderer::{GeometryError, ImageError};
@@ -18,6 +20,8 @@ pub const FAILURE: u8 = 1;
 pub const USAGE: u8 = 2;
 /// A structure gave wrong hits.
 pub const WRONG_HITS: u8 = 4;
+/// SIGINT (Ctrl-C) ended the run; other signals as shells count them, 128 and their number.
+pub const INTERRUPTED: u8 = 130;
 
 /// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
@@ -96,6 +100,20 @@ pub enum Error {
         /// What the library said.
         message: String,
     },
+    /// The journal of a run cannot be used.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// Something panicked while a scene was measured: a defect of ours.
+    #[error("scene {scene}: {source}; this is a defect of rtbench")]
+    Panicked {
+        /// Scene.
+        scene: String,
+        /// What it said.
+        source: Panicked,
+    },
+    /// Signals cannot be had.
+    #[error("cannot watch for signals: {0}")]
+    Signals(io::Error),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),
@@ -124,7 +142,8 @@ impl Error {
         }
     }
 
-    /// The reader of our output went away, as `head` does: nothing to report.
+    /// The reader of our output went away, as `head` does: nothing to report, unless a run was
+    /// not finished.
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Output(e) if e.kind() == io::ErrorKind::BrokenPipe)
     }

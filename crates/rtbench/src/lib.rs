@@ -2,8 +2,21 @@
 //!
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
-//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`export`]. A [`sweep`] is such a run
-//! whose rows are the values of one parameter.
+//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`]. A [`sweep`] is
+//! such a run whose rows are the values of one parameter.
+
+// What a command line or a file says can make nothing panic. Modules that index lists of their own
+// making say so.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
 
 pub mod accuracy;
 pub mod args;
@@ -12,16 +25,22 @@ pub mod check;
 pub mod clock;
 pub mod commands;
 pub mod context;
+#[allow(clippy::indexing_slicing)]
 pub mod cost;
 pub mod duration;
 pub mod effect_table;
 pub mod error;
 pub mod export;
+#[allow(clippy::indexing_slicing)]
 pub mod image_error;
+pub mod interrupt;
+pub mod journal;
 pub mod machine;
+#[allow(clippy::indexing_slicing)]
 pub mod measure;
 pub mod measured_row;
 pub mod oracle;
+pub mod panics;
 pub mod plan;
 pub mod pools;
 pub mod progress;
@@ -34,15 +53,19 @@ pub mod rows;
 pub mod scene_run;
 pub mod scene_source;
 pub mod schedule;
+#[allow(clippy::indexing_slicing)]
 pub mod statistics;
 mod suggest;
 pub mod summary;
+#[allow(clippy::indexing_slicing)]
 pub mod sweep;
+#[allow(clippy::indexing_slicing)]
 pub mod tracer_comparison;
+#[allow(clippy::indexing_slicing)]
 pub mod verify;
 
 use std::ffi::OsString;
-use std::io;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use accel_core::{occluders, structures::REGISTRY};
@@ -56,6 +79,8 @@ use crate::scene_source::Installed;
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
+    panics::keep_quiet();
+    interrupt::arm();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     let mut out = io::stdout().lock();
@@ -71,7 +96,11 @@ pub fn main() -> ExitCode {
         terminal: Terminal::detect(),
         verbosity: Verbosity::Normal,
     };
-    ExitCode::from(run(&mut context, arguments))
+    let ended = panics::caught(|| run(&mut context, arguments));
+    ExitCode::from(ended.unwrap_or_else(|panicked| {
+        let _ = writeln!(io::stderr(), "error: {panicked}; this is a defect of rtbench");
+        FAILURE
+    }))
 }
 
 /// The whole program on the given arguments, program name first; returns the exit code.
@@ -79,7 +108,8 @@ pub fn run(
     context: &mut Context<'_>,
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
 ) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => return usage(context, &error),
     };
@@ -89,7 +119,7 @@ pub fn run(
         _ => Verbosity::Normal,
     };
     let ended = match &cli.command {
-        Command::Run(args) => commands::run::run(context, args, cli.color),
+        Command::Run(args) => commands::run::run(context, args, cli.color, &arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
@@ -102,7 +132,15 @@ pub fn run(
     };
     match ended {
         Ok(code) => code,
-        Err(error) if error.is_closed_pipe() => SUCCESS,
+        Err(error) if error.is_closed_pipe() && !cli.command.measures() => SUCCESS,
+        Err(error) if error.is_closed_pipe() => {
+            let _ = writeln!(
+                context.err,
+                "error: standard output was closed before the run was finished; what is finished \
+                 is in the output files"
+            );
+            FAILURE
+        }
         Err(error) => {
             let _ = writeln!(context.err, "error: {error}");
             if error.exit_code() == USAGE {

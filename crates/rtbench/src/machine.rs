@@ -1,6 +1,7 @@
 //! What the results were measured on and with.
 
 use std::fs;
+use std::sync::OnceLock;
 
 use crate::record::{Compiler, Machine, Tool};
 
@@ -23,6 +24,16 @@ pub fn compiler() -> Compiler {
         profile: option_env!("RTBENCH_PROFILE").map(Into::into),
         opt_level: option_env!("RTBENCH_OPT_LEVEL").map(Into::into),
     }
+}
+
+/// SHA-256 of the program's file, where it can be read.
+pub fn program_sha256() -> Option<String> {
+    static HASH: OnceLock<Option<String>> = OnceLock::new();
+    let hash = || {
+        let program = fs::read(std::env::current_exe().ok()?).ok()?;
+        Some(scene_loading::source_hash::sha256_of_bytes(&program))
+    };
+    HASH.get_or_init(hash).clone()
 }
 
 /// Threads the process may use.

@@ -12,6 +12,7 @@ use crate::batches::{Answers, BatchSet};
 use crate::check::{Checked, stride_for};
 use crate::clock::Clock;
 use crate::measured_row::{Built, MeasuredRow};
+use crate::panics::{Panicked, caught};
 use crate::plan::{Plan, Rounds};
 use crate::pools::Pools;
 use crate::progress::Progress;
@@ -53,6 +54,8 @@ pub struct Timed {
     pub mismatches: usize,
     /// Seconds of the whole image.
     pub render_s: Option<f64>,
+    /// It panicked in a round and was left out from there on.
+    pub panicked: Option<Panicked>,
 }
 
 /// A sample of the rays and room for the answers to them.
@@ -93,9 +96,20 @@ pub fn measure<S: Buildable + OccluderScalar>(
         for (position, &i) in order.iter().enumerate() {
             let row = rows[i];
             let Some(stride) = strides[row] else { continue };
+            if timed[row].panicked.is_some() {
+                continue;
+            }
             let visit = Visit { row: &plan.rows[row], stride, is_baseline: row == plan.baseline };
-            let Some(seen) = visit.make(scope, &mut sheets, &mut of_reference) else { continue };
+            let seen = caught(|| visit.make(scope, &mut sheets, &mut of_reference));
             let out = &mut timed[row];
+            let seen = match seen {
+                Ok(Some(seen)) => seen,
+                Ok(None) => continue,
+                Err(panicked) => {
+                    out.panicked = Some(panicked);
+                    continue;
+                }
+            };
             out.stride = stride;
             out.mismatches = out.mismatches.max(seen.mismatches);
             out.samples.push(Sample {
@@ -127,8 +141,11 @@ pub fn measure<S: Buildable + OccluderScalar>(
             let seconds = c.full_pass_s / plan.threads as f64;
             seconds <= plan.limits.render_pass
         });
-        if cheap && !plan.rows[row].is_sampled() {
-            timed[row].render_s = render_once(scope, &plan.rows[row]);
+        if cheap && !plan.rows[row].is_sampled() && timed[row].panicked.is_none() {
+            match caught(|| render_once(scope, &plan.rows[row])) {
+                Ok(seconds) => timed[row].render_s = seconds,
+                Err(panicked) => timed[row].panicked = Some(panicked),
+            }
         }
         scope.progress.step(scope.clock.now());
     }

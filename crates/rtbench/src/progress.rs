@@ -1,8 +1,16 @@
 //! The bar on standard error: what is being measured and how long it will take.
 
+use std::fmt::Write;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+
+/// The share of the file that is read, while one is.
+fn write_loaded(_: &ProgressState, to: &mut dyn Write) {
+    if let Some(share) = scene_loading::progress::share() {
+        let _ = write!(to, "{:3.0}% of ", 100.0 * share);
+    }
+}
 
 /// A bar with the time left, or nothing at all.
 #[derive(Debug)]
@@ -20,14 +28,24 @@ impl Progress {
             if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(length), target);
         if let Ok(style) = ProgressStyle::with_template(
-            "{bar:24} {percent:>3}%  {elapsed} gone, about {eta} left  {wide_msg}",
+            "{bar:24} {percent:>3}%  {elapsed} gone, about {eta} left  {loaded}{wide_msg}",
         ) {
-            bar.set_style(style);
+            bar.set_style(style.with_key("loaded", write_loaded));
         }
         if visible {
             bar.enable_steady_tick(Duration::from_millis(500));
         }
         Self { bar, budget }
+    }
+
+    /// How far a scene is loaded, for commands that load and do little else.
+    pub fn of_loading(visible: bool, scene: &str) -> Self {
+        let progress = Self::new(visible, 1, None);
+        if let Ok(style) = ProgressStyle::with_template("{elapsed}  {loaded}{wide_msg}") {
+            progress.bar.set_style(style.with_key("loaded", write_loaded));
+        }
+        progress.message(format!("{scene}: loading"));
+        progress
     }
 
     /// Nothing.

@@ -32,6 +32,17 @@ pub struct RunRecord {
     pub summary: Vec<SummaryRow>,
     /// Largest resident set of the process so far, bytes.
     pub peak_rss_bytes: Option<u64>,
+    /// The scenes asked for, finished or not; empty in records from before there was a journal.
+    #[serde(default)]
+    pub planned: Vec<String>,
+    /// Every scene had its turn; false in what a killed or interrupted run leaves.
+    #[serde(default = "from_before")]
+    pub complete: bool,
+}
+
+/// Of records from before there was a journal.
+fn from_before() -> bool {
+    true
 }
 
 /// The program.
@@ -173,6 +184,9 @@ pub enum Verdict {
     /// It refused to be built over this scene.
     #[serde(rename = "not built")]
     NotBuilt,
+    /// It panicked while it was built, checked or timed.
+    #[serde(rename = "panicked")]
+    Panicked,
 }
 
 impl Verdict {
@@ -183,6 +197,7 @@ impl Verdict {
             Self::Wrong => "wrong",
             Self::WrongAsShipped => "wrong (as shipped)",
             Self::NotBuilt => "not built",
+            Self::Panicked => "panicked",
         }
     }
 
@@ -288,7 +303,7 @@ pub struct RowRecord {
     pub verdict: Verdict,
     /// The defect it keeps on purpose.
     pub known_defect: Option<String>,
-    /// Why it was not built.
+    /// Why it was not built, or what its panic said.
     pub error: Option<String>,
     /// What was built.
     pub shape: Option<ShapeRecord>,
@@ -345,7 +360,7 @@ pub struct SummaryRow {
     pub scenes: u64,
     /// Scenes where it gave wrong answers.
     pub wrong_scenes: u64,
-    /// Scenes where it was not built.
+    /// Scenes where it was not built, or panicked.
     pub not_built_scenes: u64,
     /// Wrong answers in all scenes.
     pub mismatches: u64,

@@ -8,6 +8,7 @@ use scene_loading::Scene;
 use crate::batches::{Answers, answer};
 use crate::error::Error;
 use crate::oracle::Oracle;
+use crate::panics::caught;
 use crate::plan::{Limits, Plan};
 use crate::pools::Pools;
 use crate::random::Random;
@@ -46,14 +47,15 @@ impl<S: Buildable> Stage<'_, S> {
         let mut unconfirmed = None;
         let mut refused = Vec::new();
         for row in &plan.answers {
-            match pools.helper.install(|| self.asked(row, plan)) {
-                Err(error) => refused.push(format!("{}: {error}", row.label())),
-                Ok((mut reference, None)) => {
+            match caught(|| pools.helper.install(|| self.asked(row, plan))) {
+                Err(panicked) => refused.push(format!("{}: {panicked}", row.label())),
+                Ok(Err(error)) => refused.push(format!("{}: {error}", row.label())),
+                Ok(Ok((mut reference, None))) => {
                     reference.record.reference = Some(row.label());
                     reference.record.refused = refused;
                     return Ok(reference);
                 }
-                Ok((reference, Some(example))) => {
+                Ok(Ok((reference, Some(example)))) => {
                     refused.push(format!("{}: {example}", row.label()));
                     unconfirmed = Some(reference);
                 }

@@ -17,6 +17,7 @@ use crate::machine;
 use crate::measure::{Scope, Timed, measure};
 use crate::measured_row::MeasuredRow;
 use crate::oracle::Oracle;
+use crate::panics::{Panicked, caught};
 use crate::plan::Plan;
 use crate::pools::Pools;
 use crate::progress::Progress;
@@ -67,28 +68,28 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         clock: equipment.clock,
         progress,
     };
-    let mut checked: Vec<Result<Checked, BuildError>> = Vec::with_capacity(plan.rows.len());
+    let mut checked: Vec<Option<Checked>> = Vec::with_capacity(plan.rows.len());
+    let mut refused: Vec<Option<Refused>> = Vec::with_capacity(plan.rows.len());
     for row in &plan.rows {
         progress.message(format!("{}: checking {}", scene.name, row.label()));
-        checked.push(check(&scope, row));
+        let (known, why) = match caught(|| check(&scope, row)) {
+            Ok(Ok(known)) => (Some(known), None),
+            Ok(Err(error)) => (None, Some(Refused::Build(error))),
+            Err(panicked) => (None, Some(Refused::Panic(panicked))),
+        };
+        checked.push(known);
+        refused.push(why);
         progress.step(equipment.clock.now());
     }
-    let (checked, errors): (Vec<_>, Vec<_>) = checked
-        .into_iter()
-        .map(|c| match c {
-            Ok(checked) => (Some(checked), None),
-            Err(error) => (None, Some(error.to_string())),
-        })
-        .unzip();
     progress.message(format!("{}: timing", scene.name));
     let timed = measure(&scope, &checked, deadline);
     let mut rows: Vec<RowRecord> = plan
         .rows
         .iter()
         .zip(checked)
-        .zip(errors)
+        .zip(refused)
         .zip(timed)
-        .map(|(((row, checked), error), timed)| RowParts { row, checked, error, timed })
+        .map(|(((row, checked), refused), timed)| RowParts { row, checked, refused, timed })
         .map(|parts| parts.record(&all, plan.seed))
         .collect();
     if let Some(baseline) = rows.get_mut(plan.baseline) {
@@ -123,18 +124,34 @@ fn by_kind<S: Buildable>(
     asked.map(|b| (b.kind.name().to_owned(), b.rays.len() as u64)).collect()
 }
 
+/// Why there is nothing to show of a row.
+enum Refused {
+    Build(BuildError),
+    Panic(Panicked),
+}
+
 /// What there is to record of a row.
 struct RowParts<'a, 'r> {
     row: &'a MeasuredRow<'r>,
     checked: Option<Checked>,
-    error: Option<String>,
+    refused: Option<Refused>,
     timed: Timed,
 }
 
 impl RowParts<'_, '_> {
     fn record<S: Buildable>(self, all: &BatchSet<'_, S>, seed: u64) -> RowRecord {
-        let Self { row, checked, error, timed } = self;
-        let mut verdict = checked.as_ref().map_or(Verdict::NotBuilt, |c| c.verdict);
+        let Self { row, checked, refused, timed } = self;
+        // one that panics once is not trusted any more
+        let refused = timed.panicked.map(Refused::Panic).or(refused);
+        let mut verdict = match (&refused, &checked) {
+            (Some(Refused::Panic(_)), _) => Verdict::Panicked,
+            (_, Some(checked)) => checked.verdict,
+            (_, None) => Verdict::NotBuilt,
+        };
+        let error = refused.map(|refused| match refused {
+            Refused::Build(error) => error.to_string(),
+            Refused::Panic(panicked) => panicked.to_string(),
+        });
         // Answers are compared in every round again: a structure may be wrong only sometimes.
         let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
         mismatches = mismatches.max(timed.mismatches as u64);

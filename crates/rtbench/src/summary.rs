@@ -40,7 +40,8 @@ fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryR
     };
     let count = |v: Verdict| verdicts.iter().filter(|x| **x == v).count() as u64;
     let (wrong, shipped) = (count(Verdict::Wrong), count(Verdict::WrongAsShipped));
-    let not_built = count(Verdict::NotBuilt);
+    let panicked = count(Verdict::Panicked);
+    let not_built = count(Verdict::NotBuilt) + panicked;
     SummaryRow {
         structure: row.structure.clone(),
         settings: row.settings.clone(),
@@ -53,6 +54,7 @@ fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryR
         build_ratio: mean(&builds),
         verdict: match () {
             () if wrong > 0 => Verdict::Wrong,
+            () if panicked > 0 => Verdict::Panicked,
             () if not_built > 0 => Verdict::NotBuilt,
             () if shipped > 0 => Verdict::WrongAsShipped,
             () => Verdict::Ok,

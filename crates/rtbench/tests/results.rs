@@ -234,7 +234,7 @@ fn finished_scenes_are_written_before_the_next_begins() {
     assert_eq!(*scenes.seen.lock().unwrap(), [1, 3], "the header, then the first scene's rows");
     assert_eq!(folder.csv().len(), 4);
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().flatten().collect();
-    assert_eq!(left.len(), 3, "no temporary files: {left:?}");
+    assert_eq!(left.len(), 4, "three outputs, the journal, no temporary files: {left:?}");
 }
 
 #[test]

@@ -8,7 +8,7 @@
 //! The crate panics on some invalid files and believes lengths that it reads. So the GLB header,
 //! URIs, buffer views and accessors are checked here before it reads through them; images it never
 //! touches; and as a last belt a panic inside the crate is caught and becomes
-//! [`LoadError::Parser`] (the panic's message still goes to stderr).
+//! [`LoadError::Parser`] (the command line keeps the panic's own message from stderr).
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -37,6 +37,7 @@ pub fn load_gltf(path: &Path) -> Result<Scene, LoadError> {
 /// [`LoadError::CountTooLarge`] and [`LoadError::NoPrimitives`].
 pub fn parse_gltf(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
     check_glb_header(path, bytes)?;
+    check_objects(path, bytes)?;
     catch_unwind(AssertUnwindSafe(|| parse_checked(path, bytes))).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
@@ -50,8 +51,8 @@ fn parser_error(path: &Path, message: String) -> LoadError {
 
 fn parse_checked(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
     let fail = |error: ::gltf::Error| parser_error(path, error.to_string());
-    let ::gltf::Gltf { document, blob } =
-        ::gltf::Gltf::from_slice_without_validation(bytes).map_err(fail)?;
+    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice_without_validation(bytes)
+        .map_err(|error| first_version(path, bytes).unwrap_or_else(|| fail(error)))?;
     let json = document.into_json();
     check_before_validation(path, &json)?;
     let document = ::gltf::Document::from_json(json).map_err(fail)?;
@@ -66,6 +67,53 @@ fn parse_checked(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
     let mut walker = Walker::new(path, &document, &buffers, Scene::new(scene_name(path)));
     walker.walk(&scene)?;
     walker.finish()
+}
+
+/// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as
+/// few as three in the file.
+const MAX_OBJECTS: usize = 2 << 20;
+
+/// Bounds what the JSON can grow to, before it is parsed.
+fn check_objects(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
+    let json = match bytes.strip_prefix(b"glTF").map(|rest| rest.get(8..12)) {
+        Some(Some(&[a, b, c, d])) => {
+            let length = u32::from_le_bytes([a, b, c, d]) as usize;
+            bytes.get(20..).map(|rest| rest.get(..length).unwrap_or(rest)).unwrap_or_default()
+        }
+        _ => bytes,
+    };
+    let count = memchr::memchr_iter(b'{', json).count();
+    if count <= MAX_OBJECTS {
+        return Ok(());
+    }
+    Err(LoadError::CountTooLarge {
+        place: Place::file(path),
+        what: "the number of JSON objects".into(),
+        count: count as u64,
+        limit: MAX_OBJECTS as u64,
+    })
+}
+
+/// The error for a file of glTF 1.0, which has another structure: the parser would name something
+/// that its author never got wrong. None for other files.
+fn first_version(path: &Path, bytes: &[u8]) -> Option<LoadError> {
+    #[derive(serde::Deserialize)]
+    struct Document {
+        asset: Option<Asset>,
+    }
+    #[derive(serde::Deserialize)]
+    struct Asset {
+        version: Option<serde_json::Value>,
+    }
+    let document: Document = serde_json::from_slice(bytes).ok()?;
+    let version = document.asset.and_then(|asset| asset.version).unwrap_or_default();
+    let version = version.as_str().map_or_else(|| version.to_string(), str::to_owned);
+    (version.starts_with('1') || version == "null").then(|| LoadError::Gltf {
+        place: Place::file(path),
+        object: "asset".into(),
+        found: format!("version `{version}`"),
+        expected: "version 2.0".into(),
+    })
 }
 
 /// What the crate's own validation (1.4.1) panics on, or lets pass to a panic later.
@@ -114,6 +162,14 @@ fn check_glb_header(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
         let expected = "a GLB header of 12 bytes".to_string();
         return Err(LoadError::UnexpectedEnd { place: Place::file(path), expected });
     };
+    if let Some(version @ [1, 0, 0, 0]) = rest.first_chunk::<4>() {
+        return Err(LoadError::Gltf {
+            place: Place::file(path),
+            object: "GLB header".into(),
+            found: format!("version {}", u32::from_le_bytes(*version)),
+            expected: "version 2".into(),
+        });
+    }
     let declared = u64::from(u32::from_le_bytes([a, b, c, d]));
     if declared != actual || declared < 20 {
         return Err(LoadError::GlbLength { place: Place::file(path), declared, actual });

@@ -14,6 +14,9 @@ use crate::source_read::{MAX_BYTES, confined, read_file};
 /// The most elements that one accessor may have.
 const MAX_ELEMENTS: u64 = 64 << 20;
 
+/// The most elements of an accessor that is zero but for sparse values: the file need not hold them.
+const MAX_ZEROS: u64 = 1 << 20;
+
 /// The bytes of all buffers of a document.
 pub(crate) struct Buffers<'a> {
     path: &'a Path,
@@ -182,12 +185,13 @@ impl<'a> Buffers<'a> {
         if count == 0 {
             return Err(self.invalid(object, "count 0", "at least 1"));
         }
-        if count > MAX_ELEMENTS {
+        let limit = if accessor.view().is_some() { MAX_ELEMENTS } else { MAX_ZEROS };
+        if count > limit {
             return Err(LoadError::CountTooLarge {
                 place: Place::file(self.path),
                 what: object.to_string(),
                 count,
-                limit: MAX_ELEMENTS,
+                limit,
             });
         }
         if let Some(view) = accessor.view() {

@@ -20,10 +20,17 @@ use crate::error::{LoadError, Place};
 use crate::gltf_buffers::Buffers;
 use crate::gltf_textures::Textures;
 use crate::obj_polygon::area_vector;
+use crate::progress;
 use crate::scene::{Camera, Light, Material, Primitive, Scene, Shape, Texcoords, Warning};
 
 /// The most vertices, and the most triangles, that all instances together may have.
 const MAX_INSTANCED: u64 = 64 << 20;
+
+/// Progress is told about this often.
+const TOLD_EVERY: usize = 1 << 16;
+
+/// The most warnings of one file that are kept word by word.
+const MAX_WARNINGS: usize = 100;
 
 /// Height in pixels of images from glTF cameras, which state only a ratio of the sides.
 const HEIGHT: u32 = 512;
@@ -40,6 +47,7 @@ pub(crate) struct Walker<'a> {
     has_camera: bool,
     without_area: usize,
     points_and_lines: usize,
+    unsaid: usize,
 }
 
 impl<'a> Walker<'a> {
@@ -61,6 +69,7 @@ impl<'a> Walker<'a> {
             has_camera: false,
             without_area: 0,
             points_and_lines: 0,
+            unsaid: 0,
         }
     }
 
@@ -112,6 +121,10 @@ impl<'a> Walker<'a> {
         if self.points_and_lines > 0 {
             self.warn(format!("{} meshes of points or lines left out", self.points_and_lines));
         }
+        if self.unsaid > 0 {
+            let text = format!("{}: {} more warnings", self.path.display(), self.unsaid);
+            self.scene.warnings.push(Warning(text));
+        }
         if !self.has_camera {
             self.scene.frame_camera();
         }
@@ -119,6 +132,10 @@ impl<'a> Walker<'a> {
     }
 
     fn warn(&mut self, text: String) {
+        if self.scene.warnings.len() >= MAX_WARNINGS {
+            self.unsaid += 1;
+            return;
+        }
         self.scene.warnings.push(Warning(format!("{}: {text}", self.path.display())));
     }
 
@@ -251,7 +268,7 @@ impl<'a> Walker<'a> {
             let found = format!("{} indices", indices.len());
             return Err(self.invalid(object(), found, "a multiple of 3"));
         }
-        self.check_room(positions.len(), indices.len())?;
+        self.check_room(positions.len(), triangles(primitive.mode(), &indices).len())?;
         let material = match primitive.material().index() {
             // The crate's validation keeps the index within the table.
             Some(index) => index as u32,
@@ -263,8 +280,13 @@ impl<'a> Walker<'a> {
             return Err(self.not_finite(format!("{}: a transformed position", object())));
         }
         let (first, first_n) = first.unwrap_or_default();
-        let mirrored = DMat3::from_mat4(world).determinant() < 0.0;
-        for [a, b, c] in triangles(primitive.mode(), &indices) {
+        let all = triangles(primitive.mode(), &indices);
+        let (count, mirrored) = (all.len(), DMat3::from_mat4(world).determinant() < 0.0);
+        progress::begin(count);
+        for (i, [a, b, c]) in all.enumerate() {
+            if i % TOLD_EVERY == 0 {
+                progress::at(i);
+            }
             let corners = if mirrored { [a, c, b] } else { [a, b, c] };
             let v = corners.map(|i| first + i);
             let n = (!normals.is_empty()).then(|| corners.map(|i| first_n + i));
@@ -275,6 +297,7 @@ impl<'a> Walker<'a> {
             };
             self.triangle(material, v, n, uv);
         }
+        progress::end();
         Ok(())
     }
 
@@ -301,10 +324,9 @@ impl<'a> Walker<'a> {
         Ok(Some(texcoords))
     }
 
-    fn check_room(&self, vertices: usize, indices: usize) -> Result<(), LoadError> {
+    fn check_room(&self, vertices: usize, triangles: usize) -> Result<(), LoadError> {
         let vertices = (self.scene.vertices.len() + vertices) as u64;
-        // A strip of n indices has n - 2 triangles.
-        let triangles = (self.scene.primitives.len() + indices) as u64;
+        let triangles = (self.scene.primitives.len() + triangles) as u64;
         let count = vertices.max(triangles);
         if count <= MAX_INSTANCED {
             return Ok(());
@@ -382,20 +404,17 @@ impl<'a> Walker<'a> {
 }
 
 /// The triangles of a list, strip or fan, each wound as the format asks.
-fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+fn triangles(mode: Mode, indices: &[u32]) -> impl ExactSizeIterator<Item = [u32; 3]> {
     let corner = |i: usize| indices.get(i).copied().unwrap_or(0);
-    let beyond_two = 0..indices.len().saturating_sub(2);
-    match mode {
-        Mode::TriangleStrip => {
-            beyond_two.map(|i| [corner(i), corner(i + 1 + i % 2), corner(i + 2 - i % 2)]).collect()
-        }
-        Mode::TriangleFan => {
-            beyond_two.map(|i| [corner(i + 1), corner(i + 2), corner(0)]).collect()
-        }
-        _ => (0..indices.len() / 3)
-            .map(|i| [corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)])
-            .collect(),
-    }
+    let count = match mode {
+        Mode::TriangleStrip | Mode::TriangleFan => indices.len().saturating_sub(2),
+        _ => indices.len() / 3,
+    };
+    (0..count).map(move |i| match mode {
+        Mode::TriangleStrip => [corner(i), corner(i + 1 + i % 2), corner(i + 2 - i % 2)],
+        Mode::TriangleFan => [corner(i + 1), corner(i + 2), corner(0)],
+        _ => [corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)],
+    })
 }
 
 fn convert(material: &::gltf::Material<'_>) -> Material {

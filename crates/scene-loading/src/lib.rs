@@ -1,6 +1,19 @@
 //! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF and JSON scene files, and
 //! the Standard Procedural Databases generated in code.
 
+// What a file says can make nothing panic. Generators and the tessellator index lists of their
+// own making.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unreachable
+    )
+)]
+
 pub mod error;
 pub mod fetch;
 pub mod gltf;
@@ -16,7 +29,9 @@ mod obj_material;
 mod obj_polygon;
 mod obj_scan;
 mod obj_textures;
+#[allow(clippy::indexing_slicing, clippy::expect_used)]
 pub mod procedural;
+pub mod progress;
 pub mod scene;
 pub mod scene_file;
 mod scene_file_numbers;
@@ -26,8 +41,10 @@ pub mod source;
 mod source_embedded;
 pub mod source_formats;
 pub mod source_hash;
+pub mod source_names;
 mod source_procedural;
 pub mod source_read;
+#[allow(clippy::indexing_slicing)]
 pub mod tessellate;
 pub mod texture;
 mod texture_read;

@@ -40,6 +40,8 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
         words: Words::new(path, text),
         scene: Scene::new(scene_name(path)),
         material: None,
+        fanned: 0,
+        first_fanned: None,
     };
     let mut has_view = false;
     while let Some(word) = reader.words.next() {
@@ -62,6 +64,14 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
         }
     }
     let mut scene = reader.scene;
+    if let Some((line, count)) = reader.first_fanned {
+        let place = Place::line(path, line);
+        let text = match reader.fanned {
+            1 => format!("{place}: a patch of {count} vertices was fanned into triangles"),
+            n => format!("{place}: {n} patches of more than 3 vertices were fanned into triangles"),
+        };
+        scene.warnings.push(Warning(text));
+    }
     if scene.primitives.is_empty() {
         let expected = "sphere, cone, polygon or patch (s, c, p, pp)";
         return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
@@ -78,6 +88,9 @@ struct Reader<'a> {
     words: Words<'a>,
     scene: Scene,
     material: Option<u32>,
+    /// Patches of more than three vertices, and line and vertices of the first.
+    fanned: usize,
+    first_fanned: Option<(usize, u64)>,
 }
 
 impl Reader<'_> {
@@ -243,9 +256,8 @@ impl Reader<'_> {
             }
         }
         if count > 3 {
-            let place = self.words.place(start.line);
-            let text = format!("{place}: a patch of {count} vertices was fanned into triangles");
-            self.scene.warnings.push(Warning(text));
+            self.fanned += 1;
+            self.first_fanned.get_or_insert((start.line, count));
         }
         Ok(())
     }

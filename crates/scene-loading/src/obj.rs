@@ -1,6 +1,10 @@
-//! Wavefront OBJ with its materials (MTL), parsed by the crate `tobj` after a scan of our own
-//! (`obj_scan`) that finds what tobj lets through and gives errors their lines.
+//! Wavefront OBJ with its materials (MTL), read by a parser of our own: `obj_scan` checks every
+//! line and keeps what matters, this file makes the scene of it once the text is gone. (The crate
+//! tobj, which was used before, has errors without lines, panics on some MTL files, and takes two and
+//! a half times the memory; a test still compares with it.)
 //!
+//! Vertices and normals are numbered anew from each change of material on, in the order of their
+//! use, so that what no face uses is not in the scene.
 //! Faces keep their order. A triangle becomes a [`Shape::Triangle`], or a [`Shape::Patch`] when
 //! all its corners have normals. A larger face becomes a [`Shape::Polygon`]; it is split into
 //! triangles instead when it has normals, when it is not flat, or when
@@ -9,7 +13,6 @@
 //! material has a texture (`obj_textures`); such faces are split into triangles, too.
 
 use std::collections::HashMap;
-use std::io::{Cursor, Read};
 use std::path::Path;
 
 use glam::DVec3;
@@ -17,10 +20,13 @@ use glam::DVec3;
 use crate::error::{LoadError, Place};
 use crate::obj_material::{Mtl, parse_mtl};
 use crate::obj_polygon::{area_vector, is_flat, triangulate};
-use crate::obj_scan::{FaceLine, ObjScan, scan};
+use crate::obj_scan::{FaceLine, NONE, ObjScan, scan};
 use crate::obj_textures::{ColorMaps, FaceTexcoords};
 use crate::scene::{Material, Primitive, Scene, Shape, Warning};
-use crate::source_read::{MAX_BYTES, confined, decompress, lossy_text, read_file, scene_name};
+use crate::source_read::{MAX_BYTES, confined, decompress, is_missing, read_file, scene_name};
+
+/// The most names that a warning lists.
+const MAX_NAMES: usize = 20;
 
 /// How faces become primitives.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -46,11 +52,10 @@ pub fn load_obj(path: &Path, options: ObjOptions) -> Result<Scene, LoadError> {
 /// [`LoadError::IndexOutOfRange`] with the line in the OBJ or MTL file, and
 /// [`LoadError::NoPrimitives`].
 pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Scene, LoadError> {
-    let scan = scan(path, lossy_text(bytes))?;
+    let mut scan = scan(path, bytes)?;
     let mut scene = Scene::new(scene_name(path));
     let ids = materials(path, &scan, &mut scene)?;
-    let models = parse_models(path, &scan, &ids)?;
-    let mut faces = scan.faces.iter();
+    let (faces, corners) = (std::mem::take(&mut scan.faces), std::mem::take(&mut scan.corners));
     let mut builder = Builder {
         path,
         options,
@@ -58,9 +63,31 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
         texcoords: FaceTexcoords::new(&scan),
         counts: Counts::default(),
         pieces: vec![],
+        positions: Renumbered::new(scan.positions.len()),
+        normals: Renumbered::new(scan.normals.len()),
+        nameless: None,
+        own: Vec::new(),
+        own_n: Vec::new(),
+        points: Vec::new(),
     };
-    for model in &models {
-        builder.add(&model.mesh, &mut faces)?;
+    let mut switches = scan.switches.iter().peekable();
+    let (mut material, mut started) = (None, false);
+    let (mut rest, mut rest_n) = (corners.as_slice(), scan.normal_corners.as_slice());
+    for (i, face) in faces.iter().enumerate() {
+        while let Some((_, name)) = switches.next_if(|(before, _)| *before <= i) {
+            let next = ids.get(*name).copied();
+            if next != material && started {
+                builder.new_numbers();
+                started = false;
+            }
+            material = next;
+        }
+        started = true;
+        let count = face.corners as usize;
+        let (own, own_n);
+        (own, rest) = rest.split_at_checked(count).unwrap_or_default();
+        (own_n, rest_n) = rest_n.split_at_checked(count).unwrap_or_default();
+        builder.add(*face, own, own_n, &scan, material)?;
     }
     let Builder { mut scene, counts, .. } = builder;
     if scene.primitives.is_empty() {
@@ -72,13 +99,17 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     Ok(scene)
 }
 
+/// Parses MTL text: the materials in file order, without their textures.
+///
+/// # Errors
+/// [`LoadError::Syntax`] and [`LoadError::NotFinite`] with the line.
+pub fn parse_materials(path: &Path, bytes: Vec<u8>) -> Result<Vec<Material>, LoadError> {
+    Ok(parse_mtl(path, bytes)?.materials)
+}
+
 /// Fills the scene's materials from the MTL files; names that are used but not defined get the
-/// default material under their name. Returns the index of each name.
-fn materials(
-    path: &Path,
-    scan: &ObjScan,
-    scene: &mut Scene,
-) -> Result<HashMap<String, usize>, LoadError> {
+/// default material under their name. Returns the index of each name of [`ObjScan::used`].
+fn materials(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Vec<u32>, LoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut maps = ColorMaps::default();
     for (line, library) in &scan.libraries {
@@ -88,7 +119,7 @@ fn materials(
             scene.warnings.push(Warning(text));
             continue;
         };
-        if !file.exists() {
+        if is_missing(&file) {
             let text = format!("{place}: material file {} is missing", file.display());
             scene.warnings.push(Warning(text));
             continue;
@@ -112,35 +143,25 @@ fn materials(
     }
     if !undefined.is_empty() {
         let (file, count) = (path.display(), undefined.len());
-        let list = undefined.join(", ");
+        let more = undefined.len().saturating_sub(MAX_NAMES);
+        undefined.truncate(MAX_NAMES);
+        let mut list = undefined.join(", ");
+        if more > 0 {
+            list.push_str(&format!(" and {more} more"));
+        }
         let text = format!("{file}: {count} materials are not defined and look default: {list}");
         scene.warnings.push(Warning(text));
     }
-    Ok(ids)
+    let index = |name: &String| u32::try_from(ids.get(name).copied().unwrap_or(0)).ok();
+    scan.used
+        .iter()
+        .map(|(_, name)| index(name).ok_or_else(|| too_many(path, "materials", ids.len())))
+        .collect()
 }
 
-/// Runs tobj over the cleaned text. It gets our table of materials through one `mtllib` that is
-/// put in front, so that it splits the faces by material.
-fn parse_models(
-    path: &Path,
-    scan: &ObjScan,
-    ids: &HashMap<String, usize>,
-) -> Result<Vec<tobj::Model>, LoadError> {
-    let options = tobj::LoadOptions {
-        single_index: false,
-        triangulate: false,
-        ignore_points: true,
-        ignore_lines: true,
-    };
-    let mut input = Cursor::new(b"mtllib checked\n").chain(Cursor::new(scan.text.as_slice()));
-    let known = |_: &Path| Ok((Vec::new(), ids.clone().into_iter().collect()));
-    let (models, _) = tobj::load_obj_buf(&mut input, &options, known)
-        .map_err(|error| parser_error(path, error.to_string()))?;
-    Ok(models)
-}
-
-fn parser_error(path: &Path, message: String) -> LoadError {
-    LoadError::Parser { place: Place::file(path), parser: "tobj", message }
+fn too_many(path: &Path, what: &str, count: usize) -> LoadError {
+    let (place, what) = (Place::file(path), what.to_string());
+    LoadError::CountTooLarge { place, what, count: count as u64, limit: u32::MAX.into() }
 }
 
 /// Faces that were not taken as they are.
@@ -167,6 +188,29 @@ impl Tally {
     }
 }
 
+/// New numbers for the elements of a list, in the order of their use since the last fresh start.
+struct Renumbered {
+    /// For each element the start it was last used after, and its number then.
+    last: Vec<(u32, u32)>,
+    start: u32,
+}
+
+impl Renumbered {
+    fn new(count: usize) -> Self {
+        Self { last: vec![(0, 0); count], start: 1 }
+    }
+
+    /// The number of an element; at its first use it is added to `to`.
+    fn number(&mut self, element: u32, from: &[DVec3], to: &mut Vec<DVec3>) -> Option<u32> {
+        let last = self.last.get_mut(element as usize)?;
+        if last.0 != self.start {
+            *last = (self.start, u32::try_from(to.len()).ok()?);
+            to.push(*from.get(element as usize)?);
+        }
+        Some(last.1)
+    }
+}
+
 struct Builder<'a> {
     path: &'a Path,
     options: ObjOptions,
@@ -174,62 +218,62 @@ struct Builder<'a> {
     texcoords: FaceTexcoords<'a>,
     counts: Counts,
     pieces: Vec<[usize; 3]>,
+    positions: Renumbered,
+    normals: Renumbered,
+    /// The material of faces before any `usemtl`.
+    nameless: Option<u32>,
+    own: Vec<u32>,
+    own_n: Vec<u32>,
+    points: Vec<DVec3>,
 }
 
 impl Builder<'_> {
-    /// Adds one of tobj's meshes: the faces from one `usemtl` to the next.
+    /// The material changes: vertices are numbered anew.
+    fn new_numbers(&mut self) {
+        self.positions.start += 1;
+        self.normals.start += 1;
+    }
+
+    /// Adds a face with the indices of its corners and of their normals.
     fn add(
         &mut self,
-        mesh: &tobj::Mesh,
-        lines: &mut std::slice::Iter<'_, FaceLine>,
+        face: FaceLine,
+        corners: &[u32],
+        normals: &[u32],
+        scan: &ObjScan,
+        material: Option<u32>,
     ) -> Result<(), LoadError> {
-        if mesh.indices.is_empty() {
-            return Ok(());
-        }
-        let lost = || parser_error(self.path, "faces do not match the file's".into());
-        let material = match mesh.material_id {
-            Some(id) => u32::try_from(id).map_err(|_| lost())?,
+        let material = match material {
+            Some(id) => id,
             None => self.default_material(),
         };
-        let base = u32::try_from(self.scene.vertices.len()).map_err(|_| lost())?;
-        let base_n = u32::try_from(self.scene.normals.len()).map_err(|_| lost())?;
-        self.scene.vertices.extend(triples(&mesh.positions));
-        self.scene.normals.extend(triples(&mesh.normals));
+        self.texcoords.next_face(corners.len());
         // Reused from face to face: files have millions.
-        let (mut own, mut own_n, mut points) = (Vec::new(), Vec::new(), Vec::new());
-        let mut rest = mesh.indices.as_slice();
-        let mut rest_n = mesh.normal_indices.as_slice();
-        let mut arities = mesh.face_arities.iter();
-        while !rest.is_empty() {
-            // tobj leaves the arities out when all faces are triangles.
-            let arity = arities.next().map_or(3, |&n| n as usize);
-            let face = *lines.next().ok_or_else(lost)?;
-            self.texcoords.next_face(arity);
-            let (corners, after) = rest.split_at_checked(arity).ok_or_else(lost)?;
-            rest = after;
-            let mut normals: &[u32] = &[];
-            if !rest_n.is_empty() {
-                (normals, rest_n) = rest_n.split_at_checked(arity).ok_or_else(lost)?;
-            }
-            own.clear();
-            own.extend(corners.iter().map(|i| base + i));
+        let (mut own, mut own_n) = (std::mem::take(&mut self.own), std::mem::take(&mut self.own_n));
+        let mut points = std::mem::take(&mut self.points);
+        own.clear();
+        own_n.clear();
+        points.clear();
+        let scene = &mut self.scene;
+        let number = |&i: &u32| self.positions.number(i, &scan.positions, &mut scene.vertices);
+        own.extend(corners.iter().filter_map(number));
+        let number = |&i: &u32| self.normals.number(i, &scan.normals, &mut scene.normals);
+        own_n.extend(normals.iter().filter(|i| **i != NONE).filter_map(number));
+        if !face.smooth {
             own_n.clear();
-            if face.smooth {
-                own_n.extend(normals.iter().map(|i| base_n + i));
-            }
-            points.clear();
-            points.extend(own.iter().filter_map(|&i| self.scene.vertices.get(i as usize)));
-            self.face(material, &own, &own_n, &points, face);
         }
+        if own.len() != corners.len() {
+            return Err(too_many(self.path, "vertices", scene.vertices.len()));
+        }
+        points.extend(corners.iter().filter_map(|&i| scan.positions.get(i as usize)));
+        self.face(material, &own, &own_n, &points, face);
+        (self.own, self.own_n, self.points) = (own, own_n, points);
         Ok(())
     }
 
     fn default_material(&mut self) -> u32 {
-        let found = self.scene.materials.iter().position(|m| m.name.is_empty());
-        match found.and_then(|i| u32::try_from(i).ok()) {
-            Some(id) => id,
-            None => self.scene.push_material(Material::default()),
-        }
+        let scene = &mut self.scene;
+        *self.nameless.get_or_insert_with(|| scene.push_material(Material::default()))
     }
 
     fn face(
@@ -295,10 +339,6 @@ impl Builder<'_> {
             self.scene.last_is_textured(texcoords);
         }
     }
-}
-
-fn triples(values: &[f64]) -> impl Iterator<Item = DVec3> {
-    values.chunks_exact(3).map(DVec3::from_slice)
 }
 
 /// One warning for each kind of thing that was left out or changed.

@@ -1,7 +1,6 @@
 //! Materials of OBJ files (MTL).
 //!
-//! tobj 4.0 panics on `Kd 0.5`, so each line is checked first and only lines of a form that it
-//! reads safely are passed on. How MTL maps to [`Material`]:
+//! How MTL maps to [`Material`]:
 //!
 //! - colour = `Kd`, diffuse share 1;
 //! - specular share = mean of `Ks`, but only for the illumination models that reflect (`illum`
@@ -41,19 +40,9 @@ pub(crate) struct ColorMap {
 /// # Errors
 /// [`LoadError::Syntax`] and [`LoadError::NotFinite`] with the line.
 pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Mtl, LoadError> {
-    let mut maps = Vec::new();
-    let clean = checked(path, &lossy_text(bytes), &mut maps)?;
-    let (materials, _) = tobj::load_mtl_buf(&mut clean.as_bytes()).map_err(|e| {
-        LoadError::Parser { place: Place::file(path), parser: "tobj", message: e.to_string() }
-    })?;
-    Ok(Mtl { materials: materials.iter().map(convert).collect(), maps })
-}
-
-/// The lines that matter, each in the one form that tobj reads; colour maps go into `maps`.
-fn checked(path: &Path, text: &str, maps: &mut Vec<ColorMap>) -> Result<String, LoadError> {
-    let mut clean = String::with_capacity(text.len());
-    let mut named = 0_usize;
-    for (i, row) in text.lines().enumerate() {
+    let mut mtl = Mtl { materials: Vec::new(), maps: Vec::new() };
+    let mut stated: Option<Stated> = None;
+    for (i, row) in lossy_text(bytes).lines().enumerate() {
         let place = || Place::line(path, i + 1);
         let row = row.trim();
         let (keyword, rest) = row.split_once(char::is_whitespace).unwrap_or((row, ""));
@@ -62,77 +51,107 @@ fn checked(path: &Path, text: &str, maps: &mut Vec<ColorMap>) -> Result<String, 
             if rest.is_empty() {
                 return Err(LoadError::syntax(place(), row, "newmtl and a name"));
             }
-            named += 1;
-            clean.push_str(&format!("newmtl {rest}\n"));
+            let next = Stated { name: rest.to_owned(), ..Stated::default() };
+            mtl.materials.extend(stated.replace(next).map(Stated::material));
             continue;
         }
-        if keyword == "map_Kd" {
-            let material = named.checked_sub(1).ok_or_else(|| {
-                LoadError::syntax(place(), row, "newmtl before the first property")
-            })?;
-            // as with all properties, the last one counts
-            maps.retain(|map| map.material != material);
-            maps.push(ColorMap { material, line: i + 1, text: rest.to_owned() });
+        let known = ["Kd", "Ks", "Ns", "Ni", "d", "Tr", "illum", "map_Kd"];
+        if !known.contains(&keyword) {
             continue;
         }
-        let counts: &[usize] = match keyword {
-            "Kd" | "Ks" => &[1, 3],
-            "Ns" | "Ni" | "d" | "Tr" | "illum" => &[1],
-            _ => continue,
-        };
-        if named == 0 {
+        let Some(stated) = &mut stated else {
             return Err(LoadError::syntax(place(), row, "newmtl before the first property"));
+        };
+        if keyword == "map_Kd" {
+            let material = mtl.materials.len();
+            // as with all properties, the last one counts
+            if mtl.maps.last().is_some_and(|map| map.material == material) {
+                mtl.maps.pop();
+            }
+            mtl.maps.push(ColorMap { material, line: i + 1, text: rest.to_owned() });
+        } else {
+            stated.property(row, keyword, rest, place)?;
         }
+    }
+    mtl.materials.extend(stated.map(Stated::material));
+    Ok(mtl)
+}
+
+/// What a file states of one material.
+#[derive(Default)]
+struct Stated {
+    name: String,
+    diffuse: Option<[f64; 3]>,
+    specular: Option<[f64; 3]>,
+    shininess: Option<f64>,
+    optical_density: Option<f64>,
+    dissolve: Option<f64>,
+    model: Option<f64>,
+}
+
+impl Stated {
+    /// Reads the numbers of a property.
+    fn property(
+        &mut self,
+        row: &str,
+        keyword: &str,
+        rest: &str,
+        place: impl Fn() -> Place,
+    ) -> Result<(), LoadError> {
         let words: Vec<&str> =
             rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
-        if let (Some("spectral" | "xyz" | "-halo"), _) = (words.first().copied(), ()) {
-            continue;
+        if let Some(&("spectral" | "xyz" | "-halo")) = words.first() {
+            return Ok(());
         }
         let values = words
             .iter()
-            .map(|word| number(word, keyword, place))
+            .map(|word| number(word, keyword, &place))
             .collect::<Result<Vec<f64>, LoadError>>()?;
-        match (keyword, values.as_slice()) {
+        let color = match values.as_slice() {
             // One number stands for three equal ones.
-            ("Kd" | "Ks", [v]) => clean.push_str(&format!("{keyword} {v} {v} {v}\n")),
-            ("Kd" | "Ks", [r, g, b]) => clean.push_str(&format!("{keyword} {r} {g} {b}\n")),
-            ("Tr", [v]) => clean.push_str(&format!("d {}\n", 1.0 - v)),
-            ("illum", [v]) if (0.0..=10.0).contains(v) && v.fract() == 0.0 => {
-                clean.push_str(&format!("illum {v}\n"));
-            }
+            [v] => Some([*v; 3]),
+            [r, g, b] => Some([*r, *g, *b]),
+            _ => None,
+        };
+        let expected = match keyword {
+            "Kd" | "Ks" => format!("{keyword} and 1 or 3 numbers"),
+            _ => format!("{keyword} and 1 number"),
+        };
+        let malformed = || LoadError::syntax(place(), row, expected);
+        match (keyword, values.as_slice()) {
+            ("Kd", _) => self.diffuse = Some(color.ok_or_else(malformed)?),
+            ("Ks", _) => self.specular = Some(color.ok_or_else(malformed)?),
+            ("Ns", [v]) => self.shininess = Some(*v),
+            ("Ni", [v]) => self.optical_density = Some(*v),
+            ("d", [v]) => self.dissolve = Some(*v),
+            ("Tr", [v]) => self.dissolve = Some(1.0 - v),
+            ("illum", [v]) if (0.0..=10.0).contains(v) && v.fract() == 0.0 => self.model = Some(*v),
             ("illum", [_]) => {
                 return Err(LoadError::syntax(place(), row, "an illumination model, 0 to 10"));
             }
-            (_, [v]) => clean.push_str(&format!("{keyword} {v}\n")),
-            _ => {
-                let expected = match counts {
-                    [one] => format!("{keyword} and {one} number"),
-                    _ => format!("{keyword} and 1 or 3 numbers"),
-                };
-                return Err(LoadError::syntax(place(), row, expected));
-            }
+            _ => return Err(malformed()),
         }
+        Ok(())
     }
-    Ok(clean)
-}
 
-fn convert(mtl: &tobj::Material) -> Material {
-    let default = Material::default();
-    let reflects = mtl.illumination_model.is_some_and(|model| model >= 3);
-    let specular = mtl.specular.map_or(0.0, |[r, g, b]| (r + g + b) / 3.0);
-    let transmittance = 1.0 - mtl.dissolve.unwrap_or(1.0).clamp(0.0, 1.0);
-    Material {
-        name: mtl.name.clone(),
-        color: mtl.diffuse.unwrap_or(default.color),
-        diffuse: default.diffuse,
-        specular: if reflects { specular.clamp(0.0, 1.0) } else { 0.0 },
-        shine: mtl.shininess.unwrap_or(0.0).max(0.0),
-        transmittance,
-        refraction_index: match mtl.optical_density {
-            Some(index) if transmittance > 0.0 && index > 0.0 => index,
-            _ => default.refraction_index,
-        },
-        texture: None,
-        roughness: 0.0,
+    fn material(self) -> Material {
+        let default = Material::default();
+        let reflects = self.model.is_some_and(|model| model >= 3.0);
+        let specular = self.specular.map_or(0.0, |[r, g, b]| (r + g + b) / 3.0);
+        let transmittance = 1.0 - self.dissolve.unwrap_or(1.0).clamp(0.0, 1.0);
+        Material {
+            name: self.name,
+            color: self.diffuse.unwrap_or(default.color),
+            diffuse: default.diffuse,
+            specular: if reflects { specular.clamp(0.0, 1.0) } else { 0.0 },
+            shine: self.shininess.unwrap_or(0.0).max(0.0),
+            transmittance,
+            refraction_index: match self.optical_density {
+                Some(index) if transmittance > 0.0 && index > 0.0 => index,
+                _ => default.refraction_index,
+            },
+            texture: None,
+            roughness: 0.0,
+        }
     }
 }

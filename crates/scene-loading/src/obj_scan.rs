@@ -1,37 +1,49 @@
-//! A scan over the text of an OBJ file before tobj sees it.
+//! The first pass over an OBJ file: every line is checked, and what a scene needs is taken out.
 //!
-//! tobj 4.0 reports errors without lines, accepts `nan` and `1e400`, takes `f 1//9` without a
-//! ninth normal, turns polylines into faces, knows no `\` continuations and starts a new vertex
-//! list at every `g`. The scan therefore checks each line, and edits the text in place (never
-//! changing its length) to the subset of OBJ on which tobj is exact: `v`, `vn`, `f`, `usemtl`.
+//! Errors name their lines; `\` continues a line; an index may only mean what is defined before it.
+//! What is kept is small (a face takes 12 bytes and 4 to 12 a corner), so that the text can be
+//! dropped before the scene is made: files have tens of millions of faces.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::path::Path;
 
+use glam::DVec3;
 use memchr::{memchr, memmem};
 
 use crate::error::{LoadError, Place};
+use crate::progress;
 
 /// Coordinates above this cannot be worked with: their cubes must stay finite.
 const MAX_COORDINATE: f64 = 1e100;
 
-/// What the scan learns; `faces` has one entry for each face that tobj will return.
+/// Progress is told about this often.
+const TOLD_EVERY: usize = 1 << 20;
+
+/// What the first pass learns.
 #[derive(Debug, Default)]
 pub(crate) struct ObjScan {
-    /// The cleaned text.
-    pub text: Vec<u8>,
+    /// Every `v`, divided by its weight.
+    pub positions: Vec<DVec3>,
+    /// Every `vn`.
+    pub normals: Vec<DVec3>,
     /// The faces in file order.
     pub faces: Vec<FaceLine>,
+    /// For each corner of each face the index of its position, counted from 0.
+    pub corners: Vec<u32>,
+    /// The same for normals, or [`NONE`]; empty in files without `vn`.
+    pub normal_corners: Vec<u32>,
     /// Texture coordinates in file order, with (0, 0) at the lower left; empty in files without
     /// `mtllib`, which cannot have textures.
     pub texcoords: Vec<[f32; 2]>,
-    /// For each corner of each face the index of its texture coordinates, or [`NO_TEXCOORD`];
-    /// empty where `texcoords` is.
-    pub corners: Vec<u32>,
+    /// For each corner the index of its texture coordinates, or [`NONE`]; empty where `texcoords`
+    /// is.
+    pub texcoord_corners: Vec<u32>,
     /// Every `mtllib` with its line.
     pub libraries: Vec<(usize, String)>,
     /// Every material name of a `usemtl`, with the line of its first use, in that order.
     pub used: Vec<(usize, String)>,
+    /// Every `usemtl`: how many faces come before it, and which of `used` it names.
+    pub switches: Vec<(usize, usize)>,
     /// Number of `l` elements.
     pub lines: usize,
     /// Number of `p` elements.
@@ -43,78 +55,81 @@ pub(crate) struct ObjScan {
     pub first_unknown: Option<(usize, String)>,
 }
 
-/// A corner without texture coordinates.
-pub(crate) const NO_TEXCOORD: u32 = u32::MAX;
+/// A corner without normal or texture coordinates.
+pub(crate) const NONE: u32 = u32::MAX;
 
-/// Where a face stands, and whether each of its corners has a normal.
+/// Where a face stands, its number of corners, and whether each of them has a normal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FaceLine {
     pub line: u32,
+    pub corners: u32,
     pub smooth: bool,
 }
 
-/// Counts of elements defined so far: what indices may refer to.
-#[derive(Default)]
-struct Defined {
-    positions: usize,
-    texcoords: usize,
-    normals: usize,
+/// Which lists of corners a file can fill.
+#[derive(Clone, Copy)]
+struct Wanted {
+    normals: bool,
+    texcoords: bool,
 }
 
-pub(crate) fn scan(path: &Path, text: String) -> Result<ObjScan, LoadError> {
-    let mut text = text.into_bytes();
+pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError> {
+    if text.starts_with(b"\xff\xfe") || text.starts_with(b"\xfe\xff") {
+        let expected = "UTF-8, or any text whose first 128 characters are ASCII's";
+        return Err(LoadError::syntax(Place::line(path, 1), "UTF-16 text", expected));
+    }
     let mut scan = ObjScan::default();
-    let mut seen: HashSet<Vec<u8>> = HashSet::new();
-    let mut defined = Defined::default();
-    let can_be_textured = memmem::find(&text, b"mtllib").is_some();
-    let (mut start, mut line) = (0, 1);
+    let mut names: HashMap<Vec<u8>, usize> = HashMap::new();
+    let wanted = Wanted {
+        normals: memmem::find(&text, b"vn").is_some(),
+        texcoords: memmem::find(&text, b"mtllib").is_some(),
+    };
+    let mut texcoords = 0;
+    let (mut start, mut line, mut told) = (0, 1, 0);
+    progress::begin(text.len());
+    if text.starts_with(b"\xef\xbb\xbf") {
+        // a byte order mark is no part of the first word
+        start = 3;
+    }
     while start < text.len() {
+        if start >= told {
+            progress::at(start);
+            told = start + TOLD_EVERY;
+        }
         let (end, newlines) = logical_line(&mut text, start);
         let place = || Place::line(path, line);
-        let Some(row) = text.get_mut(start..end) else { break };
-        let indent = row.iter().take_while(|b| b.is_ascii_whitespace()).count();
-        let row = row.get_mut(indent..).unwrap_or_default();
+        let row = text.get(start..end).unwrap_or_default().trim_ascii_start();
         let length = row.iter().take_while(|b| !b.is_ascii_whitespace()).count();
-        let (keyword, rest) = row.split_at_mut(length);
-        match &*keyword {
-            b"v" => {
-                position(rest, place)?;
-                defined.positions += 1;
-            }
-            b"vn" => {
-                let used = numbers(rest, 3, "normal", place)?;
-                blank(rest, used);
-                defined.normals += 1;
-            }
+        let (keyword, rest) = row.split_at(length);
+        match keyword {
+            b"v" => scan.positions.push(position(rest, place)?),
+            b"vn" => scan.normals.push(numbers(rest, "normal", place)?.into()),
             b"vt" => {
                 let texcoord = texture_coordinate(rest, place)?;
-                if can_be_textured {
+                if wanted.texcoords {
                     scan.texcoords.push(texcoord);
                 }
-                defined.texcoords += 1;
-                hide(keyword);
+                texcoords += 1;
             }
             b"f" => {
-                let corners = can_be_textured.then_some(&mut scan.corners);
-                let smooth = face(rest, &defined, corners, place)?;
-                scan.faces.push(FaceLine { line: u32::try_from(line).unwrap_or(u32::MAX), smooth });
+                let (corners, smooth) = face(rest, &mut scan, texcoords, wanted, place)?;
+                let line = u32::try_from(line).unwrap_or(u32::MAX);
+                scan.faces.push(FaceLine { line, corners, smooth });
             }
             b"usemtl" => {
-                let name = rest.trim_ascii().to_vec();
+                let name = rest.trim_ascii();
                 if name.is_empty() {
                     return Err(LoadError::syntax(place(), "usemtl", "the name of a material"));
                 }
-                // tobj wants exactly one space, at the start of the line.
-                rewrite(rest, &name);
-                if let Some(row) = text.get_mut(start..start + indent + length) {
-                    row.rotate_left(indent.min(row.len()));
-                    let (_, gap) = row.split_at_mut(length.min(row.len()));
-                    gap.fill(b' ');
-                }
-                let text = String::from_utf8_lossy(&name).into_owned();
-                if seen.insert(name) {
-                    scan.used.push((line, text));
-                }
+                let index = match names.get(name) {
+                    Some(&known) => known,
+                    None => {
+                        names.insert(name.to_vec(), scan.used.len());
+                        scan.used.push((line, String::from_utf8_lossy(name).into_owned()));
+                        scan.used.len() - 1
+                    }
+                };
+                scan.switches.push((scan.faces.len(), index));
             }
             b"mtllib" => {
                 let name = String::from_utf8_lossy(rest.trim_ascii()).into_owned();
@@ -122,34 +137,22 @@ pub(crate) fn scan(path: &Path, text: String) -> Result<ObjScan, LoadError> {
                     return Err(LoadError::syntax(place(), "mtllib", "the name of a file"));
                 }
                 scan.libraries.push((line, name));
-                hide(keyword);
             }
-            b"l" => {
-                scan.lines += 1;
-                hide(keyword);
-            }
-            b"p" => {
-                scan.points += 1;
-                hide(keyword);
-            }
-            b"curv" | b"curv2" | b"surf" => {
-                scan.curves += 1;
-                hide(keyword);
-            }
-            b"" | b"#" => {}
+            b"l" => scan.lines += 1,
+            b"p" => scan.points += 1,
+            b"curv" | b"curv2" | b"surf" => scan.curves += 1,
+            b"" => {}
+            other if is_harmless(other) => {}
             other => {
-                if !is_harmless(other) {
-                    scan.unknown += 1;
-                    let word = || String::from_utf8_lossy(other).into_owned();
-                    scan.first_unknown.get_or_insert_with(|| (line, word()));
-                }
-                hide(keyword);
+                scan.unknown += 1;
+                let word = || String::from_utf8_lossy(other).into_owned();
+                scan.first_unknown.get_or_insert_with(|| (line, word()));
             }
         }
         start = end + 1;
         line += newlines;
     }
-    scan.text = text;
+    progress::end();
     Ok(scan)
 }
 
@@ -175,36 +178,16 @@ fn logical_line(text: &mut [u8], start: usize) -> (usize, usize) {
     }
 }
 
-/// Turns the line into a comment.
-fn hide(keyword: &mut [u8]) {
-    if let Some(first) = keyword.first_mut() {
-        *first = b'#';
-    }
-}
-
-fn blank(row: &mut [u8], from: usize) {
-    row.get_mut(from..).unwrap_or_default().fill(b' ');
-}
-
-/// Writes one space and the name over `rest`, and blanks what remains of it.
-fn rewrite(rest: &mut [u8], name: &[u8]) {
-    blank(rest, 0);
-    if let Some(slot) = rest.get_mut(1..=name.len()) {
-        slot.copy_from_slice(name);
-    }
-}
-
-/// The words of a row with the offset just after each, up to a `#`.
-fn words(row: &[u8]) -> impl Iterator<Item = (&str, usize)> {
-    let mut at = 0;
+/// The words of a row, up to a `#`.
+fn words(row: &[u8]) -> impl Iterator<Item = &str> {
+    let mut rest = row;
     std::iter::from_fn(move || {
-        let rest = row.get(at..)?;
-        let from = at + rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
-        let rest = row.get(from..)?;
+        rest = rest.trim_ascii_start();
         let length = rest.iter().take_while(|b| !b.is_ascii_whitespace()).count();
-        at = from + length;
-        let word = std::str::from_utf8(rest.get(..length)?).unwrap_or("\u{fffd}");
-        (!word.is_empty() && !word.starts_with('#')).then_some((word, at))
+        let (word, after) = rest.split_at(length);
+        rest = after;
+        let word = std::str::from_utf8(word).unwrap_or("\u{fffd}");
+        (!word.is_empty() && !word.starts_with('#')).then_some(word)
     })
 }
 
@@ -219,21 +202,20 @@ pub(crate) fn number(word: &str, what: &str, place: impl Fn() -> Place) -> Resul
     Ok(value)
 }
 
-/// Checks that `count` numbers stand there; returns the offset after them.
-fn numbers(
+/// The first numbers of a row, as many as are asked for, of a size that can be worked with.
+fn numbers<const N: usize>(
     row: &[u8],
-    count: usize,
     what: &str,
     place: impl Fn() -> Place,
-) -> Result<usize, LoadError> {
+) -> Result<[f64; N], LoadError> {
     let mut words = words(row);
-    let mut after = 0;
-    for i in 0..count {
-        let Some((word, end)) = words.next() else {
+    let mut values = [0.0; N];
+    for (i, value) in values.iter_mut().enumerate() {
+        let Some(word) = words.next() else {
             let found = format!("{i} numbers");
-            return Err(LoadError::syntax(place(), &found, format!("{count} ({what})")));
+            return Err(LoadError::syntax(place(), &found, format!("{N} ({what})")));
         };
-        let value = number(word, what, &place)?;
+        *value = number(word, what, &place)?;
         if value.abs() > MAX_COORDINATE {
             return Err(LoadError::OutOfRange {
                 place: place(),
@@ -242,39 +224,33 @@ fn numbers(
                 expected: format!("at most {MAX_COORDINATE:e} in size"),
             });
         }
-        after = end;
     }
-    Ok(after)
+    Ok(values)
 }
 
-/// A `v` line: x y z, then nothing, or w (by which tobj divides), or a colour (dropped).
-fn position(row: &mut [u8], place: impl Fn() -> Place) -> Result<(), LoadError> {
-    let mut after = numbers(row, 3, "vertex position", &place)?;
-    let (first, second) = {
-        let mut extra = words(row.get(after..).unwrap_or_default());
-        (extra.next(), extra.next())
-    };
-    if let (Some((word, end)), None) = (first, second) {
-        let w = number(word, "vertex weight w", &place)?;
-        if !(1e-100..=1e100).contains(&w.abs()) {
-            return Err(LoadError::OutOfRange {
-                place: place(),
-                what: "vertex weight w".into(),
-                found: word.to_string(),
-                expected: "neither 0 nor extreme".into(),
-            });
-        }
-        after += end;
+/// A `v` line: x y z, then nothing, or w (by which they are divided), or a colour (dropped).
+fn position(row: &[u8], place: impl Fn() -> Place) -> Result<DVec3, LoadError> {
+    let what = "vertex position";
+    let xyz = DVec3::from_array(numbers(row, what, &place)?);
+    let mut extra = words(row).skip(3);
+    let (Some(word), None) = (extra.next(), extra.next()) else { return Ok(xyz) };
+    let w = number(word, "vertex weight w", &place)?;
+    if !(1e-100..=1e100).contains(&w.abs()) || (xyz / w).abs().max_element() > MAX_COORDINATE {
+        return Err(LoadError::OutOfRange {
+            place: place(),
+            what: "vertex weight w".into(),
+            found: word.to_string(),
+            expected: "neither 0 nor extreme".into(),
+        });
     }
-    blank(row, after);
-    Ok(())
+    Ok(xyz / w)
 }
 
 /// A `vt` line: u, and v where it is there, else 0; w is dropped.
 fn texture_coordinate(row: &[u8], place: impl Fn() -> Place) -> Result<[f32; 2], LoadError> {
-    numbers(row, 1, "texture coordinate", &place)?;
+    numbers::<1>(row, "texture coordinate", &place)?;
     let mut values = [0.0; 2];
-    for (value, (word, _)) in values.iter_mut().zip(words(row)) {
+    for (value, word) in values.iter_mut().zip(words(row)) {
         let exact = number(word, "texture coordinate", &place)?;
         // beyond f32, infinity would be a texel of its own
         *value = (exact as f32).clamp(f32::MIN, f32::MAX);
@@ -282,42 +258,47 @@ fn texture_coordinate(row: &[u8], place: impl Fn() -> Place) -> Result<[f32; 2],
     Ok(values)
 }
 
-/// Checks the corners of a face; true when all of them have a normal. Appends the index of the
-/// texture coordinates of each to `texcoords`, where those are wanted.
+/// Takes the corners of a face, whose indices are checked; returns their number and whether all of
+/// them have a normal.
 fn face(
-    row: &mut [u8],
-    defined: &Defined,
-    mut texcoords: Option<&mut Vec<u32>>,
+    row: &[u8],
+    scan: &mut ObjScan,
+    texcoords: usize,
+    wanted: Wanted,
     place: impl Fn() -> Place,
-) -> Result<bool, LoadError> {
-    let (mut corners, mut smooth, mut after) = (0, true, 0);
-    for (corner, end) in words(row) {
+) -> Result<(u32, bool), LoadError> {
+    let (positions, normals) = (scan.positions.len(), scan.normals.len());
+    let (mut corners, mut smooth) = (0, true);
+    for corner in words(row) {
         let bad = || LoadError::syntax(place(), corner, "a corner: v, v/vt, v//vn or v/vt/vn");
         let mut parts = corner.split('/');
         let index = |part: Option<&str>, what, count| match part {
             None | Some("") => Ok(None),
             Some(text) => check_index(text, what, count, &place).map(Some),
         };
-        if index(parts.next(), "vertex", defined.positions)?.is_none() {
-            return Err(bad());
-        }
-        let texcoord = index(parts.next(), "texture coordinate", defined.texcoords)?;
-        if let Some(texcoords) = &mut texcoords {
-            texcoords.push(texcoord.and_then(|i| i.try_into().ok()).unwrap_or(NO_TEXCOORD));
-        }
-        smooth &= index(parts.next(), "normal", defined.normals)?.is_some();
+        let position = index(parts.next(), "vertex", positions)?.ok_or_else(bad)?;
+        let texcoord = index(parts.next(), "texture coordinate", texcoords)?;
+        let normal = index(parts.next(), "normal", normals)?;
         if parts.next().is_some() {
             return Err(bad());
         }
+        // Files end at 2 GiB, so that their lists stay within u32.
+        let index = |i: usize| u32::try_from(i).unwrap_or(NONE);
+        scan.corners.push(index(position));
+        if wanted.normals {
+            scan.normal_corners.push(normal.map_or(NONE, index));
+        }
+        if wanted.texcoords {
+            scan.texcoord_corners.push(texcoord.map_or(NONE, index));
+        }
+        smooth &= normal.is_some();
         corners += 1;
-        after = end;
     }
     if corners < 3 {
         let found = format!("a face with {corners} corners");
         return Err(LoadError::syntax(place(), &found, "at least 3"));
     }
-    blank(row, after);
-    Ok(smooth)
+    Ok((corners, smooth))
 }
 
 /// Indices count from 1, or backwards from -1; only what is already defined can be meant. Returns

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Place;
 use crate::obj_material::ColorMap;
-use crate::obj_scan::{NO_TEXCOORD, ObjScan};
+use crate::obj_scan::{NONE, ObjScan};
 use crate::scene::{Scene, Texcoords};
 use crate::source_read::{confined, read_file};
 use crate::texture::Wrap;
@@ -33,10 +33,10 @@ impl ColorMaps {
     pub fn read(&self, used: impl Iterator<Item = usize>, scene: &mut Scene) {
         let mut reader = TextureReader::default();
         for material in used {
-            let Some((file, map)) = self.maps.iter().find(|(_, map)| map.material == material)
-            else {
-                continue;
-            };
+            // in the order of the materials, as they were found
+            let at = self.maps.partition_point(|(_, map)| map.material < material);
+            let found = self.maps.get(at).filter(|(_, map)| map.material == material);
+            let Some((file, map)) = found else { continue };
             let texture = read_one(file, map, scene, &mut reader);
             let Some(material) = scene.materials.get_mut(material) else { continue };
             match texture {
@@ -79,7 +79,7 @@ pub(crate) struct FaceTexcoords<'a> {
 impl<'a> FaceTexcoords<'a> {
     /// Before the first face of a file.
     pub fn new(scan: &'a ObjScan) -> Self {
-        Self { texcoords: &scan.texcoords, rest: &scan.corners, face: &[] }
+        Self { texcoords: &scan.texcoords, rest: &scan.texcoord_corners, face: &[] }
     }
 
     /// Goes to the next face, which has so many corners.
@@ -89,7 +89,7 @@ impl<'a> FaceTexcoords<'a> {
 
     /// Whether all corners of the face have any.
     pub fn are_known(&self) -> bool {
-        !self.face.is_empty() && !self.face.contains(&NO_TEXCOORD)
+        !self.face.is_empty() && !self.face.contains(&NONE)
     }
 
     /// Those of three of its corners, counted from the upper left of the image: in OBJ files v

@@ -352,15 +352,17 @@ impl Scene {
         self.primitives.push(Primitive { shape, material });
     }
 
-    /// The vertices of a polygon, triangle or patch; empty for other shapes.
+    /// The vertices of a polygon, triangle or patch; empty for other shapes. What is not there
+    /// is left out.
     pub fn outline(&self, shape: Shape) -> Vec<DVec3> {
         match shape {
             Shape::Sphere(_) | Shape::Cone(_) => Vec::new(),
             Shape::Polygon { first, count } => {
-                self.vertices[first as usize..][..count as usize].to_vec()
+                let (first, count) = (first as usize, count as usize);
+                self.vertices.get(first..first.saturating_add(count)).unwrap_or_default().to_vec()
             }
             Shape::Triangle { v } | Shape::Patch { v, .. } => {
-                v.iter().map(|&i| self.vertices[i as usize]).collect()
+                v.iter().filter_map(|&i| self.vertices.get(i as usize).copied()).collect()
             }
         }
     }
@@ -398,12 +400,12 @@ impl Scene {
         let mut bounds = Bounds::EMPTY;
         match shape {
             Shape::Sphere(i) => {
-                let s = self.spheres[i as usize];
+                let Some(s) = self.spheres.get(i as usize) else { return bounds };
                 bounds.include(s.center - DVec3::splat(s.radius.abs()));
                 bounds.include(s.center + DVec3::splat(s.radius.abs()));
             }
             Shape::Cone(i) => {
-                let c = self.cones[i as usize];
+                let Some(c) = self.cones.get(i as usize) else { return bounds };
                 let w = (c.apex - c.base).normalize_or_zero();
                 let reach = (DVec3::ONE - w * w).max(DVec3::ZERO).map(f64::sqrt);
                 for (center, radius) in [(c.base, c.base_radius), (c.apex, c.apex_radius)] {
@@ -428,8 +430,7 @@ impl Scene {
             all.include(b.min);
             all.include(b.max);
         }
-        let last = self.velocities.len().min(self.primitives.len());
-        for (primitive, velocity) in self.primitives[..last].iter().zip(&self.velocities) {
+        for (primitive, velocity) in self.primitives.iter().zip(&self.velocities) {
             let b = self.shape_bounds(primitive.shape);
             if *velocity != DVec3::ZERO && !b.is_empty() {
                 all.include(b.min + *velocity * self.camera.shutter);
@@ -469,6 +470,6 @@ impl Scene {
 }
 
 fn index(i: usize) -> u32 {
-    u32::try_from(i)
-        .expect("scene arrays hold at most 2^32 - 1 elements; loaders check sizes first")
+    // Loaders check sizes first; beyond, an index of nothing.
+    u32::try_from(i).unwrap_or(u32::MAX)
 }

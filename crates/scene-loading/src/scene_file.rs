@@ -219,7 +219,7 @@ impl SceneFile {
     /// # Errors
     /// [`LoadError::Syntax`] for a material that the file does not have and for polygons with
     /// fewer than three vertices, [`LoadError::NoPrimitives`].
-    pub(crate) fn inline(&self, path: &Path, shapes: &[ShapeEntry]) -> Result<Scene, LoadError> {
+    pub fn inline(&self, path: &Path, shapes: &[ShapeEntry]) -> Result<Scene, LoadError> {
         let mut scene = Scene::new(self.name.as_str());
         for name in self.materials.keys() {
             scene.push_material(Material { name: name.clone(), ..Material::default() });

@@ -18,6 +18,7 @@ use crate::scene_set::SceneSet;
 use crate::source_embedded::{ASSETS, SCENES, SETS};
 use crate::source_formats::{ENDINGS, is_scene_path, parse_scene};
 use crate::source_hash::{sha256_of_bytes, sha256_of_scene};
+use crate::source_names::path_of_name;
 use crate::source_procedural::{families, generate, tessellate};
 use crate::source_read::{extension, lossy_text, read_file, scene_name};
 
@@ -175,7 +176,8 @@ impl SceneCatalogue {
         if families().contains(&family) {
             return Ok(SceneRef { name: name.to_string(), from: From::Spd(name.to_string()) });
         }
-        let path = Path::new(name);
+        let path = path_of_name(name);
+        let path = path.as_path();
         if extension(path) == "json" {
             let file = SceneFile::parse(path, &lossy_text(read_file(path)?))?;
             let described = Described { path: path.to_path_buf(), embedded: false, file };

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{LoadError, Place};
 
@@ -113,12 +113,27 @@ pub(crate) fn scene_name(path: &Path) -> String {
     }
 }
 
-/// `path` relative to `folder` when it stays below it: no absolute path, no `..`, no drive.
-pub(crate) fn confined(folder: &Path, path: &str) -> Option<std::path::PathBuf> {
+/// `path` relative to `folder` when it stays below it: no absolute path, no `..`, no drive, and no
+/// symbolic link that leads out.
+pub(crate) fn confined(folder: &Path, path: &str) -> Option<PathBuf> {
     use std::path::Component;
     let path = Path::new(path);
     let below = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-    (below && path.file_name().is_some()).then(|| folder.join(path))
+    if !below || path.file_name().is_none() {
+        return None;
+    }
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let file = folder.join(path);
+    match (here.canonicalize(), file.canonicalize()) {
+        (Ok(here), Ok(real)) => real.starts_with(here).then_some(file),
+        // What is not there leads nowhere; whoever opens it will say so.
+        _ => Some(file),
+    }
+}
+
+/// True when nothing of that name is there.
+pub(crate) fn is_missing(path: &Path) -> bool {
+    matches!(path.symlink_metadata(), Err(e) if e.kind() == std::io::ErrorKind::NotFound)
 }
 
 #[cfg(test)]
@@ -162,6 +177,30 @@ mod tests {
         assert_eq!(confined(folder, "a/b.bin"), Some("/scenes/a/b.bin".into()));
         for bad in ["../x", "a/../../x", "/etc/passwd", "", ".", ".."] {
             assert_eq!(confined(folder, bad), None, "{bad}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_confined_too() {
+        let outside = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(outside.path().join("secret"), "x").unwrap();
+        let link = |to: &Path, name: &str| {
+            std::os::unix::fs::symlink(to, folder.path().join(name)).unwrap();
+        };
+        link(&outside.path().join("secret"), "file");
+        link(outside.path(), "folder");
+        std::fs::write(folder.path().join("own"), "x").unwrap();
+        link(Path::new("own"), "inside");
+        for (name, is_allowed) in [
+            ("own", true),
+            ("inside", true),
+            ("lost", true),
+            ("file", false),
+            ("folder/secret", false),
+        ] {
+            assert_eq!(confined(folder.path(), name).is_some(), is_allowed, "{name}");
         }
     }
 

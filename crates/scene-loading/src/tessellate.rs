@@ -27,16 +27,19 @@ impl Default for TessellationOptions {
     }
 }
 
+/// The most triangles, and the most vertices, of a result: as of loaders.
+const MOST: u64 = 64 << 20;
+
 /// Why a scene cannot be tessellated.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TessellationError {
     /// The resolution is 0.
     #[error("the tessellation resolution must be at least 1")]
     ZeroResolution,
-    /// The result would have more triangles or vertices than 32-bit indices can address.
+    /// The result would have more triangles or vertices than any loader accepts.
     #[error(
         "tessellated at resolution {resolution}, the scene would have {triangles} triangles; \
-         at most 2^32 - 1 can be indexed"
+         at most {MOST} are accepted"
     )]
     TooLarge {
         /// The resolution asked for.
@@ -105,7 +108,7 @@ pub fn tessellate(
     Ok(out.scene)
 }
 
-/// Refuses what 32-bit indices cannot address, before anything is allocated.
+/// Refuses what is too large, before anything is allocated.
 fn check_size(scene: &Scene, n: u32) -> Result<(), TessellationError> {
     let n = u64::from(n);
     let (mut triangles, mut vertices) = (0_u64, scene.vertices.len() as u64);
@@ -121,7 +124,7 @@ fn check_size(scene: &Scene, n: u32) -> Result<(), TessellationError> {
         triangles = triangles.saturating_add(t);
         vertices = vertices.saturating_add(v);
     }
-    if triangles.max(vertices) > u64::from(u32::MAX) {
+    if triangles.max(vertices) > MOST {
         let resolution = u32::try_from(n).unwrap_or(u32::MAX);
         return Err(TessellationError::TooLarge { resolution, triangles });
     }

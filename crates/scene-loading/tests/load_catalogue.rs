@@ -279,9 +279,16 @@ fn a_package_that_is_not_there_says_how_to_get_it() {
 #[test]
 fn fetched_scenes_load() {
     let catalogue = SceneCatalogue::embedded().unwrap();
-    for scene in catalogue.resolve(&names(&["kitchen", "sponza"])).unwrap() {
+    // As when they were read by tobj: results name these hashes.
+    let hashes = [
+        "2b40301d63dcf14ebc8e31b44699e5838a7dced10a0acf3b13909496e92e00e7",
+        "ac777bd826311043544961ba8f0bfc34081e2e31d8e850aba1430c4c3709ee90",
+    ];
+    let scenes = catalogue.resolve(&names(&["kitchen", "sponza"])).unwrap();
+    for (scene, hash) in scenes.iter().zip(hashes) {
         match scene.load() {
             Ok(loaded) => {
+                assert_eq!(loaded.sha256, hash, "{}", scene.name);
                 assert!(loaded.scene.is_triangles_only());
                 assert!(SceneInfo::of(&loaded.scene).primitives > 50_000);
                 assert_eq!(validate(&loaded.scene), []);

@@ -8,11 +8,13 @@
 //! be, [`summary`] says it in words.
 
 pub mod audit;
+#[allow(clippy::indexing_slicing)]
 pub mod axes;
 pub mod axis;
 pub mod csv;
 pub mod error_of;
 pub mod pareto;
+#[allow(clippy::indexing_slicing)]
 pub mod pictures;
 pub mod plot;
 pub mod record;

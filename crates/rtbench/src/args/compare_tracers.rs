@@ -4,10 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::scene_name;
+
 /// `rtbench compare-tracers`.
 #[derive(Debug, Clone, Args)]
 pub struct CompareTracersArgs {
     /// A scene's name or file
+    #[arg(value_parser = scene_name())]
     pub scene: String,
     /// Tracers: whitted,cone,beam [default: all]
     #[arg(long, value_name = "TRACER", value_delimiter = ',')]

@@ -15,12 +15,14 @@ pub use verify::VerifyArgs;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use scene_loading::source_names::name_of_path;
 
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
 #[command(name = "rtbench", version, about, propagate_version = true, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 fine, 1 failure, 2 usage, 4 wrong hits.")]
+#[command(after_help = "Exit codes: 0 fine, 1 failure, 2 usage, 4 wrong hits, 130 interrupted.")]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -72,11 +74,32 @@ pub enum Command {
     Reproduce(ReproduceArgs),
 }
 
+/// The name of a scene; of a file of any name, UTF-8 or not.
+pub(crate) fn scene_name() -> impl TypedValueParser<Value = String> {
+    OsStringValueParser::new().map(|name| name_of_path(&name))
+}
+
+impl Command {
+    /// Whether it goes on for long and has rows to lose.
+    pub fn measures(&self) -> bool {
+        matches!(
+            self,
+            Self::Run(_)
+                | Self::Sweep(_)
+                | Self::Cost(_)
+                | Self::CompareTracers(_)
+                | Self::Accuracy(_)
+                | Self::Verify(_)
+                | Self::Reproduce(_)
+        )
+    }
+}
+
 /// `rtbench run`.
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
     /// Scenes, scene sets or scene files [default: the set `spd`]
-    #[arg(value_name = "SCENE|SET")]
+    #[arg(value_name = "SCENE|SET", value_parser = scene_name())]
     pub scenes: Vec<String>,
     /// Structures and occluders, each with its settings if any: uniform-grid:resolution=woo:density=1,
     /// or `all` [default: all with all their variants]
@@ -97,16 +120,21 @@ pub struct RunArgs {
     /// Write everything, raw samples too, as JSON
     #[arg(long, value_name = "FILE")]
     pub export_json: Option<PathBuf>,
-    /// Write results.csv, results.md and results.json there
+    /// Write results.csv, results.md and results.json there, and run.jsonl, to resume from
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Finish the run that was begun with -o DIR: scenes that are finished are not measured again
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
+          "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
+          "size", "export_csv", "export_markdown", "export_json", "output"])]
+    pub resume: Option<PathBuf>,
 }
 
 /// `rtbench sweep`.
 #[derive(Debug, Clone, Args)]
 pub struct SweepArgs {
     /// Scenes, scene sets or scene files
-    #[arg(value_name = "SCENE|SET", required = true)]
+    #[arg(value_name = "SCENE|SET", required = true, value_parser = scene_name())]
     pub scenes: Vec<String>,
     /// The structure, with its other settings if any: uniform-grid:resolution=woo
     #[arg(short, long, value_name = "STRUCTURE")]
@@ -266,6 +294,6 @@ pub enum ScenesAction {
 #[derive(Debug, Clone, Args)]
 pub struct SceneNames {
     /// Scenes, sets or files [default: all scenes]
-    #[arg(value_name = "NAME")]
+    #[arg(value_name = "NAME", value_parser = scene_name())]
     pub names: Vec<String>,
 }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::scene_name;
+
 /// `--shadows` for shadow rays that the structure answers.
 pub const STRUCTURE_SHADOWS: &str = "structure";
 
@@ -11,6 +13,7 @@ pub const STRUCTURE_SHADOWS: &str = "structure";
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
     /// A scene's name or file
+    #[arg(value_parser = scene_name())]
     pub scene: String,
     /// The image to write: .png, or .exr for linear floats
     #[arg(short, long, value_name = "FILE", required_unless_present = "plan")]
@@ -41,6 +44,7 @@ pub struct RenderArgs {
 #[derive(Debug, Clone, Args)]
 pub struct CostArgs {
     /// A scene's name or file
+    #[arg(value_parser = scene_name())]
     pub scene: String,
     /// The structure to trace with [default: obvhs-cwbvh, or the first]
     #[arg(short, long, value_name = "STRUCTURE")]

@@ -19,13 +19,18 @@ use crate::pools::pool;
 use crate::scene_source::KnownScene;
 
 /// Pixels of the image whose rays are traced, an axis, in a full run and in a quick one.
-const SIZE: [u32; 2] = [96, 32];
+const SIZE: (u32, u32) = (96, 32);
 /// Rays of a timed pass, at most.
-const TIMED_RAYS: [usize; 2] = [20_000, 3_000];
+const TIMED_RAYS: (usize, usize) = (20_000, 3_000);
 /// Trials of an exact oracle for each variant.
-const TRIALS: [usize; 2] = [100_000, 10_000];
+const TRIALS: (usize, usize) = (100_000, 10_000);
 /// Rounds.
-const ROUNDS: [usize; 2] = [15, 5];
+const ROUNDS: (usize, usize) = (15, 5);
+
+/// Of a full run, or of a quick one.
+fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
+    if quick { first_look } else { full }
+}
 
 /// Measures and returns the exit code.
 ///
@@ -34,13 +39,13 @@ const ROUNDS: [usize; 2] = [15, 5];
 /// serve an axis is reported and costs the others nothing.
 pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
-    let which = usize::from(args.quick);
+    let quick = args.quick;
     let named = context.scenes.resolve(&args.scenes)?;
     if let Some(folder) = &args.output {
         fs::create_dir_all(folder)
             .map_err(|source| Error::Write { path: folder.clone(), source })?;
     }
-    let rounds = args.rounds.map_or(ROUNDS[which], |n| n as usize);
+    let rounds = args.rounds.map_or(pick(ROUNDS, quick), |n| n as usize);
     let mut record = AccuracyRecord {
         command_line: context.command_line.clone(),
         tool: machine::tool(),
@@ -54,7 +59,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     };
     let colors = context.terminal.colors(color);
     let (start, mut failures) = (context.clock.now(), 0);
-    let mut scenes = Scenes { size: SIZE[which], seed: args.seed, prepared: BTreeMap::new() };
+    let mut scenes = Scenes { size: pick(SIZE, quick), seed: args.seed, prepared: BTreeMap::new() };
     // builds and rays use the threads of this pool: one, so that nothing is timed beside another
     let one_thread = pool(1)?;
     for axis in axes {
@@ -76,8 +81,8 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         for known in asked {
             let limits = Limits {
                 rounds,
-                timed_rays: TIMED_RAYS[which],
-                aims: args.trials.map_or(TRIALS[which], |n| n as usize),
+                timed_rays: pick(TIMED_RAYS, quick),
+                aims: args.trials.map_or(pick(TRIALS, quick), |n| n as usize),
                 quick: args.quick,
                 seed: args.seed,
             };

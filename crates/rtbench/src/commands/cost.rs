@@ -53,7 +53,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
     let Some(model) = Model::fitted(&points) else {
         return Err(Error::NoModel { scenes: calibration.join(", ") });
     };
-    let loaded = scene.load()?.scene;
+    let loaded = context.load(&*scene)?.scene;
     let plan = plan_of(&loaded, &settings)?;
     let geometry = Geometry::<f32>::of(&loaded)?;
     let clock = context.clock;

@@ -1,17 +1,27 @@
 //! What commands that measure have in common: all scenes of a plan, one after another.
+//!
+//! Whatever goes wrong with a scene costs that scene only. What is finished is in the journal, if
+//! there is one, before anything else is done with it.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::args::Precision;
 use crate::context::{Context, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
 use crate::export::files::Outputs;
+use crate::journal::Journal;
+use crate::journal::lines::Line;
 use crate::machine;
+use crate::panics::caught;
 use crate::plan::{Plan, Rounds};
 use crate::pools::Pools;
 use crate::progress::Progress;
 use crate::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
 use crate::scene_run::{Equipment, run_scene};
+use crate::scene_source::KnownScene;
 use crate::summary::summarize;
 
 /// What came of a plan.
@@ -23,37 +33,78 @@ pub struct Measured {
     pub failures: usize,
 }
 
-/// Measures all scenes of the plan. After each, the outputs are written anew and `show` prints it.
+/// What a run keeps beside its outputs, and what it has from an earlier part of itself.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// Where finished scenes are appended.
+    pub journal: Option<Journal>,
+    /// Scenes that are finished already, by their places in the plan.
+    pub finished: BTreeMap<usize, SceneRecord>,
+    /// How many are finished, for whoever watches.
+    pub count: Arc<AtomicUsize>,
+}
+
+impl Kept {
+    fn append(&mut self, line: impl FnOnce() -> Line) -> Result<(), Error> {
+        self.journal.as_mut().map_or(Ok(()), |journal| journal.append(&line()))
+    }
+}
+
+/// [`measure_rest`] of a run that keeps nothing beside its outputs.
 ///
 /// # Errors
-/// [`Error`] for threads that cannot be started, outputs that cannot be written, and those of
-/// `show`. A scene that fails is reported and costs the others nothing.
+/// Those of [`measure_rest`].
 pub fn measure_scenes(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
     outputs: &mut Outputs<'_>,
+    show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
+) -> Result<Measured, Error> {
+    let record = begin(context, plan);
+    measure_rest(context, plan, outputs, Kept::default(), record, show)
+}
+
+/// Measures the scenes of the plan that are not finished. After each, the outputs are written anew
+/// and `show` prints it; finished ones are shown in their place.
+///
+/// # Errors
+/// [`Error`] for threads that cannot be started, outputs that cannot be written, and those of
+/// `show`. A scene that fails is reported and costs the others nothing.
+pub fn measure_rest(
+    context: &mut Context<'_>,
+    plan: &Plan<'_>,
+    outputs: &mut Outputs<'_>,
+    mut kept: Kept,
+    mut record: RunRecord,
     mut show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
 ) -> Result<Measured, Error> {
-    let mut record = begin(context, plan);
     outputs.write(&record, false)?;
     let pools = Pools::new(plan.threads)?;
-    let progress = progress(context, plan);
-    let start = context.clock.now();
+    let progress = progress(context, plan, plan.scenes.len() - kept.finished.len());
+    let budget = Budget::new(plan, context.clock.now(), kept.finished.len());
     let mut failures = 0_usize;
+    let mut left = plan.scenes.len() - kept.finished.len();
     for (i, known) in plan.scenes.iter().enumerate() {
-        let name = known.name();
-        progress.message(format!("{name}: loading"));
-        let deadline = deadline(plan, start, context.clock.now(), plan.scenes.len() - i);
-        let equipment = Equipment { pools: &pools, clock: context.clock, progress: &progress };
-        let measured = known.load().map_err(Error::from).and_then(|loaded| match plan.precision {
-            Precision::F32 => run_scene::<f32>(plan, &loaded, &equipment, deadline),
-            Precision::F64 => run_scene::<f64>(plan, &loaded, &equipment, deadline),
-        });
+        let finished_before = kept.finished.remove(&i);
+        let is_new = finished_before.is_none();
+        let measured = match finished_before {
+            Some(scene) => Ok(scene),
+            None => {
+                kept.append(|| Line::Scene(i))?;
+                progress.message(format!("{}: loading", known.name()));
+                let deadline = budget.deadline(context.clock.now(), left);
+                left -= 1;
+                let equipment =
+                    Equipment { pools: &pools, clock: context.clock, progress: &progress };
+                measure_one(plan, &**known, &equipment, deadline)
+            }
+        };
         let scene = match measured {
             Ok(scene) => scene,
             Err(error) => {
                 // One bad scene does not cost the others.
                 failures += 1;
+                kept.append(|| Line::Failed { scene: i, error: error.to_string() })?;
                 progress.skip(steps_a_scene(plan));
                 progress.suspend(|| {
                     let _ = writeln!(context.err, "error: {error}");
@@ -61,17 +112,44 @@ pub fn measure_scenes(
                 continue;
             }
         };
+        let mut kept_well = Ok(());
+        if is_new {
+            let record = || Line::Finished { scene: i, record: Box::new(scene.clone()) };
+            kept_well = kept.append(record);
+            kept.count.fetch_add(1, SeqCst);
+        }
         record.scenes.push(scene);
         record.summary = summarize(&record.scenes, plan.seed);
         record.peak_rss_bytes = machine::peak_rss().max(record.peak_rss_bytes);
-        outputs.write(&record, false)?;
+        let kept_well = kept_well.and_then(|()| outputs.write(&record, false));
         if let Some(scene) = record.scenes.last() {
+            // What the disk does not take is shown at least.
             progress.suspend(|| show(context, &record, scene))?;
         }
+        kept_well?;
     }
     progress.finish();
+    record.complete = true;
+    kept.append(|| Line::Complete)?;
     outputs.write(&record, true)?;
     Ok(Measured { record, failures })
+}
+
+/// Loads and measures a scene; a panic is its failure.
+fn measure_one(
+    plan: &Plan<'_>,
+    known: &dyn KnownScene,
+    equipment: &Equipment<'_>,
+    deadline: Option<Duration>,
+) -> Result<SceneRecord, Error> {
+    let measured = caught(|| {
+        known.load().map_err(Error::from).and_then(|loaded| match plan.precision {
+            Precision::F32 => run_scene::<f32>(plan, &loaded, equipment, deadline),
+            Precision::F64 => run_scene::<f64>(plan, &loaded, equipment, deadline),
+        })
+    });
+    let scene = || known.name().to_owned();
+    measured.unwrap_or_else(|source| Err(Error::Panicked { scene: scene(), source }))
 }
 
 /// 4 when a row is wrong, 1 when something could not be measured, else 0.
@@ -80,6 +158,7 @@ pub fn exit_code(measured: &Measured) -> u8 {
     if rows().any(|r| r.verdict == Verdict::Wrong) {
         WRONG_HITS
     } else if measured.failures > 0
+        || rows().any(|r| r.verdict == Verdict::Panicked)
         || rows().any(|r| r.verdict == Verdict::NotBuilt && r.known_defect.is_none())
     {
         FAILURE
@@ -99,7 +178,7 @@ pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
 }
 
 /// The record before the first scene.
-fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
+pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
     RunRecord {
         schema_version: SCHEMA_VERSION,
         tool: machine::tool(),
@@ -123,6 +202,8 @@ fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         scenes: Vec::new(),
         summary: Vec::new(),
         peak_rss_bytes: machine::peak_rss(),
+        planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
+        complete: false,
     }
 }
 
@@ -135,19 +216,41 @@ fn steps_a_scene(plan: &Plan<'_>) -> u64 {
     (plan.rows.len() * (rounds + 2)) as u64
 }
 
-fn progress(context: &Context<'_>, plan: &Plan<'_>) -> Progress {
+fn progress(context: &Context<'_>, plan: &Plan<'_>, scenes: usize) -> Progress {
     let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
     let budget = match plan.rounds {
         Rounds::Budget { total, .. } => Some(total),
         Rounds::Fixed(_) => None,
     };
-    Progress::new(visible, steps_a_scene(plan) * plan.scenes.len() as u64, budget)
+    Progress::new(visible, steps_a_scene(plan) * scenes as u64, budget)
 }
 
-/// When the rounds of the next scene end: what is left of the budget, shared by the scenes left.
-fn deadline(plan: &Plan<'_>, start: Duration, now: Duration, left: usize) -> Option<Duration> {
-    let Rounds::Budget { total, .. } = plan.rounds else { return None };
-    let spent = now.saturating_sub(start);
-    let share = total.saturating_sub(spent) / u32::try_from(left.max(1)).unwrap_or(u32::MAX);
-    Some(now + share)
+/// The time budget of a run, if it has one.
+struct Budget {
+    total: Option<Duration>,
+    /// When this part of the run began.
+    start: Duration,
+    /// What earlier parts of the run had: their scenes' shares.
+    before: Duration,
+}
+
+impl Budget {
+    fn new(plan: &Plan<'_>, now: Duration, finished: usize) -> Self {
+        let (total, before) = match plan.rounds {
+            Rounds::Budget { total, .. } => {
+                let share = finished as f64 / plan.scenes.len().max(1) as f64;
+                (Some(total), total.mul_f64(share))
+            }
+            Rounds::Fixed(_) => (None, Duration::ZERO),
+        };
+        Self { total, start: now, before }
+    }
+
+    /// When the rounds of the next scene end: what is left of the budget, shared by the scenes left.
+    fn deadline(&self, now: Duration, left: usize) -> Option<Duration> {
+        let spent = now.saturating_sub(self.start) + self.before;
+        let share =
+            self.total?.saturating_sub(spent) / u32::try_from(left.max(1)).unwrap_or(u32::MAX);
+        Some(now + share)
+    }
 }

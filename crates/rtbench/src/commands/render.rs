@@ -36,7 +36,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     };
     let occluder = shadows(context, &args.shadows)?;
     let name = scene.name();
-    let loaded = scene.load()?;
+    let loaded = context.load(&*scene)?;
     for warning in &loaded.scene.warnings {
         context.warn(format_args!("{name}: {warning}"));
     }

@@ -1,30 +1,137 @@
-//! `rtbench run`: measure, print, export.
+//! `rtbench run`: measure, print, export; and go on where an earlier run ended.
 
-use crate::args::{Color, RunArgs};
-use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use std::ffi::OsString;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+
+use clap::Parser;
+use scene_loading::source_names::{name_of_path, path_of_name};
+
+use crate::args::{Cli, Color, Command, RunArgs};
+use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
 use crate::context::Context;
 use crate::error::Error;
 use crate::export::files::Outputs;
 use crate::export::text;
+use crate::interrupt::{self, Unfinished};
+use crate::journal::lines::{Manifest, Recovered};
+use crate::journal::{Journal, JournalError};
+use crate::machine;
 use crate::plan::Plan;
+use crate::record::RunRecord;
 
-/// Runs and returns the exit code.
+/// Runs and returns the exit code. `arguments` are those of the process, program first.
 ///
 /// # Errors
 /// [`Error`] for what ends the run early: the command line, a scene, an output.
-pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8, Error> {
+pub fn run(
+    context: &mut Context<'_>,
+    args: &RunArgs,
+    color: Color,
+    arguments: &[OsString],
+) -> Result<u8, Error> {
+    if let Some(folder) = &args.resume {
+        return resume(context, folder, color);
+    }
     let plan = Plan::new(args, context.registry, context.occluders, context.scenes)?;
+    let record = begin(context, &plan);
+    let mut kept = Kept::default();
+    // The journal first: it refuses where the outputs would overwrite a run that is not finished.
+    if let Some(folder) = &args.output {
+        let make = std::fs::create_dir_all(folder);
+        make.map_err(|source| Error::Write { path: folder.clone(), source })?;
+        let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
+        kept.journal = Some(Journal::begin(folder, manifest(&plan, &record, arguments))?);
+    }
+    measure(context, args, color, &plan, kept, record)
+}
+
+/// Finishes the run that was begun in a folder.
+fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, Error> {
+    let (journal, found) = Journal::resume(folder)?;
+    let Recovered { manifest: was, finished, died_in, .. } = found;
+    let differs =
+        |differences: String| JournalError::Differs { folder: folder.into(), differences };
+    let arguments = was.arguments.iter().map(|a| path_of_name(a).into_os_string());
+    let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
+    let mut args = match Cli::try_parse_from(arguments).map(|cli| cli.command) {
+        Ok(Command::Run(args)) if args.resume.is_none() => args,
+        Ok(_) => return Err(differs("arguments: expected those of `run`".into()).into()),
+        Err(error) => return Err(differs(format!("arguments: {error}")).into()),
+    };
+    args.output = Some(folder.to_owned());
+    let plan = Plan::new(&args, context.registry, context.occluders, context.scenes)?;
+    let mut record = begin(context, &plan);
+    let mut differences = was.differences(&manifest(&plan, &record, Vec::new()));
+    for (&i, scene) in &finished {
+        let Some(known) = plan.scenes.get(i) else { continue };
+        let sha256 = known.load()?.sha256;
+        if sha256 != scene.sha256 {
+            let name = known.name();
+            differences.push(format!("scene {name}: sha256 was {}, is {sha256}", scene.sha256));
+        }
+    }
+    if !differences.is_empty() {
+        return Err(differs(differences.join("; ")).into());
+    }
+    if let Some(known) = died_in.and_then(|i| plan.scenes.get(i)) {
+        let name = known.name();
+        context.warn(format_args!(
+            "the run ended in scene {name} without a word: killed, or out of memory; trying again"
+        ));
+    }
+    (record.command_line, record.started_unix_s) = (was.command_line, was.started_unix_s);
+    let count = Arc::new(AtomicUsize::new(finished.len()));
+    let kept = Kept { journal: Some(journal), finished, count };
+    measure(context, &args, color, &plan, kept, record)
+}
+
+fn measure(
+    context: &mut Context<'_>,
+    args: &RunArgs,
+    color: Color,
+    plan: &Plan<'_>,
+    kept: Kept,
+    record: RunRecord,
+) -> Result<u8, Error> {
     let colors = context.terminal.colors(color);
     let mut outputs = Outputs::of_run(args)?;
-    let measured = measure_scenes(context, &plan, &mut outputs, |context, record, scene| {
-        warn_of(context, scene);
-        text::write_scene(context.out, record, scene, colors)?;
-        context.out.flush()?;
-        Ok(())
-    })?;
+    let handle = match (&kept.journal, &args.output) {
+        (Some(journal), Some(folder)) => Some((journal.handle()?, folder.clone())),
+        _ => None,
+    };
+    let finished = Arc::clone(&kept.count);
+    interrupt::watch(Unfinished { journal: handle, scenes: plan.scenes.len(), finished })
+        .map_err(Error::Signals)?;
+    let measured =
+        measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
+            warn_of(context, scene);
+            text::write_scene(context.out, record, scene, colors)?;
+            context.out.flush()?;
+            Ok(())
+        })?;
     if !measured.record.summary.is_empty() {
         text::write_summary(context.out, &measured.record, colors)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))
+}
+
+/// What the run is, for its journal.
+fn manifest(plan: &Plan<'_>, record: &RunRecord, arguments: Vec<String>) -> Manifest {
+    Manifest {
+        schema_version: record.schema_version,
+        tool: record.tool.clone(),
+        program_sha256: machine::program_sha256(),
+        compiler: record.compiler.clone(),
+        machine: record.machine.clone(),
+        settings: record.settings.clone(),
+        rounds: format!("{:?}", plan.rounds),
+        scenes: record.planned.clone(),
+        rows: plan.rows.iter().map(|row| row.label()).collect(),
+        arguments,
+        command_line: record.command_line.clone(),
+        started_unix_s: record.started_unix_s,
+    }
 }

@@ -30,7 +30,7 @@ fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownS
 
 fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     each(context, names, |context, scene| {
-        let loaded = scene.load()?;
+        let loaded = context.load(scene)?;
         let out = &mut *context.out;
         writeln!(out, "{}", scene.name())?;
         for line in SceneInfo::of(&loaded.scene).to_string().lines() {
@@ -51,7 +51,7 @@ fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
 
 fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     each(context, names, |context, scene| {
-        let LoadedScene { scene: mut loaded, .. } = scene.load()?;
+        let LoadedScene { scene: mut loaded, .. } = context.load(scene)?;
         renderer::Geometry::<f64>::of(&loaded)?;
         renderer::Geometry::<f32>::of(&loaded)?;
         let mut warnings = std::mem::take(&mut loaded.warnings);

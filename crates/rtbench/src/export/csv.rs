@@ -107,7 +107,7 @@ pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
     fields.push(number(row.first_image_s()));
     fields.extend(estimate(row.ratio));
     fields.extend(table::rates(row).map(number));
-    let judged = row.verdict != Verdict::NotBuilt;
+    let judged = !matches!(row.verdict, Verdict::NotBuilt | Verdict::Panicked);
     fields.push(if judged { row.mismatches.to_string() } else { String::new() });
     fields.push(row.verdict.name().to_owned());
     fields

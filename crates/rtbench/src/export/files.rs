@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::args::RunArgs;
 use crate::error::Error;
 use crate::export::{csv, json, markdown};
+use crate::interrupt::undisturbed;
 use crate::record::RunRecord;
 
 /// Makes a file's text of what is finished so far.
@@ -70,11 +71,11 @@ impl<'a> Outputs<'a> {
     pub fn write(&mut self, run: &RunRecord, over: bool) -> Result<(), Error> {
         for output in &mut self.outputs {
             let text = (output.format)(run)?;
-            let written = match &mut output.stream {
+            let written = undisturbed(|| match &mut output.stream {
                 None => replace(&output.path, text.as_bytes()),
                 Some(stream) if over => stream.write_all(text.as_bytes()),
                 Some(_) => Ok(()),
-            };
+            });
             match written {
                 Err(e) if output.stream.is_some() && e.kind() == io::ErrorKind::BrokenPipe => {}
                 other => {
@@ -95,19 +96,22 @@ fn open(path: &Path) -> Result<Option<File>, Error> {
     Ok((!is_file).then_some(file))
 }
 
-/// Replaces a file's content in one step, so that a killed run never leaves half a file; in place
-/// where the folder does not take new files.
+/// Replaces a file's content in one step, so that a killed run, or a full disk, never leaves half a
+/// file; in place only where the folder does not take new files.
 fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
     // Links are followed: what they point to is replaced, not the link.
     let path = fs::canonicalize(path)?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.tmp", std::process::id()));
     let temporary = path.with_file_name(name);
-    match fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, &path)) {
-        Ok(()) => Ok(()),
-        Err(_) => {
-            let _ = fs::remove_file(&temporary);
-            fs::write(&path, content)
-        }
+    let mut file = match File::create(&temporary) {
+        Ok(file) => file,
+        Err(e) if e.kind() == io::ErrorKind::PermissionDenied => return fs::write(&path, content),
+        Err(e) => return Err(e),
+    };
+    let replaced = file.write_all(content).and_then(|()| fs::rename(&temporary, &path));
+    if replaced.is_err() {
+        let _ = fs::remove_file(&temporary);
     }
+    replaced
 }

@@ -18,6 +18,10 @@ pub fn to_string(run: &RunRecord) -> String {
 /// Where and how a run was measured, tables, and what their symbols mean.
 pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str]) -> String {
     let mut text = format!("# {title}\n\n");
+    if !run.complete {
+        let (finished, all) = (run.scenes.len(), run.planned.len());
+        let _ = writeln!(text, "**Incomplete: {finished} of {all} scenes.**\n");
+    }
     for line in facts(run) {
         let _ = writeln!(text, "- {line}");
     }

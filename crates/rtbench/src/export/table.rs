@@ -151,7 +151,7 @@ fn time_cells(row: &RowRecord) -> Vec<Cell> {
 fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
     let text = match row.verdict {
-        Verdict::NotBuilt => row.verdict.name().to_owned(),
+        Verdict::NotBuilt | Verdict::Panicked => row.verdict.name().to_owned(),
         Verdict::Ok if row.answers == Answered::ShadowRays => {
             format!("ok on {} shadow rays", row.checked_rays)
         }
@@ -211,8 +211,9 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
         let reasons = [&row.error, &row.example, &row.known_defect];
         match row.verdict {
             Verdict::Ok => {}
-            Verdict::NotBuilt => {
-                notes.push(format!("{label}: {}", row.error.as_deref().unwrap_or("not built")));
+            Verdict::NotBuilt | Verdict::Panicked => {
+                let reason = row.error.as_deref().unwrap_or(row.verdict.name());
+                notes.push(format!("{label}: {reason}"));
             }
             Verdict::Wrong | Verdict::WrongAsShipped => {
                 let said: Vec<&str> = reasons.iter().filter_map(|r| r.as_deref()).collect();
@@ -291,7 +292,9 @@ fn summary_verdict(row: &SummaryRow) -> Cell {
             return "ok (shadow rays)".to_owned().into();
         }
         Verdict::Ok => return "ok".to_owned().into(),
-        Verdict::NotBuilt => format!("not built in {} scenes", row.not_built_scenes),
+        v @ (Verdict::NotBuilt | Verdict::Panicked) => {
+            format!("{} in {} scenes", v.name(), row.not_built_scenes)
+        }
         v => format!("{}: {} rays in {} scenes", v.name(), row.mismatches, row.wrong_scenes),
     };
     Cell { text, style: Style::Bad }

@@ -46,7 +46,8 @@ pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Resu
     let widths: Vec<usize> = (0..table.header.len())
         .map(|c| {
             let cells = table.rows.iter().filter_map(|r| r.get(c)).map(|c| c.text.chars().count());
-            cells.chain([table.header[c].chars().count()]).max().unwrap_or(0)
+            let title = table.header.get(c).map_or(0, |title| title.chars().count());
+            cells.chain([title]).max().unwrap_or(0)
         })
         .collect();
     writeln!(out, "{}", painted(&table.title, Style::Best, colors))?;

@@ -1,0 +1,426 @@
+//! The loader cases L1 to L10 of the project's catalogue of hard cases, one test each, by name.
+//! (The tests `load_*` have the same faults in more variants.)
+
+use std::path::{Path, PathBuf};
+
+use scene_loading::gltf::{load_gltf, parse_gltf};
+use scene_loading::nff::parse_nff;
+use scene_loading::obj::{ObjOptions, load_obj, parse_materials, parse_obj};
+use scene_loading::{LoadError, Scene};
+use serde_json::{Value, json};
+
+const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+/// The error of an OBJ text, which must name that line.
+fn obj_error(text: &str, line: usize) -> LoadError {
+    let parsed = parse_obj(Path::new("a.obj"), text.as_bytes().to_vec(), ObjOptions::default());
+    let error = parsed.expect_err(text);
+    assert!(error.to_string().starts_with(&format!("a.obj:{line}: ")), "{text:?}: {error}");
+    error
+}
+
+/// A folder with an OBJ file `a.obj` and other files.
+fn folder(obj: &str, files: &[(&str, &[u8])]) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, obj).unwrap();
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    (folder, path)
+}
+
+/// The only warning of a scene.
+fn warning(scene: &Scene) -> &str {
+    let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
+    &warning.0
+}
+
+/// A document of one triangle, whose buffer is a data URI: three positions and three indices.
+fn triangle() -> Value {
+    use base64::Engine;
+    let corners: [f32; 9] = [0., 0., 0., 1., 0., 0., 0., 1., 0.];
+    let mut bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0u8, 1, 2, 0]);
+    let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+             "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5121, "count": 3, "type": "SCALAR"}
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 4}
+        ],
+        "buffers": [{"byteLength": 40, "uri": format!("data:;base64,{data}")}]
+    })
+}
+
+/// The document with one value set; the last key of the pointer may be new.
+fn with(pointer: &str, value: Value) -> Value {
+    let mut document = triangle();
+    let (parent, key) = pointer.rsplit_once('/').unwrap();
+    let parent = document.pointer_mut(parent).unwrap();
+    match parent {
+        Value::Array(list) => list[key.parse::<usize>().unwrap()] = value,
+        _ => parent[key] = value,
+    }
+    document
+}
+
+fn gltf(document: &Value) -> Result<Scene, LoadError> {
+    parse_gltf(Path::new("dir/a.gltf"), document.to_string().as_bytes())
+}
+
+/// The error of a document: typed, from the checks before the crate or from its validation, and
+/// not from a panic.
+fn gltf_error(document: &Value) -> LoadError {
+    let error = gltf(document).expect_err(&document.to_string());
+    let text = error.to_string();
+    assert!(text.starts_with("dir/a.gltf: ") && !text.contains("panic"), "{text}");
+    error
+}
+
+#[test]
+fn l1_obj_indices_and_numbers() {
+    for bad in [
+        "f 0 1 2",
+        "f 1 2 4",
+        "f -4 1 2",
+        "f 1 2 9223372036854775807",
+        "f 1 2 -9223372036854775808",
+        "f 1 2 9223372036854775808",
+        "f 1//9 2//9 3//9",
+        "f 1/2 2/2 3/2",
+    ] {
+        let error = obj_error(&format!("{CORNERS}\n{bad}\n"), 5);
+        assert!(matches!(error, LoadError::IndexOutOfRange { .. }), "{bad}: {error}");
+    }
+    for bad in ["v nan 0 0", "v 1e400 0 0", "v 0 -inf 0", "vn 0 0 nan"] {
+        let error = obj_error(&format!("{CORNERS}{bad}\nf 1 2 3\n"), 4);
+        assert!(matches!(error, LoadError::NotFinite { .. }), "{bad}: {error}");
+    }
+    let weight = obj_error(&format!("{CORNERS}v 1e99 0 0 1e-90\nf 1 2 3\n"), 4);
+    assert!(matches!(weight, LoadError::OutOfRange { .. }), "{weight}");
+}
+
+#[test]
+fn l2_mtl_of_one_number() {
+    let path = Path::new("a.mtl");
+    let grey = parse_materials(path, b"newmtl a\nKd 0.5\n".to_vec()).unwrap();
+    assert_eq!(grey[0].color, [0.5; 3]);
+    for (bad, line) in [
+        ("newmtl a\nKd 0.5 0.5\n", 2),
+        ("newmtl a\nKd\n", 2),
+        ("newmtl a\nKs 1 2 3 4\n", 2),
+        ("newmtl a\nNs\n", 2),
+        ("newmtl a\nd x\n", 2),
+        ("newmtl \n", 1),
+        ("Kd 1 1 1\n", 1),
+        ("map_Kd a.png\n", 1),
+        ("newmtl a\nillum -1\n", 2),
+    ] {
+        let error = parse_materials(path, bad.as_bytes().to_vec()).expect_err(bad);
+        assert!(matches!(error, LoadError::Syntax { .. }), "{bad}: {error}");
+        assert!(error.to_string().starts_with(&format!("a.mtl:{line}: ")), "{bad}: {error}");
+    }
+    // The other things that stand in such files are no obstacle.
+    let all = b"# x\nnewmtl a\nKa 1\nTf\nmap_bump -bm 1 x.png\nKe\nsharpness\nKd spectral x.rfl\n";
+    assert_eq!(parse_materials(path, all.to_vec()).unwrap().len(), 1);
+}
+
+#[test]
+fn l3_empty_missing_latin_1_and_continued() {
+    for text in ["", "\n", "#", "\\", "\\\n"] {
+        let parsed = parse_obj(Path::new("a.obj"), text.as_bytes().to_vec(), ObjOptions::default());
+        assert!(matches!(parsed, Err(LoadError::NoPrimitives { .. })), "{text:?}");
+    }
+    assert!(matches!(parse_nff(Path::new("a.nff"), ""), Err(LoadError::NoPrimitives { .. })));
+    assert!(parse_gltf(Path::new("a.gltf"), b"").is_err());
+    let obj = format!("mtllib lost.mtl\n{CORNERS}f 1 2 3\n");
+    let (_folder, path) = folder(&obj, &[]);
+    let scene = load_obj(&path, ObjOptions::default()).unwrap();
+    assert!(warning(&scene).contains("lost.mtl is missing"), "{}", warning(&scene));
+    let odd = b"# caf\xe9\nv 0 0 \\\r\n0\nv 1 0 0 # \xff\nv 0 1 0\nusemtl caf\xe9\nf 1 \\\n2 3\n";
+    let scene = parse_obj(Path::new("a.obj"), odd.to_vec(), ObjOptions::default()).unwrap();
+    assert_eq!(scene.primitives.len(), 1);
+}
+
+#[test]
+fn l4_gltf_that_panics_the_crate() {
+    for (pointer, value) in [
+        ("/accessors/1/componentType", json!(5126)),
+        ("/meshes/0/primitives/0/attributes/POSITION", json!(77)),
+        ("/meshes/0/primitives/0/indices", json!(77)),
+        ("/buffers/0/uri", json!("%FF")),
+        ("/buffers/0/uri", json!("data:;base64,%FF")),
+        ("/cameras", json!([{"type": "perspective"}])),
+        ("/nodes/0/skin", json!(5)),
+        ("/scene", json!(5)),
+    ] {
+        let mut document = with(pointer, value);
+        if document.get("cameras").is_some() {
+            document["nodes"][0]["camera"] = json!(0);
+        }
+        gltf_error(&document);
+    }
+    // An image that cannot be had is a warning, and the surface keeps its plain colour.
+    for image in [
+        json!({}),
+        json!({"bufferView": 99, "mimeType": "image/png"}),
+        json!({"bufferView": 0}),
+        json!({"uri": "%FF"}),
+        json!({"uri": "data:image/png;base64,AAAA"}),
+    ] {
+        let mut document = with("/images", json!([image]));
+        document["textures"] = json!([{"source": 0}]);
+        document["materials"] =
+            json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+        document["meshes"][0]["primitives"][0]["material"] = json!(0);
+        match gltf(&document) {
+            Ok(scene) => assert!(warning(&scene).contains("plain colour"), "{image}"),
+            Err(error) => assert!(!error.to_string().contains("panic"), "{image}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn l5_glb_that_claims_4_gib() {
+    let mut file = b"glTF\x02\0\0\0\xff\xff\xff\xff\x10\0\0\0JSON{}              ".to_vec();
+    let error = parse_gltf(Path::new("a.glb"), &file).unwrap_err();
+    assert!(matches!(error, LoadError::GlbLength { declared: 0xffff_ffff, .. }), "{error}");
+    // So may a chunk.
+    let length = file.len() as u32;
+    file[8..12].copy_from_slice(&length.to_le_bytes());
+    file[12..16].copy_from_slice(&[0xff; 4]);
+    let error = parse_gltf(Path::new("a.glb"), &file).unwrap_err();
+    assert!(!error.to_string().contains("panic"), "{error}");
+    // And JSON may be small in the file and large in memory.
+    let bomb = format!("{{\"nodes\":[{}]}}", "{},".repeat((2 << 20) + 1));
+    let error = parse_gltf(Path::new("a.gltf"), bomb.as_bytes()).unwrap_err();
+    assert!(matches!(error, LoadError::CountTooLarge { .. }), "{error}");
+}
+
+#[test]
+fn l6_gltf_cycles_and_doubled_children() {
+    let cycle = with("/nodes", json!([{"mesh": 0, "children": [1]}, {"children": [0]}]));
+    assert!(matches!(gltf_error(&cycle), LoadError::NodeReachedTwice { .. }));
+    let itself = with("/nodes", json!([{"mesh": 0, "children": [0]}]));
+    assert!(matches!(gltf_error(&itself), LoadError::NodeReachedTwice { .. }));
+    let mut nodes: Vec<Value> = (1..=40).map(|i| json!({"children": [i, i]})).collect();
+    nodes.push(json!({"mesh": 0}));
+    assert!(matches!(
+        gltf_error(&with("/nodes", json!(nodes))),
+        LoadError::NodeReachedTwice { .. }
+    ));
+    // A long chain is no recursion: the stack of a test's thread would not hold it.
+    let mut chain: Vec<Value> = (1..100_000).map(|i| json!({"children": [i]})).collect();
+    chain.push(json!({"mesh": 0}));
+    assert_eq!(gltf(&with("/nodes", json!(chain))).unwrap().primitives.len(), 1);
+}
+
+#[test]
+fn l7_gltf_accessors_that_lie() {
+    for (pointer, value) in [
+        ("/accessors/0/count", json!(4)),
+        ("/accessors/0/byteOffset", json!(8)),
+        ("/bufferViews/0/byteLength", json!(35)),
+        ("/bufferViews/1/byteOffset", json!(u64::MAX)),
+        ("/buffers/0/byteLength", json!(41)),
+    ] {
+        let error = gltf_error(&with(pointer, value));
+        assert!(matches!(error, LoadError::PastBuffer { .. }), "{pointer}: {error}");
+    }
+    // The bytes of 1.0 as indices: 0, 0, 128.
+    let beyond = with("/bufferViews/1/byteOffset", json!(12));
+    let error = gltf_error(&beyond);
+    assert!(matches!(error, LoadError::IndexOutOfRange { .. }), "{error}");
+    let zero = with("/nodes/0/matrix", json!([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]));
+    assert!(matches!(gltf_error(&zero), LoadError::Gltf { .. }));
+    // NaN positions: 0x7fc00000, little-endian, in base64, nine times.
+    let nan = with(
+        "/buffers/0/uri",
+        json!(format!("data:;base64,{}AAECAA==", "AADAfwAAwH8AAMB/".repeat(3))),
+    );
+    let error = gltf_error(&nan);
+    assert!(matches!(error, LoadError::NotFinite { .. }), "{error}");
+    // Zeros that the file does not hold.
+    let mut zeros = triangle();
+    zeros["accessors"][0] = json!({
+        "componentType": 5126, "count": 60_000_000, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1],
+        "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5121},
+                   "values": {"bufferView": 0}}
+    });
+    let error = gltf_error(&zeros);
+    assert!(matches!(error, LoadError::CountTooLarge { .. }), "{error}");
+}
+
+#[test]
+fn l8_nothing_outside_the_folder_is_read() {
+    for uri in ["../../x", "%2e%2e/x", "file:x", "file:///etc/passwd", "/dev/zero", "..\\x"] {
+        let error = gltf_error(&with("/buffers/0/uri", json!(uri)));
+        assert!(matches!(error, LoadError::OutsideFolder { .. }), "{uri}: {error}");
+    }
+    for map in ["../../x.png", "/dev/zero", "..\\x.png"] {
+        let obj = format!("mtllib a.mtl\n{CORNERS}usemtl a\nf 1 2 3\n");
+        let mtl = format!("newmtl a\nmap_Kd {map}\n");
+        let (_folder, path) = folder(&obj, &[("a.mtl", mtl.as_bytes())]);
+        let scene = load_obj(&path, ObjOptions::default()).unwrap();
+        assert!(warning(&scene).contains("leads out of the folder"), "{}", warning(&scene));
+    }
+    for library in ["../a.mtl", "/etc/passwd"] {
+        let (_folder, path) = folder(&format!("mtllib {library}\n{CORNERS}f 1 2 3\n"), &[]);
+        let scene = load_obj(&path, ObjOptions::default()).unwrap();
+        assert!(warning(&scene).contains("leads out of the folder"), "{}", warning(&scene));
+    }
+}
+
+/// Links that lead out, and what is no file.
+#[cfg(unix)]
+#[test]
+fn l8_links_and_devices() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    let link = |to: &str, name: &str| {
+        std::os::unix::fs::symlink(to, folder.path().join(name)).unwrap();
+    };
+    link("/etc/passwd", "out.bin");
+    link("/dev/zero", "zero.bin");
+    std::fs::create_dir(folder.path().join("folder.bin")).unwrap();
+    for (uri, is_outside) in [("out.bin", true), ("zero.bin", true), ("folder.bin", false)] {
+        std::fs::write(&path, with("/buffers/0/uri", json!(uri)).to_string()).unwrap();
+        let error = load_gltf(&path).unwrap_err();
+        match is_outside {
+            true => assert!(matches!(error, LoadError::OutsideFolder { .. }), "{uri}: {error}"),
+            false => assert!(matches!(error, LoadError::Io { .. }), "{uri}: {error}"),
+        }
+    }
+    assert!(matches!(load_gltf(Path::new("/dev/zero")), Err(LoadError::Io { .. })));
+}
+
+#[test]
+fn l9_images_share_one_budget() {
+    // Six images of 16,384 x 8,192 texels, 402 MB each once decoded, from a header alone.
+    let bomb = {
+        let mut png = Vec::new();
+        image::DynamicImage::new_rgb8(4, 4)
+            .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
+            .unwrap();
+        png[16..20].copy_from_slice(&16_384_u32.to_be_bytes());
+        png[20..24].copy_from_slice(&8_192_u32.to_be_bytes());
+        let crc = !png[12..29].iter().fold(!0_u32, |crc, byte| {
+            (0..8).fold(crc ^ u32::from(*byte), |c, _| (c >> 1) ^ (0xedb8_8320 * (c & 1)))
+        });
+        png[29..33].copy_from_slice(&crc.to_be_bytes());
+        png
+    };
+    let names: Vec<String> = (0..6).map(|i| format!("{i}.png")).collect();
+    let mut files: Vec<(&str, &[u8])> = names.iter().map(|n| (n.as_str(), &bomb[..])).collect();
+    let mut obj = format!("mtllib a.mtl\n{CORNERS}vt 0 0\n");
+    let mut mtl = String::new();
+    for name in names.iter().map(String::as_str).chain(["lost.png"]) {
+        obj.push_str(&format!("usemtl {name}\nf 1/1 2/1 3/1\n"));
+        mtl.push_str(&format!("newmtl {name}\nmap_Kd {name}\n"));
+    }
+    files.push(("a.mtl", mtl.as_bytes()));
+    let (_folder, path) = folder(&obj, &files);
+    let scene = load_obj(&path, ObjOptions::default()).unwrap();
+    assert_eq!((scene.primitives.len(), scene.textures.len()), (7, 0));
+    let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
+    assert_eq!(warnings.len(), 7, "{warnings:?}");
+    assert!(warnings[1..6].iter().all(|w| w.contains("of the 536870912")), "{warnings:?}");
+    assert!(warnings[6].contains("lost.png"), "{warnings:?}");
+}
+
+#[test]
+fn l10_nff_that_lies() {
+    let error_of = |text: &str, line: usize| {
+        let error = parse_nff(Path::new("a.nff"), text).expect_err(text);
+        assert!(error.to_string().starts_with(&format!("a.nff:{line}: ")), "{text:?}: {error}");
+        error
+    };
+    let cut = error_of("b 0 0 0\np 4\n0 0 0\n1 0 0\n1 1 0\n", 6);
+    assert!(matches!(cut, LoadError::UnexpectedEnd { .. }), "{cut}");
+    let negative = error_of("s 0 0 0 1\ns 0 0 0 -1\n", 2);
+    assert!(matches!(negative, LoadError::NegativeRadius { .. }), "{negative}");
+    for count in ["4000000000", "18446744073709551615"] {
+        let absurd = error_of(&format!("\np {count}\n0 0 0\n"), 2);
+        assert!(matches!(absurd, LoadError::CountTooLarge { .. }), "{absurd}");
+    }
+    for (bad, line) in [("p -1\n", 1), ("p 2\n0 0 0\n1 0 0\n", 1), ("s 0 0 nan 1\n", 1)] {
+        error_of(bad, line);
+    }
+}
+
+/// What was read by tobj before is read as tobj read it.
+#[test]
+fn the_parser_agrees_with_tobj() {
+    let mut state = 1_u64;
+    let mut random = |below: u64| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    for case in 0..50 {
+        let mut text = String::from("mtllib a.mtl\n");
+        let (mut positions, mut normals) = (0, 0);
+        for _ in 0..60 {
+            match random(8) {
+                0..=2 => {
+                    let [x, y, z] = [random(1000), random(1000), random(1000)];
+                    text.push_str(&format!("v {x}e-2 {y}.5 -{z}\n"));
+                    positions += 1;
+                }
+                3 => {
+                    text.push_str(&format!("vn {} 1 0\n", random(9)));
+                    normals += 1;
+                }
+                4 => text.push_str(&format!("usemtl {}\n", ["a", "b"][random(2) as usize])),
+                _ if positions >= 3 => {
+                    let mut corner = || match (random(2), positions) {
+                        (0, n) => format!("{}", 1 + random(n)),
+                        (_, n) => format!("-{}", 1 + random(n)),
+                    };
+                    let corners = [corner(), corner(), corner()];
+                    let normal = if normals > 0 {
+                        format!("//{}", 1 + random(normals))
+                    } else {
+                        String::new()
+                    };
+                    let face = corners.map(|c| c + &normal);
+                    text.push_str(&format!("f {}\n", face.join(" ")));
+                }
+                _ => {}
+            }
+        }
+        let names = ["a", "b"].map(|n| format!("newmtl {n}\n")).concat();
+        let (_folder, path) = folder(&text, &[("a.mtl", names.as_bytes())]);
+        let Ok(scene) = load_obj(&path, ObjOptions::default()) else { continue };
+        let options = tobj::LoadOptions::default();
+        let (models, _) = tobj::load_obj(&path, &options).unwrap();
+        // tobj keeps faces without area, we leave them out
+        let mut theirs = Vec::new();
+        for tobj::Model { mesh, .. } in &models {
+            for corners in mesh.indices.chunks(3) {
+                let point =
+                    |&i: &u32| glam::DVec3::from_slice(&mesh.positions[3 * i as usize..][..3]);
+                let [a, b, c] = [0, 1, 2].map(|k| point(&corners[k]));
+                if (b - a).cross(c - a).length() > 1e-9 {
+                    theirs.push((vec![a, b, c], mesh.material_id.map(|id| ["a", "b"][id])));
+                }
+            }
+        }
+        let ours: Vec<_> = scene
+            .primitives
+            .iter()
+            .map(|p| (scene.outline(p.shape), scene.materials[p.material as usize].name.as_str()))
+            .map(|(outline, name)| (outline, (!name.is_empty()).then_some(name)))
+            .collect();
+        assert_eq!(ours, theirs, "case {case}\n{text}");
+        let vertices: usize = models.iter().map(|m| m.mesh.positions.len() / 3).sum();
+        assert_eq!(scene.vertices.len(), vertices, "case {case}\n{text}");
+    }
+}
