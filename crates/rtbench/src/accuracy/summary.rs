@@ -115,9 +115,15 @@ pub fn line(axis: &AxisRecord, cost: &Cost) -> String {
     let scenes: Vec<String> = axis.scenes.iter().map(|s| scene(s, cost)).collect();
     let head = match cost {
         Cost::Free => "the most accurate variant takes no more time".into(),
-        Cost::Cheap(e) | Cost::Expensive(e) => {
-            format!("the most accurate variant costs {} more time over all scenes", more(e))
-        }
+        Cost::Cheap(e) | Cost::Expensive(e) => match e.median < 2.0 {
+            true => {
+                format!("the most accurate variant costs {} more time over all scenes", more(e))
+            }
+            false => format!(
+                "the most accurate variant takes {} times as long over all scenes",
+                times(e)
+            ),
+        },
         Cost::NotTold(e) => format!(
             "what the most accurate variant costs over all scenes was not told: {} more time",
             more(e)
@@ -177,7 +183,12 @@ fn error(row: &VariantRecord) -> String {
 fn removes(from: &VariantRecord, to: &VariantRecord) -> String {
     match (from.error, to.error) {
         (ErrorOf::Rmse { rmse: a }, ErrorOf::Rmse { rmse: b }) if b > 0.0 => {
-            format!("divides the error by {}", short(a / b))
+            // error^-p of a time: what half the error takes
+            let half = 2.0_f64.powf((to.ratio.median / from.ratio.median).ln() / (a / b).ln());
+            format!(
+                "divides the error by {} (half the error takes {half:.1} times as long)",
+                short(a / b)
+            )
         }
         _ => {
             let gone = from.error.value() - to.error.value();
