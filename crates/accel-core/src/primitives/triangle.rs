@@ -158,25 +158,37 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
-        let v0 = Vec3::<S>::from_array(tri[0]);
-        let e1 = Vec3::<S>::from_array(tri[1]) - v0;
-        let e2 = Vec3::<S>::from_array(tri[2]) - v0;
-        let p = ray.direction.cross(e2);
-        let det = e1.dot(p);
-        if det == S::ZERO {
-            return None;
-        }
-        let inv = S::ONE / det;
-        let s = ray.origin - v0;
-        let u = s.dot(p) * inv;
-        let q = s.cross(e1);
-        let v = ray.direction.dot(q) * inv;
-        if !(u >= S::ZERO && v >= S::ZERO && u + v <= S::ONE) {
-            return None;
-        }
-        let t = e2.dot(q) * inv;
-        (t >= ray.t_min && t <= t_max).then_some(t)
+        moeller_trumbore(tri, ray, t_max, S::ZERO)
     }
+}
+
+/// The test of Moeller and Trumbore 1997, hits accepted up to `tolerance` outside in barycentric
+/// coordinates.
+#[inline(always)]
+pub(super) fn moeller_trumbore<S: Scalar>(
+    tri: &[[S; 3]; 3],
+    ray: &Ray<S>,
+    t_max: S,
+    tolerance: S,
+) -> Option<S> {
+    let v0 = Vec3::<S>::from_array(tri[0]);
+    let e1 = Vec3::<S>::from_array(tri[1]) - v0;
+    let e2 = Vec3::<S>::from_array(tri[2]) - v0;
+    let p = ray.direction.cross(e2);
+    let det = e1.dot(p);
+    if det == S::ZERO {
+        return None;
+    }
+    let inv = S::ONE / det;
+    let s = ray.origin - v0;
+    let u = s.dot(p) * inv;
+    let q = s.cross(e1);
+    let v = ray.direction.dot(q) * inv;
+    if !(u >= -tolerance && v >= -tolerance && u + v <= S::ONE + tolerance) {
+        return None;
+    }
+    let t = e2.dot(q) * inv;
+    (t >= ray.t_min && t <= t_max).then_some(t)
 }
 
 /// Triangles alone, tested by `T`. 36 bytes a triangle in f32, 72 in f64.

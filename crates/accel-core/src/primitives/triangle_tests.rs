@@ -9,7 +9,7 @@
 //! Deviations: coordinates of the Pluecker test are relative to the ray's origin, so that only the
 //! moment of each edge is left; the test in f64 is the watertight one on the same vertices.
 
-use super::triangle::{Shear, TriangleTest, Watertight, edge_function};
+use super::triangle::{Shear, TriangleTest, Watertight, edge_function, moeller_trumbore};
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
 
@@ -30,24 +30,7 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumboreTolerant {
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
-        let tolerance = S::EPSILON * S::from_f64(TOLERANCE_EPSILONS);
-        let [v0, v1, v2] = tri.map(Vec3::<S>::from_array);
-        let (e1, e2) = (v1 - v0, v2 - v0);
-        let p = ray.direction.cross(e2);
-        let det = e1.dot(p);
-        if det == S::ZERO {
-            return None;
-        }
-        let inv = S::ONE / det;
-        let s = ray.origin - v0;
-        let u = s.dot(p) * inv;
-        let q = s.cross(e1);
-        let v = ray.direction.dot(q) * inv;
-        if !(u >= -tolerance && v >= -tolerance && u + v <= S::ONE + tolerance) {
-            return None;
-        }
-        let t = e2.dot(q) * inv;
-        (t >= ray.t_min && t <= t_max).then_some(t)
+        moeller_trumbore(tri, ray, t_max, S::EPSILON * S::from_f64(TOLERANCE_EPSILONS))
     }
 }
 
