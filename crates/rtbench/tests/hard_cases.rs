@@ -369,6 +369,8 @@ fn k3_kill_9_loses_no_finished_row() {
         let folder = tempfile::tempdir().unwrap();
         runs += 1;
         let mut before = Vec::new();
+        // longer from kill to kill, or a machine that has become busy would never finish a run
+        let mut longest = takes.mul_f64(1.1);
         loop {
             let mut child = if before.is_empty() {
                 // nothing was kept: begin (again)
@@ -376,7 +378,8 @@ fn k3_kill_9_loses_no_finished_row() {
             } else {
                 program(&format!("run -q --resume {}", show(folder.path()))).spawn().unwrap()
             };
-            std::thread::sleep(takes.mul_f64(1.1 * random()));
+            std::thread::sleep(longest.mul_f64(random()));
+            longest = longest.mul_f64(1.1);
             let _ = child.kill();
             let (code, out, err) = ended(child);
             let text = std::fs::read(folder.path().join("run.jsonl")).unwrap_or_default();
@@ -406,8 +409,10 @@ fn k3_kill_9_loses_no_finished_row() {
             kept += found.finished.len();
         }
         assert_eq!(outputs(folder.path()), outputs(whole.path()));
+        println!(
+            "{killed} kills in {runs} runs, {kept} finished scenes kept, {torn} torn lines cut"
+        );
     }
-    println!("{killed} kills in {runs} runs, {kept} finished scenes kept, {torn} torn lines cut");
 }
 
 /// With memory limited, a large scene ends the process in one way or the other. What was finished
