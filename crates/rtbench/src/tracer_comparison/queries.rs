@@ -151,7 +151,7 @@ mod tests {
     use crate::clock::SteppingClock;
     use crate::scene_source::{Installed, SceneSource};
 
-    /// A grid that loses every third cell.
+    /// A grid that loses two of three cells.
     struct Loser(UniformGrid<f64>);
 
     impl Structure<f64> for Loser {
@@ -173,7 +173,7 @@ mod tests {
             let mut number = 0;
             self.0.walk_shaft(shaft, &mut |ids, depth| {
                 number += 1;
-                if number % 3 == 0 { ControlFlow::Continue(()) } else { cell(ids, depth) }
+                if number % 3 == 0 { cell(ids, depth) } else { ControlFlow::Continue(()) }
             });
         }
     }
