@@ -2,6 +2,7 @@
 
 pub mod box_test;
 pub mod cell_insertion;
+pub mod chosen_tests;
 pub mod cone_and_beam;
 pub mod effects;
 pub mod gating;

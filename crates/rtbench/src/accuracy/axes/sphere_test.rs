@@ -11,13 +11,12 @@ use glam::DVec3;
 use renderer::RaySettings;
 use scene_loading::Scene;
 
+use super::chosen_tests;
 use crate::accuracy::axis::Axis;
-use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Prepared, Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::stage::{Prepared, Stage, TRACER, count};
+use crate::accuracy::timing::{Said, timed};
 use crate::error::Error;
-use crate::statistics::median;
 use crate::verify::draw::{direction, unit};
 
 /// Registry line.
@@ -110,23 +109,10 @@ fn judged(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, Error> {
     };
     let exact = hit(SphereChoice::Double);
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
-        let (mut tally, mut ulps) = (Tally::default(), Vec::new());
-        for ((t, exact), (_, _, is_met)) in hit(test).into_iter().zip(&exact).zip(&aims) {
-            tally.add(t.is_some() != *is_met);
-            if let (Some(t), Some(exact)) = (t, exact) {
-                let ulp = f64::from(exact.next_up()) - f64::from(*exact);
-                ulps.push((f64::from(t) - f64::from(*exact)).abs() / ulp);
-            }
-        }
-        Variant {
-            name: name.into(),
-            setting: built.setting(),
-            known_defect: built.known_defect,
-            is_reference: name == "f64",
-            error: tally.error(),
-            also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
-            work: Box::new(Replay::new(&*built.tracer, &sheets)),
-        }
+        let answers = hit(test).into_iter().zip(&exact).zip(&aims);
+        let answers =
+            answers.map(|((t, exact), (_, _, is_met))| (t, *exact, t.is_some() != *is_met));
+        chosen_tests::variant(name, built, &sheets, answers)
     });
     let said = Said {
         timed: format!("{rays} rays of {what} through {TRACER}; each test is a call"),

@@ -4,14 +4,13 @@ use accel_core::primitives::chosen::{Choice, ChosenTests, SphereChoice, Triangle
 use accel_core::primitives::{PrimSet, PrimitiveKind};
 use accel_core::structures::PrimsRef;
 
+use super::chosen_tests;
 use super::triangle_aims::{Aim, Shared};
 use crate::accuracy::axis::Axis;
-use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::stage::{Stage, TRACER, count};
+use crate::accuracy::timing::{Said, timed};
 use crate::error::Error;
-use crate::statistics::median;
 
 /// Registry line.
 pub static AXIS: Axis = Axis {
@@ -63,24 +62,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
     };
     let exact = hit(TriangleChoice::Double);
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
-        let mut tally = Tally::default();
-        let mut ulps = Vec::new();
-        for (t, exact) in hit(test).into_iter().zip(&exact) {
-            tally.add(t.is_none());
-            if let (Some(t), Some(exact)) = (t, exact) {
-                let ulp = f64::from(exact.next_up()) - f64::from(*exact);
-                ulps.push((f64::from(t) - f64::from(*exact)).abs() / ulp);
-            }
-        }
-        Variant {
-            name: name.into(),
-            setting: built.setting(),
-            known_defect: built.known_defect,
-            is_reference: name == "f64",
-            error: tally.error(),
-            also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
-            work: Box::new(Replay::new(&*built.tracer, &sheets)),
-        }
+        let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
+        chosen_tests::variant(name, built, &sheets, answers)
     });
     let said = Said {
         timed: format!("{rays} rays of the scene through {TRACER}; each test is a call"),
