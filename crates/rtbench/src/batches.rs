@@ -70,6 +70,20 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
+    /// Bytes that are equal where, and only where, no answer differs: id and bits of t, or blocked.
+    pub fn bytes(&self) -> Vec<u8> {
+        match self {
+            Self::Hits(hits) => {
+                let of = |hit: &Hit<S>| {
+                    let t = hit.t.to_f64().to_bits().to_le_bytes();
+                    t.into_iter().chain(hit.id.to_le_bytes())
+                };
+                hits.iter().flat_map(of).collect()
+            }
+            Self::Blocked(blocked) => blocked.iter().map(|&b| u8::from(b)).collect(),
+        }
+    }
+
     fn thinned(&self, stride: usize) -> Self {
         match self {
             Self::Hits(hits) => Self::Hits(hits.iter().copied().step_by(stride).collect()),
@@ -210,6 +224,9 @@ mod tests {
         let a = hits(&[(1.0, 0), (1.0, 1), (2.0, 2)]);
         let b = hits(&[(1.0, 0), (1.0, 2), (2.0_f32.next_up(), 2)]);
         assert_eq!(a.differing(&b).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(a.bytes(), a.clone().bytes());
+        assert_ne!(a.bytes(), b.bytes());
+        assert_eq!(a.bytes()[..12], b.bytes()[..12]);
         let p: Answers<f32> = Answers::Blocked(vec![true, false]);
         let q = Answers::Blocked(vec![true, true]);
         assert_eq!(p.differing(&q).collect::<Vec<_>>(), [1]);

@@ -5,6 +5,7 @@ use accel_core::counters::WorkCounters;
 use accel_core::occluders::OccluderScalar;
 use accel_core::structures::{BuildError, Buildable};
 use rayon::prelude::*;
+use scene_loading::source_hash::sha256_of_bytes;
 
 use crate::batches::{Answers, Batch, BatchSet, CHUNK};
 use crate::clock::Clock;
@@ -33,6 +34,8 @@ pub struct Checked {
     pub mismatches: usize,
     /// The first wrong answer, in words.
     pub example: Option<String>,
+    /// SHA-256 of all answers compared, kind by kind: equal where every answer is.
+    pub answers_sha256: String,
     /// Seconds that one thread needs for all rays, estimated.
     pub full_pass_s: f64,
 }
@@ -61,11 +64,14 @@ pub fn check<S: Buildable + OccluderScalar>(
     };
     let mut work = WorkCounters::default();
     let (mut checked_rays, mut mismatches, mut example) = (0, 0, None);
+    let mut answered = Vec::new();
     scope.pools.helper.install(|| {
         for batch in &set.batches {
             let mut timed_path = Answers::new(batch.kind, batch.rays.len());
             timed_path.clear();
             built.trace_chunked(batch, &mut timed_path);
+            answered.extend_from_slice(batch.kind.name().as_bytes());
+            answered.extend(timed_path.bytes());
             let (counted_path, counted) = count(&built, batch);
             work += counted;
             let timed = compare(scope, set, batch, &timed_path);
@@ -94,6 +100,7 @@ pub fn check<S: Buildable + OccluderScalar>(
         checked_rays,
         mismatches,
         example,
+        answers_sha256: sha256_of_bytes(&answered),
         full_pass_s,
     })
 }

@@ -9,6 +9,7 @@ use accel_core::structures::BuildError;
 use crate::journal::JournalError;
 use crate::panics::Panicked;
 use crate::plan::PlanError;
+use crate::record_file::RecordError;
 use crate::reproduce::ReproduceError;
 use renderer::{GeometryError, ImageError};
 
@@ -114,6 +115,9 @@ pub enum Error {
     /// Signals cannot be had.
     #[error("cannot watch for signals: {0}")]
     Signals(io::Error),
+    /// The record of a run cannot be read.
+    #[error(transparent)]
+    Record(#[from] RecordError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),

@@ -39,6 +39,7 @@ pub mod machine;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
 pub mod measured_row;
+pub mod metrics;
 pub mod oracle;
 pub mod panics;
 pub mod plan;
@@ -47,6 +48,7 @@ pub mod progress;
 pub mod random;
 pub mod ray_overrides;
 pub mod record;
+pub mod record_file;
 pub mod reference;
 pub mod reproduce;
 pub mod rows;

@@ -313,6 +313,10 @@ pub struct RowRecord {
     pub checked_rays: u64,
     /// Of those, rays answered wrongly.
     pub mismatches: u64,
+    /// SHA-256 of all answers that were compared: id and bits of t of each hit, blocked or not of
+    /// each shadow ray. None in records from before.
+    #[serde(default)]
+    pub answers_sha256: Option<String>,
     /// The first wrong answer, in words.
     pub example: Option<String>,
     /// Every how many-th ray of the scene was timed.

@@ -193,6 +193,7 @@ impl RowParts<'_, '_> {
             work: checked.as_ref().map(|c| c.work.clone()),
             checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
             mismatches,
+            answers_sha256: checked.as_ref().map(|c| c.answers_sha256.clone()),
             example: checked.and_then(|c| c.example),
             stride: stride as u64,
             rays: rays_by_kind.values().sum(),

@@ -1,15 +1,22 @@
-//! Medians, bootstrap intervals, geometric means.
+//! Medians, bootstrap intervals, geometric means; the rest in files of their own.
+
+pub mod mann_whitney;
+pub mod normal;
+pub mod outliers;
+pub mod ratio_of_medians;
 
 use serde::{Deserialize, Serialize};
 
 use crate::random::Random;
+use crate::statistics::normal::{student_95, upper_tail};
 
 /// Resamples of a bootstrap.
 const RESAMPLES: usize = 2000;
-/// Share of the resamples outside the interval, on each side: 95% lie within.
-const TAIL: f64 = 0.025;
 
-/// A median with its 95% bootstrap percentile interval.
+/// A median with its 95% bootstrap percentile interval, expanded by the factor of T. Hesterberg,
+/// "What Teachers Should Know About the Bootstrap", The American Statistician 69(4), 2015: the plain
+/// percentile interval of few samples is too narrow. Fewer than 6 samples cannot say more than their
+/// least and largest, which hold the median in 75% (3 samples) to 94% (5) of all cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Median of the samples.
@@ -48,6 +55,23 @@ pub fn estimate(samples: &[f64], seed: u64) -> Option<Estimate> {
     geometric_mean_of_medians(&[samples], seed)
 }
 
+/// The ends of the 95% interval of resampled values, each resampled from `samples`.
+fn interval(resampled: &mut [f64], samples: usize) -> [f64; 2] {
+    resampled.sort_by(f64::total_cmp);
+    let last = (resampled.len().max(1) - 1) as f64;
+    let at = |place: f64| resampled.get(place as usize).copied().unwrap_or(f64::NAN);
+    let tail = tail(samples as f64);
+    [at((tail * last).floor()), at(((1.0 - tail) * last).ceil())]
+}
+
+/// The share of resampled medians outside the interval, on each side.
+fn tail(samples: f64) -> f64 {
+    if samples < 2.0 {
+        return 0.0;
+    }
+    upper_tail((samples / (samples - 1.0)).sqrt() * student_95(samples - 1.0))
+}
+
 /// The geometric mean over groups (scenes) of each group's median, with an interval from
 /// resampling within the groups. None when a group is empty or holds what has no logarithm.
 ///
@@ -70,10 +94,8 @@ pub fn geometric_mean_of_medians(groups: &[&[f64]], seed: u64) -> Option<Estimat
         });
         resampled.push(of(&medians.collect::<Option<Vec<_>>>()?)?);
     }
-    resampled.sort_by(f64::total_cmp);
-    let last = (RESAMPLES - 1) as f64;
-    let low = resampled[(TAIL * last).floor() as usize];
-    let high = resampled[((1.0 - TAIL) * last).ceil() as usize];
+    let fewest = groups.iter().map(|g| g.len()).min().unwrap_or(0);
+    let [low, high] = interval(&mut resampled, fewest);
     Some(Estimate { median: middle, low, high })
 }
 
@@ -111,7 +133,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     #[test]
@@ -179,5 +201,34 @@ mod tests {
         assert!((of([1.0, 1.0, 3.0, 2.0]).unwrap() - 0.737_864_8).abs() < 1e-6);
         assert_eq!(of([1.0; 4]), None);
         assert_eq!(rank_correlation(&[(1.0, 1.0), (2.0, 2.0)]), None);
+    }
+
+    /// Log-normal with the median 1.
+    pub(super) fn log_normal(random: &mut Random, spread: f64) -> f64 {
+        let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        // Box and Muller
+        let (u, v) = (1.0 - unit(), unit());
+        (spread * (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()).exp()
+    }
+
+    #[test]
+    fn intervals_hold_the_truth_as_often_as_they_say() {
+        // 2,000 trials of 31 rounds: of medians, and of ratios paired by round, both sides of
+        // which share what disturbs the round; the truth is 1 and 1.2
+        let mut random = Random::new(9, "coverage");
+        let mut held = [0; 2];
+        for trial in 0..2000 {
+            let samples: Vec<f64> = (0..31).map(|_| log_normal(&mut random, 0.2)).collect();
+            let ratios: Vec<f64> = (0..31)
+                .map(|_| {
+                    let round = log_normal(&mut random, 0.3);
+                    let mut side = |s| s * round * log_normal(&mut random, 0.05);
+                    side(1.2) / side(1.0)
+                })
+                .collect();
+            held[0] += u32::from(estimate(&samples, trial).unwrap().holds(1.0));
+            held[1] += u32::from(estimate(&ratios, trial).unwrap().holds(1.2));
+        }
+        assert!(held.iter().all(|h| (1860..=1940).contains(h)), "{held:?} of 2000");
     }
 }

@@ -1,0 +1,111 @@
+//! Reading records of runs back: what `compare`, `check`, `merge` and `report` work on.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::record::{RunRecord, SCHEMA_VERSION};
+
+/// The record's name in the output folder of a run.
+pub const NAME: &str = "results.json";
+
+/// The most bytes that are read: a full run writes about 3 MB.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// Why a record cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The system refused.
+    #[error("cannot read {}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// It is too large to be one.
+    #[error("{}: more than {MAX_BYTES} bytes, too large for the record of a run", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is no JSON, or not of this form.
+    #[error("{}: line {line}, column {column}: {message}; expected what `rtbench run \
+             --export-json` writes", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Counted from 1.
+        line: usize,
+        /// Counted from 1.
+        column: usize,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// Another version of the program wrote it.
+    #[error("{}: written with schema {found}, expected {SCHEMA_VERSION}", path.display())]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// The version found.
+        found: u32,
+    },
+}
+
+/// The first thing looked at: the rest may have changed with it.
+#[derive(Deserialize)]
+struct Version {
+    schema_version: u32,
+}
+
+/// Reads the record in a file, or in the output folder of a run.
+///
+/// # Errors
+/// [`RecordError`], naming the file.
+pub fn read(path: &Path) -> Result<RunRecord, RecordError> {
+    let path = if path.is_dir() { path.join(NAME) } else { path.to_owned() };
+    let io = |source| RecordError::Io { path: path.clone(), source };
+    let mut text = Vec::new();
+    let file = File::open(&path).map_err(io)?;
+    let length = file.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(io)?;
+    if length as u64 > MAX_BYTES {
+        return Err(RecordError::TooLarge { path });
+    }
+    let syntax = |e: serde_json::Error| {
+        let message = e.to_string();
+        // the library says the place once more at the end
+        let message = message.rsplit_once(" at line ").map_or(&*message, |(m, _)| m).to_owned();
+        RecordError::Syntax { path: path.clone(), line: e.line(), column: e.column(), message }
+    };
+    let Version { schema_version: found } = serde_json::from_slice(&text).map_err(syntax)?;
+    if found != SCHEMA_VERSION {
+        return Err(RecordError::Schema { path, found });
+    }
+    serde_json::from_slice(&text).map_err(syntax)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read_text(text: &str) -> Result<RunRecord, RecordError> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(NAME), text).unwrap();
+        read(folder.path())
+    }
+
+    #[test]
+    fn what_is_no_record_is_an_error_that_names_the_place() {
+        let error = |text: &str| read_text(text).unwrap_err().to_string();
+        assert!(error("").contains("results.json: line 1, column 0: EOF"), "{}", error(""));
+        let error_of_syntax = error("{\n  \"schema_version\": nonsense");
+        assert!(error_of_syntax.contains("line 2, column "), "{error_of_syntax}");
+        assert!(!error_of_syntax.contains(" at line "), "{error_of_syntax}");
+        assert!(error("{\"schema_version\": 99, \"x\": 1}").contains("schema 99, expected 1"));
+        assert!(error("{\"schema_version\": 1}").contains("missing field"));
+        let missing = read(Path::new("/nowhere/results.json")).unwrap_err().to_string();
+        assert!(missing.starts_with("cannot read /nowhere/results.json"), "{missing}");
+    }
+}
