@@ -1,8 +1,9 @@
 //! A built structure as an object: one dynamic call for a batch of rays, everything inside static.
 //!
-//! What is timed is compiled for each kind of primitive and query; what counts walks with one
-//! [`ErasedSink`].
+//! What is timed is compiled for each structure, kind of primitive and query; what counts walks with
+//! one [`ErasedSink`].
 
+mod counting;
 mod in_motion;
 
 pub use in_motion::BoundInMotion;
@@ -11,12 +12,13 @@ use std::ops::Deref;
 
 use crate::counters::{NoCounters, WorkCounters};
 use crate::far_ray::{self, Place};
-use crate::mailbox::{AnyMailbox, MailboxSource, NoMailbox, Setting};
+use crate::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, Ray};
 use crate::scalar::Scalar;
-use crate::sink::{AnyHit, ClosestHit, ErasedSink, HistoricalCellShadow, HistoricalShadow};
+use crate::sink::{AnyHit, ClosestHit, ErasedSink};
 use crate::structures::{Shape, Structure};
+use crate::tracer::counting::Counting;
 
 /// What a shadow ray of the counting pass does; the historical rules are explained in
 /// `results/published/README.md`.
@@ -87,42 +89,9 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         !T::DUPLICATES || matches!(self.mailbox, Setting::None)
     }
 
-    /// Calls `query` with the ray, brought near, and by how much its parameters became smaller.
-    #[inline(always)]
-    fn near<R>(&self, ray: &Ray<S>, nowhere: R, query: impl FnOnce(&Ray<S>, S) -> R) -> R {
-        let moved;
-        let (near, by) = match far_ray::place(ray, self.reach) {
-            Place::Near => (ray, S::ZERO),
-            Place::Moved(near, by) => {
-                moved = near;
-                (&moved, by)
-            }
-            Place::Nowhere => return nowhere,
-        };
-        query(near, by)
-    }
-
-    /// Closest hits with one kind of mailbox; `one` asks for one of them.
-    #[inline(always)]
-    fn closest<B: MailboxSource>(
-        &self,
-        rays: &[Ray<S>],
-        hits: &mut [Hit<S>],
-        mut mailboxes: B,
-        mut one: impl for<'r> FnMut(&'r Ray<S>, B::Mailbox<'_>) -> Hit<S>,
-    ) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            let miss = Hit { t: ray.t_max, ..Hit::NONE };
-            *hit = self.near(ray, miss, |near, by| {
-                let found = one(near, mailboxes.next_ray());
-                if found.is_hit() { Hit { t: found.t + by, ..found } } else { miss }
-            });
-        }
-    }
-
     #[inline(always)]
     fn timed_closest<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
-        self.closest::<B>(rays, hits, mailboxes, |ray, mailbox| {
+        closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
             let mut sink =
                 ClosestHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
             self.structure.walk(ray, &mut sink);
@@ -138,16 +107,12 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         hits: &mut [Hit<S>],
         mailboxes: B,
     ) -> WorkCounters {
-        let mut total = WorkCounters::default();
-        self.closest::<B>(rays, hits, mailboxes, |ray, mailbox| {
-            let mut sink =
-                ClosestHit::<S, P, WorkCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
-            counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
-            let (hit, counters) = sink.finish();
-            total += counters;
-            hit
-        });
-        total
+        self.counting(|counting| counting.closest_hits(rays, hits, mailboxes))
+    }
+
+    fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
+        let walk = |ray: &Ray<S>, mut sink: ErasedSink<'_, S>| self.structure.walk(ray, &mut sink);
+        pass(Counting { prims: &*self.prims, reach: self.reach, walk: &walk })
     }
 
     #[inline(always)]
@@ -158,7 +123,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         mut mailboxes: B,
     ) {
         for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = self.near(ray, false, |ray, _| {
+            *blocked = near(self.reach, ray, false, |ray, _| {
                 let mailbox = mailboxes.next_ray();
                 let mut sink =
                     AnyHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
@@ -168,43 +133,10 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         }
     }
 
-    /// One shadow ray of the counting pass; the historical ones have no mailbox.
-    fn count_shadow(
-        &self,
-        ray: &Ray<S>,
-        rule: ShadowRule,
-        mailbox: &mut AnyMailbox,
-    ) -> (ShadowCount, WorkCounters) {
-        match rule {
-            ShadowRule::OpaqueBlocks => {
-                let mut sink = AnyHit::<S, P, WorkCounters, _>::with_mailbox(
-                    &*self.prims,
-                    ray,
-                    mailbox.next_ray(),
-                );
-                counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
-                let (blocked, counters) = sink.finish();
-                (ShadowCount { blocked, glass: 0 }, counters)
-            }
-            ShadowRule::Historical => {
-                let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(&*self.prims, ray);
-                counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
-                let (blocked, glass, counters) = sink.finish();
-                (ShadowCount { blocked, glass: glass as u32 }, counters)
-            }
-            ShadowRule::HistoricalInCell => {
-                let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(&*self.prims, ray);
-                counted_walk(&self.structure, ray, ErasedSink::new(&mut sink));
-                let (hit, counters) = sink.finish();
-                let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
-                let blocked = hit.is_hit() && !glass;
-                (ShadowCount { blocked, glass: glass.into() }, counters)
-            }
-        }
-    }
-
     fn count_all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.mailbox.with(|mailbox| self.count_closest(rays, hits, mailbox))
+        self.counting(|counting| {
+            self.mailbox.with(|mailbox| counting.closest_hits(rays, hits, mailbox))
+        })
     }
 
     fn count_all_occlusions(
@@ -213,17 +145,9 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        let mut total = WorkCounters::default();
-        self.mailbox.with(|mut mailbox| {
-            for (ray, answer) in rays.iter().zip(answers) {
-                let counters;
-                (*answer, counters) = self.near(ray, Default::default(), |near, _| {
-                    self.count_shadow(near, rule, &mut mailbox)
-                });
-                total += counters;
-            }
-        });
-        total
+        self.counting(|counting| {
+            self.mailbox.with(|mailbox| counting.occlusions(rays, rule, answers, mailbox))
+        })
     }
 
     fn whole_shape(&self) -> Shape {
@@ -232,10 +156,42 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     }
 }
 
-/// The walk that counts. Never inlined, so that it is compiled once a structure.
-#[inline(never)]
-fn counted_walk<S: Scalar, T: Structure<S>>(structure: &T, ray: &Ray<S>, mut sink: ErasedSink<S>) {
-    structure.walk(ray, &mut sink);
+/// Calls `query` with the ray, brought near, and by how much its parameters became smaller.
+#[inline(always)]
+fn near<S: Scalar, R>(
+    reach: S,
+    ray: &Ray<S>,
+    nowhere: R,
+    query: impl FnOnce(&Ray<S>, S) -> R,
+) -> R {
+    let moved;
+    let (near, by) = match far_ray::place(ray, reach) {
+        Place::Near => (ray, S::ZERO),
+        Place::Moved(near, by) => {
+            moved = near;
+            (&moved, by)
+        }
+        Place::Nowhere => return nowhere,
+    };
+    query(near, by)
+}
+
+/// Closest hits with one kind of mailbox; `one` asks for one of them.
+#[inline(always)]
+fn closest<S: Scalar, B: MailboxSource>(
+    reach: S,
+    rays: &[Ray<S>],
+    hits: &mut [Hit<S>],
+    mut mailboxes: B,
+    mut one: impl for<'r> FnMut(&'r Ray<S>, B::Mailbox<'_>) -> Hit<S>,
+) {
+    for (ray, hit) in rays.iter().zip(hits) {
+        let miss = Hit { t: ray.t_max, ..Hit::NONE };
+        *hit = near(reach, ray, miss, |near, by| {
+            let found = one(near, mailboxes.next_ray());
+            if found.is_hit() { Hit { t: found.t + by, ..found } } else { miss }
+        });
+    }
 }
 
 impl<S, P, H, T> Tracer<S> for Bound<S, H, T>
