@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::path::PathBuf;
 
-use scene_loading::procedural::{SPD, SpecError};
+use scene_loading::procedural::{SpecError, generators};
 
 pub use scene_loading::{LoadError, LoadedScene, SceneCatalogue, SceneRef};
 
@@ -60,7 +60,7 @@ impl SceneSource for Installed {
 
     fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
         let catalogue = SceneCatalogue::open(None)?;
-        let generated = SPD.iter().map(|s| (s.name.to_owned(), s.summary.to_owned()));
+        let generated = generators().map(|s| (s.name.to_owned(), s.summary.to_owned()));
         let described = catalogue.scenes().map(|s| (s.name.clone(), s.title.clone()));
         Ok(generated.chain(described).collect())
     }
@@ -88,7 +88,7 @@ impl KnownScene for SceneRef {
 /// A generated scene's size is checked when it is named, not when its turn comes.
 fn check_size(spec: &str) -> Result<(), LoadError> {
     let Some((name, size)) = spec.split_once(':') else { return Ok(()) };
-    let Some(family) = SPD.iter().find(|family| family.name == name) else { return Ok(()) };
+    let Some(family) = generators().find(|family| family.name == name) else { return Ok(()) };
     if size.parse().is_ok_and(|size| (1..=family.max_size).contains(&size)) {
         return Ok(());
     }

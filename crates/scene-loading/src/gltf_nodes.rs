@@ -1,23 +1,18 @@
-//! The walk over the nodes of a glTF scene, which fills a [`Scene`].
-//!
-//! How the metallic-roughness model maps to [`Material`] (an approximation): colour = base
-//! colour, times the base colour texture (`gltf_textures`); specular share = metallic * (1 - roughness); diffuse share = 1 - specular share;
-//! shine = the Phong exponent 2 / roughness^4 - 2; transmittance = 1 - alpha where the alpha mode
-//! is BLEND. Light colours are scaled so that the strongest light has intensity 1, because lights
+//! The walk over the nodes of a glTF scene, which fills a [`Scene`]. Light colours are scaled so that the strongest light has intensity 1, because lights
 //! here do not fall off with distance.
 
 use std::path::Path;
 
 use ::gltf::camera::Projection;
 use ::gltf::khr_lights_punctual::Kind;
-use ::gltf::material::AlphaMode;
 use ::gltf::mesh::Mode;
 use ::gltf::scene::Transform;
 use ::gltf::{Document, Node, Semantic};
-use glam::{DMat3, DMat4, DQuat, DVec3, Vec3, Vec4};
+use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
 
 use crate::error::{LoadError, Place};
 use crate::gltf_buffers::Buffers;
+use crate::gltf_materials::material_of;
 use crate::gltf_textures::Textures;
 use crate::obj_polygon::area_vector;
 use crate::progress;
@@ -57,7 +52,7 @@ impl<'a> Walker<'a> {
         buffers: &'a Buffers<'a>,
         mut scene: Scene,
     ) -> Self {
-        scene.materials = document.materials().map(|m| convert(&m)).collect();
+        scene.materials = document.materials().map(|m| material_of(&m)).collect();
         Self {
             path,
             document,
@@ -415,26 +410,4 @@ fn triangles(mode: Mode, indices: &[u32]) -> impl ExactSizeIterator<Item = [u32;
         Mode::TriangleFan => [corner(i + 1), corner(i + 2), corner(0)],
         _ => [corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)],
     })
-}
-
-fn convert(material: &::gltf::Material<'_>) -> Material {
-    let pbr = material.pbr_metallic_roughness();
-    let base = Vec4::from_array(pbr.base_color_factor())
-        .as_dvec4()
-        .clamp(glam::DVec4::ZERO, glam::DVec4::ONE);
-    let roughness = f64::from(pbr.roughness_factor()).clamp(0.0, 1.0);
-    let metallic = f64::from(pbr.metallic_factor()).clamp(0.0, 1.0);
-    let specular = metallic * (1.0 - roughness);
-    let blended = material.alpha_mode() == AlphaMode::Blend;
-    Material {
-        name: material.name().unwrap_or_default().to_string(),
-        color: base.truncate().to_array(),
-        diffuse: 1.0 - specular,
-        specular,
-        shine: (2.0 / roughness.powi(4).max(1e-5) - 2.0).max(0.0),
-        transmittance: if blended { 1.0 - base.w } else { 0.0 },
-        refraction_index: 1.0,
-        texture: None,
-        roughness: 0.0,
-    }
 }

@@ -23,6 +23,7 @@ pub(crate) static SCENES: &[(&str, &str)] = embed![
     "effects/effect-supersampling.json",
     "effects/effect-textures.json",
     "gears-tess.json",
+    "gears8-tess.json",
     "kitchen.json",
     "pavilion.json",
     "sponza.json",
@@ -30,8 +31,13 @@ pub(crate) static SCENES: &[(&str, &str)] = embed![
 ];
 
 /// Set files: path in the repository and text.
-pub(crate) static SETS: &[(&str, &str)] =
-    embed!["sets/effects.json", "sets/real.json", "sets/small.json", "sets/spd.json"];
+pub(crate) static SETS: &[(&str, &str)] = embed![
+    "sets/effects.json",
+    "sets/real.json",
+    "sets/small.json",
+    "sets/spd.json",
+    "sets/speed.json"
+];
 
 /// Files that scene files refer to: path in the repository and bytes.
 pub(crate) static ASSETS: &[(&str, &[u8])] = &[

@@ -1,4 +1,4 @@
-//! The one place where the catalogue calls the SPD generators and the tessellator.
+//! The one place where the catalogue calls the generators and the tessellator.
 
 use crate::error::LoadError;
 use crate::procedural;
@@ -7,7 +7,7 @@ use crate::tessellate::{TessellationOptions, tessellate as into_triangles};
 
 /// The names of the generators.
 pub(crate) fn families() -> Vec<&'static str> {
-    procedural::SPD.iter().map(|entry| entry.name).collect()
+    procedural::generators().map(|entry| entry.name).collect()
 }
 
 /// Generates `balls` or `balls:5`.

@@ -45,13 +45,16 @@ fn embedded_scenes_and_sets_are_valid_and_resolve() {
     let scenes: Vec<&str> = catalogue.scenes().map(|s| s.name.as_str()).collect();
     let (effects, others): (Vec<&str>, Vec<&str>) =
         scenes.iter().partition(|name| name.starts_with("effect-"));
-    assert_eq!(others, ["balls-tess", "gears-tess", "kitchen", "pavilion", "sponza", "tree-tess"]);
+    assert_eq!(
+        others,
+        ["balls-tess", "gears-tess", "gears8-tess", "kitchen", "pavilion", "sponza", "tree-tess"]
+    );
     assert_eq!(effects.len(), 12);
     for scene in catalogue.scenes() {
         assert!(scene.why.ends_with('.') && scene.licence.is_some(), "{}", scene.name);
     }
     let sets: Vec<&str> = catalogue.sets().map(|s| s.name.as_str()).collect();
-    assert_eq!(sets, ["effects", "real", "small", "spd"]);
+    assert_eq!(sets, ["effects", "real", "small", "spd", "speed"]);
     for set in catalogue.sets() {
         assert_eq!(
             catalogue.resolve(std::slice::from_ref(&set.name)).unwrap().len(),

@@ -1,4 +1,4 @@
-//! The Standard Procedural Databases (SPD), generated in code.
+//! Scenes generated in code: the Standard Procedural Databases (SPD), and [`OURS`].
 //!
 //! Eric Haines published these eight scenes for comparing ray tracers: E. Haines, "A Proposal for
 //! Standard Graphics Environments", IEEE CG&A 7(11), 1987. Geometry, views, lights and materials
@@ -10,12 +10,14 @@
 
 mod balls;
 mod gears;
+mod hare;
 mod lattice;
 mod mount;
 mod nff_export;
 mod parts;
 mod printed;
 mod rings;
+mod stadium;
 mod teapot;
 mod teapot_patches;
 mod tetra;
@@ -26,12 +28,12 @@ pub use printed::{Printed, round_to_printed};
 
 use crate::scene::Scene;
 
-/// One generator of the family.
+/// One generator.
 #[derive(Debug, Clone, Copy)]
 pub struct SpdEntry {
     /// Name in specs.
     pub name: &'static str,
-    /// Size factor of the published scene.
+    /// Size factor of the published scene, or of ours as measured.
     pub default_size: u32,
     /// Largest size factor that [`generate`] accepts: about 20 million primitives.
     pub max_size: u32,
@@ -41,7 +43,7 @@ pub struct SpdEntry {
     pub generate: fn(u32) -> Scene,
 }
 
-/// All generators, by name.
+/// The generators of the SPD, by name.
 #[rustfmt::skip]
 pub static SPD: &[SpdEntry] = &[
     SpdEntry { name: "balls", default_size: 4, max_size: 7, summary: "sphereflake: (9^(n+1) - 1) / 8 mirroring spheres on a square", generate: balls::generate },
@@ -53,6 +55,18 @@ pub static SPD: &[SpdEntry] = &[
     SpdEntry { name: "tetra", default_size: 6, max_size: 12, summary: "tetrahedral pyramid (Sierpinski): 4^n triangles", generate: tetra::generate },
     SpdEntry { name: "tree", default_size: 11, max_size: 22, summary: "branching tree: 2^(n+1) - 1 cones and as many spheres", generate: tree::generate },
 ];
+
+/// Generators of our own, by name: scenes of kinds that the SPD lacks.
+#[rustfmt::skip]
+pub static OURS: &[SpdEntry] = &[
+    SpdEntry { name: "hare", default_size: 93, max_size: 1581, summary: "a hare as a closed mesh of 8 n^2 small triangles", generate: hare::generate },
+    SpdEntry { name: "stadium", default_size: 93, max_size: 1580, summary: "the hare in a stadium: 8 n^2 small triangles, 15,800 up to 800 times as large", generate: stadium::generate },
+];
+
+/// All generators: [`SPD`], then [`OURS`].
+pub fn generators() -> impl Iterator<Item = &'static SpdEntry> {
+    SPD.iter().chain(OURS)
+}
 
 /// Why a spec names no scene.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -94,8 +108,8 @@ pub fn generate(spec: &str) -> Result<Scene, SpecError> {
         Some((name, size)) => (name, Some(size)),
         None => (spec, None),
     };
-    let entry = SPD.iter().find(|entry| entry.name == name).ok_or_else(|| {
-        let known = SPD.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
+    let entry = generators().find(|entry| entry.name == name).ok_or_else(|| {
+        let known = generators().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
         SpecError::UnknownName { name: name.to_owned(), known }
     })?;
     let size = match size {
