@@ -35,6 +35,18 @@ impl<S: Scalar> Ray<S> {
         self.origin + self.direction * t
     }
 
+    /// The same ray in f64.
+    #[inline(always)]
+    pub fn widened(&self) -> Ray<f64> {
+        Ray {
+            origin: self.origin.to_dvec3(),
+            direction: self.direction.to_dvec3(),
+            t_min: self.t_min.to_f64(),
+            t_max: self.t_max.to_f64(),
+            time: self.time.to_f64(),
+        }
+    }
+
     /// True when a structure may walk it: finite origin and direction, a direction that is not
     /// zero, and an interval that is not empty (or NaN). Anything else is a miss by definition.
     #[inline(always)]

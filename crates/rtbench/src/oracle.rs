@@ -14,7 +14,7 @@
 use accel_core::primitives::PrimSet;
 use accel_core::structures::{BuildError, Buildable, PrimsRef, find};
 use accel_core::tracer::Tracer;
-use accel_core::{Hit, Ray, Scalar, Vector};
+use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{Geometry, RayKind};
@@ -111,7 +111,7 @@ impl<'a> Oracle<'a> {
     }
 
     fn of_hit<S: Scalar>(&self, ray: &Ray<S>, hit: &Hit<S>) -> Opinion {
-        let exact = widened(ray);
+        let exact = ray.widened();
         let truth = self.closest(&exact);
         let slack = self.slack::<S>(&exact);
         let t = hit.t.to_f64();
@@ -140,7 +140,7 @@ impl<'a> Oracle<'a> {
     }
 
     fn of_occlusion<S: Scalar>(&self, ray: &Ray<S>, blocked: bool) -> Opinion {
-        let exact = widened(ray);
+        let exact = ray.widened();
         let truth = self.is_blocked(&exact);
         if truth == blocked {
             return Opinion::Right;
@@ -197,16 +197,6 @@ impl<'a> Oracle<'a> {
             PrimsRef::Watertight(p) => of(p, id, ray),
             PrimsRef::Mixed(p) => of(p.in_motion(), id, ray),
         }
-    }
-}
-
-fn widened<S: Scalar>(ray: &Ray<S>) -> Ray<f64> {
-    Ray {
-        origin: ray.origin.to_dvec3(),
-        direction: ray.direction.to_dvec3(),
-        t_min: ray.t_min.to_f64(),
-        t_max: ray.t_max.to_f64(),
-        time: ray.time.to_f64(),
     }
 }
 

@@ -7,7 +7,6 @@
 //! Gems, chapter 7, 2019. Deviation: directions of any length.
 
 use super::sphere::Sphere;
-use super::triangle_tests::widened;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vector};
 
@@ -34,7 +33,7 @@ pub(super) fn naive<S: Scalar>(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Op
 #[inline(always)]
 pub(super) fn in_double<S: Scalar>(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
     let wide = Sphere { center: sphere.center.to_dvec3(), radius: sphere.radius.to_f64() };
-    let t = S::from_f64(wide.intersect(&widened(ray), t_max.to_f64())?);
+    let t = S::from_f64(wide.intersect(&ray.widened(), t_max.to_f64())?);
     (t <= t_max).then_some(t)
 }
 

@@ -119,7 +119,7 @@ impl<S: Scalar> TriangleTest<S> for InDouble {
 
     #[inline(always)]
     fn setup(ray: &Ray<S>) -> Self::Setup {
-        let ray = widened(ray);
+        let ray = ray.widened();
         (ray, Shear::of(&ray))
     }
 
@@ -130,18 +130,6 @@ impl<S: Scalar> TriangleTest<S> for InDouble {
         let t = S::from_f64(Watertight::intersect(&wide, ray, shear, t_max.to_f64())?);
         // rounding must not carry it beyond the end that the caller compares with
         (t <= t_max).then_some(t)
-    }
-}
-
-/// The same ray in f64.
-#[inline(always)]
-pub(super) fn widened<S: Scalar>(ray: &Ray<S>) -> Ray<f64> {
-    Ray {
-        origin: ray.origin.to_dvec3(),
-        direction: ray.direction.to_dvec3(),
-        t_min: ray.t_min.to_f64(),
-        t_max: ray.t_max.to_f64(),
-        time: ray.time.to_f64(),
     }
 }
 

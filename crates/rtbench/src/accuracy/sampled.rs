@@ -58,13 +58,7 @@ pub struct Sampled<'a> {
 
 impl Sampled<'_> {
     fn plan(&self, size: u32, samples: u32, seed: u64) -> Result<EffectPlan, Error> {
-        let mut wishes = SampleWishes {
-            supersamples: Some(1),
-            shadow: Some(1),
-            glossy: Some(1),
-            temporal: Some(1),
-            focal: Some(1),
-        };
+        let mut wishes = SampleWishes::ONE_OF_EACH;
         (self.wish)(&mut wishes, samples);
         let settings = RenderSettings {
             resolution: [size; 2],

@@ -34,14 +34,7 @@ impl Sampled {
     /// The plan of an image with that many eye rays a pixel; what has a lens, a shutter or a light
     /// with an extent has one sample of each for every eye ray.
     pub fn plan(&self, scene: &Scene, samples: u32, seed: u64) -> EffectPlan {
-        let once = Some(1);
-        let samples = SampleWishes {
-            supersamples: Some(samples),
-            shadow: once,
-            glossy: once,
-            temporal: once,
-            focal: once,
-        };
+        let samples = SampleWishes { supersamples: Some(samples), ..SampleWishes::ONE_OF_EACH };
         let (resolution, max_depth) = (self.resolution, self.max_depth);
         EffectPlan::of(scene, &RenderSettings { resolution, max_depth, samples, seed })
     }

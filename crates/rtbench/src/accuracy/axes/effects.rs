@@ -19,51 +19,48 @@ const REFERENCE: &str = "mean of two images of many samples with other seeds; it
 
 /// Registry line.
 pub static SOFT_SHADOWS: Axis = Axis {
-    name: "soft-shadows",
     summary: "shadow rays a hit and light",
-    paper: "Cook, Porter, Carpenter 1984",
-    metric: METRIC,
-    reference: REFERENCE,
     scenes: &["teapot", "balls:3", "pavilion"],
-    setting: "render --shadow-samples",
-    measure: |stage| SOFT.measure(stage),
+    ..sampled("soft-shadows", "render --shadow-samples", |stage| SOFT.measure(stage))
 };
 
 /// Registry line.
 pub static GLOSS: Axis = Axis {
-    name: "gloss",
     summary: "rays of the first rough mirror of a path",
-    paper: "Cook, Porter, Carpenter 1984",
-    metric: METRIC,
-    reference: REFERENCE,
-    scenes: &["balls:3", "teapot", "pavilion"],
-    setting: "render --glossy-samples",
-    measure: |stage| ROUGH.measure(stage),
+    ..sampled("gloss", "render --glossy-samples", |stage| ROUGH.measure(stage))
 };
 
 /// Registry line.
 pub static MOTION: Axis = Axis {
-    name: "motion",
     summary: "eye rays a pixel for the time the shutter is open",
-    paper: "Cook, Porter, Carpenter 1984",
-    metric: METRIC,
-    reference: REFERENCE,
     scenes: &["balls:3", "gears:2", "pavilion"],
-    setting: "render --temporal-samples",
-    measure: |stage| MOVING.measure(stage),
+    ..sampled("motion", "render --temporal-samples", |stage| MOVING.measure(stage))
 };
 
 /// Registry line.
 pub static FOCUS: Axis = Axis {
-    name: "focus",
     summary: "eye rays a pixel for the area of the lens",
     paper: "Potmesil, Chakravarty 1981; Cook, Porter, Carpenter 1984",
-    metric: METRIC,
-    reference: REFERENCE,
-    scenes: &["balls:3", "teapot", "pavilion"],
-    setting: "render --focal-samples",
-    measure: |stage| BLURRED.measure(stage),
+    ..sampled("focus", "render --focal-samples", |stage| BLURRED.measure(stage))
 };
+
+/// What the axes of this file have in common.
+const fn sampled(
+    name: &'static str,
+    setting: &'static str,
+    measure: fn(&Stage<'_>) -> Result<SceneOutcome, Error>,
+) -> Axis {
+    Axis {
+        name,
+        summary: "",
+        paper: "Cook, Porter, Carpenter 1984",
+        metric: METRIC,
+        reference: REFERENCE,
+        scenes: &["balls:3", "teapot", "pavilion"],
+        setting,
+        measure,
+    }
+}
 
 /// How an effect is put on a scene and sampled.
 struct Put {

@@ -1,7 +1,7 @@
 //! Single against double precision, of the same rays to the last digit.
 
 use accel_core::tracer::Tracer;
-use accel_core::{Ray, Scalar, Vector};
+use accel_core::{Ray, Scalar};
 use renderer::Geometry;
 
 use crate::accuracy::axis::Axis;
@@ -33,8 +33,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, Error> {
     let mixed = stage.built(&format!("{TRACER}:triangle-test=f64:sphere-test=f64"))?;
     let sheets = stage.all_sheets();
     let rays = count(&sheets);
-    let wide_sheets: Sheets<f64> =
-        sheets.iter().map(|(kind, rays)| (*kind, rays.iter().map(widened).collect())).collect();
+    let wide_sheets: Sheets<f64> = sheets
+        .iter()
+        .map(|(kind, rays)| (*kind, rays.iter().map(Ray::widened).collect()))
+        .collect();
     let geometry = Geometry::<f64>::of(stage.scene())?;
     let row = Row::parse(stage.registry, TRACER)?;
     let double: Box<dyn Tracer<f64>> =
@@ -92,14 +94,4 @@ fn compared<S: Scalar>(answers: &[Answers<S>], exact: &[Answers<f64>]) -> Tally 
         }
     }
     tally
-}
-
-fn widened(ray: &Ray<f32>) -> Ray<f64> {
-    Ray {
-        origin: ray.origin.to_dvec3(),
-        direction: ray.direction.to_dvec3(),
-        t_min: ray.t_min.into(),
-        t_max: ray.t_max.into(),
-        time: ray.time.into(),
-    }
 }
