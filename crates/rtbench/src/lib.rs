@@ -24,6 +24,8 @@ pub mod batches;
 pub mod check;
 pub mod clock;
 pub mod commands;
+#[allow(clippy::indexing_slicing)]
+pub mod comparison;
 pub mod context;
 #[allow(clippy::indexing_slicing)]
 pub mod cost;
@@ -129,6 +131,7 @@ pub fn run(
     let ended = match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color, &arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
+        Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),

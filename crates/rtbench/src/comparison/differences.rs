@@ -136,24 +136,76 @@ mod tests {
         type Plant = (fn(&mut RunRecord), &'static str, Concerns);
         let plants: [Plant; 19] = [
             (|r| r.settings.threads = 2, "threads: 1, then 2", Concerns::Everything),
-            (|r| r.settings.precision = "f64".into(), "precision: f32, then f64", Concerns::Everything),
-            (|r| r.settings.resolution = [8, 9], "resolution: 16x16, then 8x9", Concerns::Everything),
+            (
+                |r| r.settings.precision = "f64".into(),
+                "precision: f32, then f64",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.settings.resolution = [8, 9],
+                "resolution: 16x16, then 8x9",
+                Concerns::Everything,
+            ),
             (|r| r.settings.max_depth = 9, "depth: 4, then 9", Concerns::Everything),
-            (|r| r.settings.rays = vec!["shadow".into()], "rays: primary, then shadow", Concerns::Everything),
+            (
+                |r| r.settings.rays = vec!["shadow".into()],
+                "rays: primary, then shadow",
+                Concerns::Everything,
+            ),
             (|r| r.settings.seed = 7, "seed: 1, then 7", Concerns::Everything),
-            (|r| r.compiler.target = Some("arm".into()), "target: x86_64-unknown-linux-gnu, then arm", Concerns::Everything),
-            (|r| r.compiler.target_features = vec!["avx2".into()], "target features of one run only: fma, then none", Concerns::Everything),
-            (|r| r.compiler.profile = Some("dev".into()), "profile: release, then dev", Concerns::Everything),
-            (|r| r.compiler.opt_level = Some("1".into()), "opt-level: 3, then 1", Concerns::Everything),
-            (|r| r.scenes[0].sha256 = "ef".into(), "scene tetra: sha256: cd, then ef", Concerns::Everything),
-            (|r| r.scenes[0].rays = [("shadow".into(), 9)].into(), "scene tetra: rays: 256 primary, then 9 shadow", Concerns::Everything),
-            (|r| r.machine.cpu = Some("Other".into()), "processor: Test CPU, then Other", Concerns::Seconds),
+            (
+                |r| r.compiler.target = Some("arm".into()),
+                "target: x86_64-unknown-linux-gnu, then arm",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.compiler.target_features = vec!["avx2".into()],
+                "target features of one run only: fma, then none",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.compiler.profile = Some("dev".into()),
+                "profile: release, then dev",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.compiler.opt_level = Some("1".into()),
+                "opt-level: 3, then 1",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.scenes[0].sha256 = "ef".into(),
+                "scene tetra: sha256: cd, then ef",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.scenes[0].rays = [("shadow".into(), 9)].into(),
+                "scene tetra: rays: 256 primary, then 9 shadow",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.machine.cpu = Some("Other".into()),
+                "processor: Test CPU, then Other",
+                Concerns::Seconds,
+            ),
             (|r| r.machine.threads = 3, "threads of the machine: 2, then 3", Concerns::Seconds),
-            (|r| r.machine.governor = Some("powersave".into()), "governor: performance, then powersave", Concerns::Seconds),
+            (
+                |r| r.machine.governor = Some("powersave".into()),
+                "governor: performance, then powersave",
+                Concerns::Seconds,
+            ),
             (|r| r.machine.boost = Some(false), "boost: true, then false", Concerns::Seconds),
-            (|r| r.settings.reference = "hug".into(), "reference: obvhs-cwbvh, then hug", Concerns::Ratios),
+            (
+                |r| r.settings.reference = "hug".into(),
+                "reference: obvhs-cwbvh, then hug",
+                Concerns::Ratios,
+            ),
             (|r| r.machine.os = "plan9".into(), "system: linux, then plan9", Concerns::Nothing),
-            (|r| r.compiler.rustc = Some("rustc 2".into()), "compiler: rustc 1.90.0, then rustc 2", Concerns::Nothing),
+            (
+                |r| r.compiler.rustc = Some("rustc 2".into()),
+                "compiler: rustc 1.90.0, then rustc 2",
+                Concerns::Nothing,
+            ),
         ];
         let mut old = old;
         (old.machine.governor, old.machine.boost) = (Some("performance".into()), Some(true));

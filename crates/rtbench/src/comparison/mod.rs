@@ -174,7 +174,11 @@ type Pair<'r> = ([&'r SceneRecord; 2], [&'r RowRecord; 2]);
 ///
 /// # Errors
 /// [`CompareError`].
-pub fn compare(old: Named<'_>, new: Named<'_>, choice: &Choice) -> Result<Comparison, CompareError> {
+pub fn compare(
+    old: Named<'_>,
+    new: Named<'_>,
+    choice: &Choice,
+) -> Result<Comparison, CompareError> {
     let names = || format!("{}: {}, {}: {}", old.letter, old.path, new.letter, new.path);
     if scenes_of_both(old.run, new.run).next().is_none() {
         let scenes = |run: &RunRecord| {
@@ -305,9 +309,8 @@ impl Comparison {
             rows.iter().find(|r| r.structure == row.structure && r.settings == row.settings)
         };
         let gone = old.rows.iter().filter(|row| other(&new.rows, row).is_none());
-        let finds_row = |row: &RowRecord| {
-            metrics.iter().any(|m| choice.finds(name, &row.label(), m.name))
-        };
+        let finds_row =
+            |row: &RowRecord| metrics.iter().any(|m| choice.finds(name, &row.label(), m.name));
         for row in new.rows.iter().chain(gone).filter(|row| finds_row(row)) {
             let (before, after) = match (other(&old.rows, row), other(&new.rows, row)) {
                 (Some(before), Some(after)) => (before, after),
@@ -456,5 +459,15 @@ fn mean<'p, 'r: 'p>(
         (ratio, Outcome::of_measured(ratio))
     };
     let (structure, settings) = (row.structure.clone(), row.settings.clone());
-    (scenes > 0).then_some(Mean { structure, settings, metric: metric.name, scenes, ratio, outcome })
+    (scenes > 0).then_some(Mean {
+        structure,
+        settings,
+        metric: metric.name,
+        scenes,
+        ratio,
+        outcome,
+    })
 }
+
+#[cfg(test)]
+mod tests;
