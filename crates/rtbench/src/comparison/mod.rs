@@ -1,19 +1,21 @@
 //! Two runs side by side: scene by scene, row by row, metric by metric.
 
+pub mod cautions;
 pub mod csv;
 pub mod differences;
 pub mod entry;
+pub mod means;
 pub mod tables;
 
 use regex_lite::Regex;
 use serde::Serialize;
 
+use crate::comparison::cautions::cautions;
 use crate::comparison::differences::{Concerns, Difference, differences, scenes_of_both};
-use crate::comparison::entry::{Entry, Outcome, exact_ratio, exceeds};
+use crate::comparison::entry::{Entry, Outcome};
+use crate::comparison::means::{Mean, means};
 use crate::metrics::{METRICS, Metric};
 use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict};
-use crate::statistics::ratio_of_medians::geometric_mean_of_ratios;
-use crate::statistics::{Estimate, geometric_mean};
 
 /// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]
@@ -76,7 +78,8 @@ pub fn default_metrics() -> Vec<&'static Metric> {
 }
 
 impl Choice {
-    fn finds(&self, scene: &str, label: &str, metric: &str) -> bool {
+    /// Whether the filter, if there is one, finds a metric of a row.
+    pub fn finds(&self, scene: &str, label: &str, metric: &str) -> bool {
         let found = |filter: &Regex| filter.is_match(&format!("{scene}/{label}/{metric}"));
         self.filter.as_ref().is_none_or(found)
     }
@@ -150,25 +153,8 @@ pub struct LeftOut {
     pub why: String,
 }
 
-/// A metric of a row over all scenes: the geometric mean of the ratios.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Mean {
-    /// Structure.
-    pub structure: String,
-    /// What differs from its defaults.
-    pub settings: String,
-    /// The metric's name.
-    pub metric: &'static str,
-    /// Scenes it is over.
-    pub scenes: u64,
-    /// After over before.
-    pub ratio: Option<Estimate>,
-    /// What comes of it.
-    pub outcome: Outcome,
-}
-
 /// Two scenes, two rows.
-type Pair<'r> = ([&'r SceneRecord; 2], [&'r RowRecord; 2]);
+pub type Pair<'r> = ([&'r SceneRecord; 2], [&'r RowRecord; 2]);
 
 /// Holds a run against another.
 ///
@@ -205,7 +191,7 @@ pub fn compare(
     for scenes in scenes_of_both(old.run, new.run) {
         comparison.add_scene(scenes.into(), &metrics, choice, [old.letter, new.letter], &mut pairs);
     }
-    comparison.add_means(&pairs, &metrics, choice);
+    comparison.means = means(&pairs, &metrics, choice);
     let is_empty = comparison.scenes.iter().all(|s| s.entries.is_empty() && s.left_out.is_empty());
     if let (true, 0, 0, Some(filter)) =
         (is_empty, comparison.equal, comparison.below_threshold, &choice.filter)
@@ -248,47 +234,6 @@ fn metrics(choice: &Choice, differing: &[Difference]) -> Result<Vec<&'static Met
             .flat_map(reasons)
             .collect()),
     }
-}
-
-/// What is to be said of two runs that are compared all the same.
-fn cautions(
-    old: Named<'_>,
-    new: Named<'_>,
-    choice: &Choice,
-    differing: &[Difference],
-) -> Vec<String> {
-    let mut said = Vec::new();
-    for Difference { what, concerns } in differing {
-        let consequence = match (concerns, choice.is_forced) {
-            (Concerns::Nothing, _) => "",
-            (_, true) => "; compared by --force",
-            (Concerns::Seconds, _) => {
-                "; times in seconds are not compared (--force does), ratios and counters are"
-            }
-            (Concerns::Ratios, _) => "; ratios to the reference are not compared (--force does)",
-            (Concerns::Everything, false) => "",
-        };
-        said.push(format!("{what}{consequence}"));
-    }
-    for Named { letter, run, .. } in [old, new] {
-        if !run.complete {
-            let (finished, all) = (run.scenes.len(), run.planned.len());
-            said.push(format!("{letter} is incomplete: {finished} of {all} scenes"));
-        }
-        if run.settings.quick {
-            said.push(format!("{letter} is a quick run: few rounds, a first look"));
-        }
-        said.extend(run.warnings.iter().map(|warning| format!("{letter}: {warning}")));
-    }
-    for (one, other) in [(old, new), (new, old)] {
-        let has = |name: &str| other.run.scenes.iter().any(|s| s.name == name);
-        let only: Vec<&str> =
-            one.run.scenes.iter().map(|s| s.name.as_str()).filter(|name| !has(name)).collect();
-        if !only.is_empty() {
-            said.push(format!("only in {}: {}", one.letter, only.join(", ")));
-        }
-    }
-    said
 }
 
 impl Comparison {
@@ -370,34 +315,6 @@ impl Comparison {
             shown.push(entry);
         }
     }
-
-    /// Geometric means over the scenes, by row and metric.
-    fn add_means(&mut self, pairs: &[Pair<'_>], metrics: &[&'static Metric], choice: &Choice) {
-        let mut rows: Vec<&RowRecord> = Vec::new();
-        for (_, [_, row]) in pairs {
-            if !rows.iter().any(|r| is_same(r, row)) {
-                rows.push(row);
-            }
-        }
-        for row in rows {
-            for metric in metrics {
-                let of_row = pairs.iter().filter(|(scenes, rows)| {
-                    let [old, new] = rows;
-                    let is_own = metric.is_to_reference() && old.is_reference && new.is_reference;
-                    is_same(new, row)
-                        && !is_own
-                        && metric.rays(old) == metric.rays(new)
-                        && choice.finds(&scenes[0].name, &row.label(), metric.name)
-                });
-                let Some(mean) = mean(metric, row, of_row) else { continue };
-                let is_hidden = (mean.outcome == Outcome::Equal && !choice.shows_equal)
-                    || choice.threshold.is_some_and(|t| !exceeds(mean.ratio, mean.outcome, t));
-                if !is_hidden {
-                    self.means.push(mean);
-                }
-            }
-        }
-    }
 }
 
 impl SceneComparison {
@@ -414,7 +331,8 @@ impl LeftOut {
     }
 }
 
-fn is_same(a: &RowRecord, b: &RowRecord) -> bool {
+/// The same structure with the same settings.
+pub fn is_same(a: &RowRecord, b: &RowRecord) -> bool {
     a.structure == b.structure && a.settings == b.settings
 }
 
@@ -426,47 +344,6 @@ fn answers_changed([old, new]: [&RowRecord; 2]) -> bool {
         && is_judged(new)
         && old.checked_rays == new.checked_rays
         && matches!((&old.answers_sha256, &new.answers_sha256), (Some(a), Some(b)) if a != b)
-}
-
-/// The geometric mean of a row's ratios; none where no scene has one.
-fn mean<'p, 'r: 'p>(
-    metric: &Metric,
-    row: &RowRecord,
-    pairs: impl Iterator<Item = &'p Pair<'r>>,
-) -> Option<Mean> {
-    let values: Vec<[Vec<f64>; 2]> = pairs
-        .map(|(scenes, rows)| [0, 1].map(|i| metric.values(scenes[i], rows[i])))
-        .filter(|sides| sides.iter().all(|values| !values.is_empty()))
-        .collect();
-    let scenes = values.len() as u64;
-    let (ratio, outcome) = if metric.is_exact() {
-        let all = values.iter().map(|[old, new]| Some((*old.first()?, *new.first()?)));
-        let all: Vec<(f64, f64)> = all.collect::<Option<_>>()?;
-        let ratios = all.iter().map(|&(old, new)| Some(exact_ratio(old, new)?.median));
-        let ratios: Option<Vec<f64>> = ratios.collect();
-        let mean = ratios.and_then(|ratios| geometric_mean(&ratios));
-        let is_equal = all.iter().all(|(old, new)| old == new);
-        let outcome = match mean {
-            _ if is_equal => Outcome::Equal,
-            Some(mean) => Outcome::of_exact(1.0, mean),
-            None => return None,
-        };
-        (mean.and_then(|mean| exact_ratio(1.0, mean)), outcome)
-    } else {
-        let groups: Vec<(&[f64], &[f64])> =
-            values.iter().map(|[old, new]| (&new[..], &old[..])).collect();
-        let ratio = geometric_mean_of_ratios(&groups);
-        (ratio, Outcome::of_measured(ratio))
-    };
-    let (structure, settings) = (row.structure.clone(), row.settings.clone());
-    (scenes > 0).then_some(Mean {
-        structure,
-        settings,
-        metric: metric.name,
-        scenes,
-        ratio,
-        outcome,
-    })
 }
 
 #[cfg(test)]
