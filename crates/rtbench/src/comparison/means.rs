@@ -42,7 +42,7 @@ pub fn means(pairs: &[Pair<'_>], metrics: &[&'static Metric], choice: &Choice) -
                 let is_own = metric.is_to_reference() && old.is_reference && new.is_reference;
                 is_same(new, row)
                     && !is_own
-                    && metric.rays(old) == metric.rays(new)
+                    && (choice.is_forced || metric.rays(old) == metric.rays(new))
                     && choice.finds(&scenes[0].name, &row.label(), metric.name)
             });
             let Some(mean) = mean(metric, row, of_row) else { continue };

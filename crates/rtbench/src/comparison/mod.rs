@@ -192,7 +192,7 @@ pub fn compare(
         comparison.add_scene(scenes.into(), &metrics, choice, [old.letter, new.letter], &mut pairs);
     }
     comparison.means = means(&pairs, &metrics, choice);
-    let is_empty = comparison.scenes.iter().all(|s| s.entries.is_empty() && s.left_out.is_empty());
+    let is_empty = comparison.scenes.iter().all(SceneComparison::is_empty);
     if let (true, 0, 0, Some(filter)) =
         (is_empty, comparison.equal, comparison.below_threshold, &choice.filter)
     {
@@ -283,7 +283,9 @@ impl Comparison {
                 let rays = [before, after].map(|row| metric.rays(row));
                 if rays[0] != rays[1] {
                     other_rays.push(metric.name);
-                    continue;
+                    if !choice.is_forced {
+                        continue;
+                    }
                 }
                 // the reference is its own measure
                 if metric.is_to_reference() && before.is_reference && after.is_reference {
@@ -296,7 +298,8 @@ impl Comparison {
             }
             if !other_rays.is_empty() {
                 let names = other_rays.join(", ");
-                out.leave_out(row, format!("{names} over other rays, not compared"));
+                let what = if choice.is_forced { "compared by --force" } else { "not compared" };
+                out.leave_out(row, format!("{names} over other rays, {what}"));
             }
             if is_paired {
                 pairs.push((scenes, [before, after]));
@@ -318,6 +321,11 @@ impl Comparison {
 }
 
 impl SceneComparison {
+    /// There is nothing to say of it.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty() && self.left_out.is_empty()
+    }
+
     fn leave_out(&mut self, row: &RowRecord, why: String) {
         let (structure, settings) = (row.structure.clone(), row.settings.clone());
         self.left_out.push(LeftOut { structure, settings, why });

@@ -70,11 +70,14 @@ fn facts(comparison: &Comparison) -> Vec<String> {
     lines.extend(comparison.cautions.iter().cloned());
     let (equal, below) = (comparison.equal, comparison.below_threshold);
     if equal > 0 {
-        lines.push(format!("{equal} exact figures are equal and not shown (--all-metrics does)"));
+        lines
+            .push(format!("exact figures that are equal: {equal}, not shown (--all-metrics does)"));
     }
     if below > 0 {
-        lines
-            .push(format!("{below} figures did not change beyond the threshold and are not shown"));
+        lines.push(format!("figures that did not change beyond the threshold: {below}, not shown"));
+    }
+    if comparison.scenes.iter().all(|s| s.is_empty()) {
+        lines.push("nothing to show".into());
     }
     lines.extend(comparison.answers_changed.iter().map(|row| {
         format!("ANSWERS CHANGED: {row}: other hits for the same rays, though each run calls its own right")
@@ -85,19 +88,14 @@ fn facts(comparison: &Comparison) -> Vec<String> {
 /// A table a scene, and that of the means.
 fn tables(comparison: &Comparison, indent: bool) -> Vec<Table> {
     let sides = format!("{} / {}", comparison.new.letter, comparison.old.letter);
-    let has_something = |s: &&SceneComparison| !s.entries.is_empty() || !s.left_out.is_empty();
     let mut tables: Vec<Table> = comparison
         .scenes
         .iter()
-        .filter(has_something)
+        .filter(|scene| !scene.is_empty())
         .map(|scene| scene_table(scene, &sides, indent))
         .collect();
     if !comparison.means.is_empty() {
         tables.push(mean_table(comparison, &sides, indent));
-    }
-    if tables.is_empty() {
-        let title = format!("All scenes: {sides}: nothing to show");
-        tables.push(Table { title, ..Table::default() });
     }
     tables
 }
@@ -118,13 +116,24 @@ fn scene_table(scene: &SceneComparison, sides: &str, indent: bool) -> Table {
             outcome(entry.outcome, entry.ratio),
         ]
     });
-    let notes = scene.left_out.iter().map(|out| format!("{}: {}", out.label(), out.why));
     Table {
         title: format!("{}: {sides}", scene.scene),
         header: HEADER.to_vec(),
         rows: rows.collect(),
-        notes: notes.collect(),
+        notes: left_out(scene),
     }
+}
+
+/// What is not compared, by the reason.
+fn left_out(scene: &SceneComparison) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for out in &scene.left_out {
+        match reasons.iter_mut().find(|(why, _)| *why == out.why) {
+            Some((_, rows)) => rows.push(out.label()),
+            None => reasons.push((&out.why, vec![out.label()])),
+        }
+    }
+    reasons.iter().map(|(why, rows)| format!("{why}: {}", rows.join(", "))).collect()
 }
 
 fn mean_table(comparison: &Comparison, sides: &str, indent: bool) -> Table {

@@ -175,6 +175,9 @@ fn nothing_is_lost_without_a_word() {
         ["uniform-grid: wrong in B", "kd-tree sah=0: trace, ratio over other rays, not compared"]
     );
     assert!(outcomes(&comparison).iter().all(|(line, _)| !line.contains("uniform-grid")));
+    let forced = compared(&old, &new, &Choice { is_forced: true, ..choice() }).unwrap();
+    assert!(forced.scenes[1].left_out[1].why.ends_with("over other rays, compared by --force"));
+    assert_eq!(outcome(&forced, "tetra/kd-tree sah=0/trace"), Outcome::NoDifference);
     assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/build"), Outcome::NoDifference);
     let said = &comparison.cautions;
     assert_eq!(said[0], "B is incomplete: 3 of 8 scenes");

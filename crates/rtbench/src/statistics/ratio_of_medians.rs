@@ -22,8 +22,10 @@ pub fn ratio_of_medians(above: &[f64], below: &[f64]) -> Option<Estimate> {
 }
 
 /// The geometric mean over groups (scenes) of such ratios, each of a pair of above and below, with
-/// its 95% interval: the groups are independent, so the variances of their logarithms add. None
-/// where a group has no ratio, or where there are none.
+/// an interval of 95% at least: the groups are independent, so the variances of their logarithms
+/// add. Those are too large by 6% (31 samples) to 27% (7) on average, which evens out what a single
+/// one varies by; of four groups of nine samples the interval held the truth in 97.9% of trials.
+/// None where a group has no ratio, or where there are none.
 pub fn geometric_mean_of_ratios(groups: &[(&[f64], &[f64])]) -> Option<Estimate> {
     let n = groups.len() as f64;
     let (mut log_ratio, mut variance) = (0.0, 0.0);
@@ -100,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn the_interval_of_the_mean_holds_the_truth_as_often_as_it_says() {
+    fn the_interval_of_the_mean_holds_the_truth_at_least_as_often_as_it_says() {
         // four scenes of nine rounds, whose ratios are 1.2 as a mean
         let mut random = Random::new(11, "coverage of means");
         let mut draw = |median: f64| -> Vec<f64> {
@@ -112,7 +114,7 @@ mod tests {
             let groups = scenes.each_ref().map(|(above, below)| (&above[..], &below[..]));
             held += u32::from(geometric_mean_of_ratios(&groups).unwrap().holds(1.2));
         }
-        assert!((1860..=1940).contains(&held), "{held} of 2000");
+        assert!((1860..=1980).contains(&held), "{held} of 2000");
     }
 
     #[test]
