@@ -9,6 +9,7 @@ use crate::args::Color;
 use crate::clock::Clock;
 use crate::progress::Progress;
 use crate::scene_source::{KnownScene, LoadError, LoadedScene, SceneSource};
+use crate::world::World;
 
 /// The outside world as a command sees it.
 pub struct Context<'a> {
@@ -20,6 +21,8 @@ pub struct Context<'a> {
     pub scenes: &'a dyn SceneSource,
     /// What times are read from.
     pub clock: &'a dyn Clock,
+    /// What results say of the world.
+    pub world: &'a dyn World,
     /// Standard output: results and nothing else.
     pub out: &'a mut dyn Write,
     /// Standard error: warnings.
@@ -41,6 +44,8 @@ pub struct Terminal {
     pub stderr: bool,
     /// NO_COLOR is set and not empty, or TERM is `dumb`.
     pub no_color: bool,
+    /// How wide help is printed; none: found out when it is.
+    pub columns: Option<usize>,
 }
 
 impl Terminal {
@@ -49,7 +54,8 @@ impl Terminal {
         use std::io::IsTerminal;
         let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty())
             || std::env::var_os("TERM").is_some_and(|v| v == "dumb");
-        Self { stdout: io::stdout().is_terminal(), stderr: io::stderr().is_terminal(), no_color }
+        let (stdout, stderr) = (io::stdout().is_terminal(), io::stderr().is_terminal());
+        Self { stdout, stderr, no_color, columns: None }
     }
 
     /// Whether standard output gets colours.
@@ -107,7 +113,7 @@ mod tests {
 
     #[test]
     fn colors_follow_choice_terminal_and_environment() {
-        let tty = Terminal { stdout: true, stderr: true, no_color: false };
+        let tty = Terminal { stdout: true, stderr: true, no_color: false, columns: None };
         let plain = Terminal { no_color: true, ..tty };
         assert!(tty.colors(Color::Auto) && !plain.colors(Color::Auto));
         assert!(plain.colors(Color::Always) && !tty.colors(Color::Never));

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use crate::scene_source::LoadError;
 use accel_core::structures::BuildError;
 
+use crate::comparison::CompareError;
 use crate::journal::JournalError;
 use crate::panics::Panicked;
 use crate::plan::PlanError;
@@ -118,6 +119,9 @@ pub enum Error {
     /// The record of a run cannot be read.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// Runs are not compared.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),
@@ -136,6 +140,9 @@ impl Error {
                 if is_usage { USAGE } else { FAILURE }
             }
             Self::Plan(_) => USAGE,
+            Self::Compare(CompareError::Filter { .. } | CompareError::NothingMatches { .. }) => {
+                USAGE
+            }
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)
                 | ReproduceError::UnknownStructure(_)

@@ -24,6 +24,8 @@ pub mod batches;
 pub mod check;
 pub mod clock;
 pub mod commands;
+#[allow(clippy::indexing_slicing)]
+pub mod comparison;
 pub mod context;
 #[allow(clippy::indexing_slicing)]
 pub mod cost;
@@ -61,23 +63,28 @@ mod suggest;
 pub mod summary;
 #[allow(clippy::indexing_slicing)]
 pub mod sweep;
+#[cfg(test)]
+mod test_record;
 #[allow(clippy::indexing_slicing)]
 pub mod tracer_comparison;
 #[allow(clippy::indexing_slicing)]
 pub mod verify;
+pub mod warnings;
+pub mod world;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
 use accel_core::{occluders, structures::REGISTRY};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command};
 use crate::clock::SystemClock;
 use crate::context::{Context, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS, USAGE};
 use crate::scene_source::Installed;
+use crate::world::SystemWorld;
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
@@ -92,6 +99,7 @@ pub fn main() -> ExitCode {
         occluders: occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
+        world: &SystemWorld,
         out: &mut out,
         err: &mut err,
         command_line,
@@ -111,7 +119,7 @@ pub fn run(
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
 ) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
-    let cli = match Cli::try_parse_from(&arguments) {
+    let cli = match parsed(context, &arguments) {
         Ok(cli) => cli,
         Err(error) => return usage(context, &error),
     };
@@ -123,6 +131,7 @@ pub fn run(
     let ended = match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color, &arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
+        Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
@@ -151,6 +160,16 @@ pub fn run(
             error.exit_code()
         }
     }
+}
+
+/// The command line; help is as wide as the terminal.
+fn parsed(context: &Context<'_>, arguments: &[OsString]) -> Result<Cli, clap::Error> {
+    let mut command = Cli::command();
+    if let Some(columns) = context.terminal.columns {
+        command = command.term_width(columns);
+    }
+    let mut matches = command.try_get_matches_from_mut(arguments)?;
+    Cli::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
 }
 
 /// Help and version on standard output, usage errors on standard error.

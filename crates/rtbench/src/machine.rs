@@ -4,6 +4,7 @@ use std::fs;
 use std::sync::OnceLock;
 
 use crate::record::{Compiler, Machine, Tool};
+use crate::world::{Load, Ticks};
 
 /// The program.
 pub fn tool() -> Tool {
@@ -54,7 +55,60 @@ pub fn machine() -> Machine {
         threads: threads(),
         memory_bytes: kibibytes(&read("/proc/meminfo"), "MemTotal"),
         os: os.join(", "),
+        governor: line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
+        boost: boost(),
     }
+}
+
+/// Whether the clock may rise above its nominal rate: a file of its own, or Intel's, which says
+/// the opposite.
+fn boost() -> Option<bool> {
+    let of = |path: &str, on: &str| line(path).map(|state| state == on);
+    of("/sys/devices/system/cpu/cpufreq/boost", "1")
+        .or_else(|| of("/sys/devices/system/cpu/intel_pstate/no_turbo", "0"))
+}
+
+/// The only line of a file; none where the file is not there or is empty.
+fn line(path: &str) -> Option<String> {
+    let text = fs::read_to_string(path).ok()?;
+    Some(text.trim().to_owned()).filter(|line| !line.is_empty())
+}
+
+/// How busy the machine has been until now.
+pub fn load() -> Load {
+    let read = |path| fs::read_to_string(path).unwrap_or_default();
+    Load {
+        average: read("/proc/loadavg").split_whitespace().next().and_then(|x| x.parse().ok()),
+        ticks: ticks(&read("/proc/stat"), &read("/proc/self/stat")),
+        pages_swapped_in: value(&read("/proc/vmstat"), "pswpin", ' ').and_then(|n| n.parse().ok()),
+        swapped_bytes: kibibytes(&read("/proc/self/status"), "VmSwap"),
+    }
+}
+
+/// Processor time from the texts of /proc/stat and /proc/self/stat (proc(5)).
+fn ticks(all: &str, own: &str) -> Option<Ticks> {
+    let numbers = |text: &str| -> Vec<u64> {
+        text.split_whitespace().map_while(|n| n.parse().ok()).collect()
+    };
+    // user, nice, system, idle, iowait, irq, softirq, steal; guests are in user and nice already
+    let times = numbers(all.lines().find_map(|line| line.strip_prefix("cpu "))?);
+    let (idle, waiting) = (times.get(3)?, times.get(4)?);
+    let all_ticks: u64 = times.iter().take(8).sum();
+    let is_processor = |line: &&str| {
+        let number = line.strip_prefix("cpu").and_then(|rest| rest.split(' ').next());
+        number.is_some_and(|n| n.parse::<u32>().is_ok())
+    };
+    // the program's name, in parentheses, may hold anything; user and system time are the 12th and
+    // 13th field behind it
+    let (_, own) = own.rsplit_once(')')?;
+    let mut own = own.split_whitespace().skip(11);
+    let mut next = || own.next()?.parse::<u64>().ok();
+    Some(Ticks {
+        processors: all.lines().filter(is_processor).count() as u64,
+        all: all_ticks,
+        busy: all_ticks - idle - waiting,
+        own: next()? + next()?,
+    })
 }
 
 /// Largest resident set of the process since its start or [`reset_peak_rss`], bytes.
@@ -89,6 +143,17 @@ mod tests {
         assert_eq!(value(text, "model name", ':').as_deref(), Some("A CPU: fast"));
         assert_eq!(kibibytes(text, "VmHWM"), Some(2048));
         assert_eq!((kibibytes(text, "Bad"), kibibytes(text, "None")), (None, None));
+    }
+
+    #[test]
+    fn processor_time_of_proc_files() {
+        let all = "cpu  40 2 10 100 5 0 1 3 7 0\ncpu0 20 1 5 50 2 0 1 3 7 0\ncpu1 20 1 5 50 3 0 0 0\n\
+                   intr 5\n";
+        let own = "7 (a ) name) R 1 1 1 0 -1 4 101 0 0 0 21 4 9 9 20 0\n";
+        let expected = Ticks { processors: 2, all: 161, busy: 56, own: 25 };
+        assert_eq!(ticks(all, own), Some(expected));
+        assert_eq!(ticks("", own), None);
+        assert_eq!(ticks(all, "7 (name) R 1"), None);
     }
 
     #[test]

@@ -3,8 +3,11 @@
 //! Exact metrics are the same on every machine and in every run of the same program; measured ones
 //! have a sample a round.
 
+use crate::comparison::differences::Concerns;
+use crate::plan::PlanError;
 use crate::record::{RowRecord, SceneRecord, WorkRecord};
 use crate::scene_run::{build_ratios, trace_ratios};
+use crate::suggest::hint;
 
 /// A metric of a row; smaller is better, of all of them.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +37,31 @@ impl Metric {
         matches!(self.reading, Reading::Exact(_))
     }
 
+    /// It is taken to the reference of the same run.
+    pub fn is_to_reference(&self) -> bool {
+        self.name.ends_with("ratio")
+    }
+
+    /// Whether a difference of that kind between two runs keeps it from being compared.
+    pub fn is_concerned(&self, by: Concerns) -> bool {
+        match by {
+            Concerns::Everything => true,
+            Concerns::Seconds => self.unit == "s",
+            Concerns::Ratios => self.is_to_reference(),
+            Concerns::Nothing => false,
+        }
+    }
+
+    /// How many rays its values are over; none where they are not over rays. A slow row is asked a
+    /// sample, the size of which is found by timing.
+    pub fn rays(&self, row: &RowRecord) -> Option<u64> {
+        match self.name {
+            "trace" | "ratio" => Some(row.rays),
+            _ if OF_WORK.contains(&self.name) => Some(row.work.as_ref()?.rays),
+            _ => None,
+        }
+    }
+
     /// Its values in a row of a scene: none, one, or one a round.
     pub fn values(&self, scene: &SceneRecord, row: &RowRecord) -> Vec<f64> {
         match self.reading {
@@ -41,6 +69,23 @@ impl Metric {
             Reading::Measured(read) => read(scene, row),
         }
     }
+}
+
+/// Metrics of the rays that were counted.
+const OF_WORK: [&str; 5] = ["n_it", "n_ts", "n_ets", "n_eets", "saved"];
+
+/// The metric of that name.
+///
+/// # Errors
+/// [`PlanError::UnknownName`] with all names.
+pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
+    let names = || METRICS.iter().map(|m| m.name);
+    METRICS.iter().find(|m| m.name == name).ok_or_else(|| PlanError::UnknownName {
+        what: "metric",
+        name: name.into(),
+        hint: hint(name, names()),
+        valid: names().collect::<Vec<_>>().join(", "),
+    })
 }
 
 /// All metrics, exact ones first.
@@ -100,4 +145,19 @@ const fn measured(
 fn per_ray(row: &RowRecord, of: fn(&WorkRecord) -> u64) -> Option<f64> {
     let work = row.work.as_ref()?;
     Some(of(work) as f64 / work.rays.max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metrics_over_rays_are_there() {
+        assert!(OF_WORK.iter().chain(&["trace", "ratio"]).all(|name| named(name).is_ok()));
+        let error = named("n_its").unwrap_err().to_string();
+        assert!(
+            error.contains("unknown metric 'n_its' (did you mean 'n_it'?); valid: n_in, "),
+            "{error}"
+        );
+    }
 }

@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::statistics::Estimate;
+use crate::statistics::outliers::outliers;
+use crate::warnings::Warning;
+use crate::world::Load;
 
 /// Version of this schema; raised when a field changes its meaning or goes away.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -38,6 +41,12 @@ pub struct RunRecord {
     /// Every scene had its turn; false in what a killed or interrupted run leaves.
     #[serde(default = "from_before")]
     pub complete: bool,
+    /// How busy the machine was before the run and after it.
+    #[serde(default)]
+    pub load: [Load; 2],
+    /// What makes the figures less certain than they look.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
 }
 
 /// Of records from before there was a journal.
@@ -65,8 +74,14 @@ pub struct Machine {
     pub threads: usize,
     /// Bytes of memory.
     pub memory_bytes: Option<u64>,
-    /// Operating system.
+    /// Operating system, with the kernel's release.
     pub os: String,
+    /// How the first processor's clock is governed, where that is told.
+    #[serde(default)]
+    pub governor: Option<String>,
+    /// Whether its clock may be raised above its nominal rate, where that is told.
+    #[serde(default)]
+    pub boost: Option<bool>,
 }
 
 /// The compiler.
@@ -339,6 +354,29 @@ pub struct RowRecord {
     pub render_s: Option<f64>,
     /// Every visit.
     pub samples: Vec<Sample>,
+    /// Visits far from the others; they count like all others.
+    #[serde(default)]
+    pub outliers: Outliers,
+}
+
+/// Samples of a row beyond the fences of [`outliers`], none of them dropped.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Outliers {
+    /// Builds that took too little, too much.
+    pub build: [u64; 2],
+    /// The same of all rays.
+    pub trace: [u64; 2],
+}
+
+impl Outliers {
+    /// Those among samples.
+    pub fn of(samples: &[Sample]) -> Self {
+        let count = |seconds: fn(&Sample) -> f64| {
+            let seconds: Vec<f64> = samples.iter().map(seconds).collect();
+            outliers(&seconds).map(|n| n as u64)
+        };
+        Self { build: count(|s| s.build_s), trace: count(Sample::total_trace_s) }
+    }
 }
 
 impl RowRecord {

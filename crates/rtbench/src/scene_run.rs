@@ -13,7 +13,6 @@ use crate::batches::BatchSet;
 use crate::check::{Checked, check};
 use crate::clock::Clock;
 use crate::error::Error;
-use crate::machine;
 use crate::measure::{Scope, Timed, measure};
 use crate::measured_row::MeasuredRow;
 use crate::oracle::Oracle;
@@ -21,10 +20,11 @@ use crate::panics::{Panicked, caught};
 use crate::plan::Plan;
 use crate::pools::Pools;
 use crate::progress::Progress;
-use crate::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
+use crate::record::{Answered, Outliers, RowRecord, Sample, SceneRecord, Verdict};
 use crate::reference::{Reference, Stage};
 use crate::scene_source::LoadedScene;
 use crate::statistics::{estimate, median};
+use crate::world::World;
 
 /// What a scene is measured with.
 pub struct Equipment<'a> {
@@ -32,6 +32,8 @@ pub struct Equipment<'a> {
     pub pools: &'a Pools,
     /// Time.
     pub clock: &'a dyn Clock,
+    /// Memory.
+    pub world: &'a dyn World,
     /// The bar.
     pub progress: &'a Progress,
 }
@@ -47,7 +49,7 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
     equipment: &Equipment<'_>,
     deadline: Option<Duration>,
 ) -> Result<SceneRecord, Error> {
-    machine::reset_peak_rss();
+    equipment.world.reset_peak_rss();
     let (progress, scene) = (equipment.progress, &loaded.scene);
     progress.message(format!("{}: rays and oracle", scene.name));
     let exact = Geometry::<f64>::of(scene)?;
@@ -107,7 +109,7 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         rays: by_kind(&all, |_| true),
         oracle: judged,
         rows,
-        peak_rss_bytes: machine::peak_rss(),
+        peak_rss_bytes: equipment.world.peak_rss(),
     })
 }
 
@@ -205,6 +207,7 @@ impl RowParts<'_, '_> {
             ratio: None,
             build_ratio: None,
             render_s: timed.render_s.filter(|_| verdict.is_timed()),
+            outliers: Outliers::of(&samples),
             samples,
         }
     }

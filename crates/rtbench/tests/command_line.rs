@@ -10,6 +10,7 @@ use common::{Folder, PLANTED, run};
 use rtbench::clock::SystemClock;
 use rtbench::context::{Context, Terminal, Verbosity};
 use rtbench::scene_source::Installed;
+use rtbench::world::SystemWorld;
 
 #[test]
 fn unknown_names_are_usage_errors_that_say_what_is_valid() {
@@ -151,6 +152,7 @@ fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
             occluders: accel_core::occluders::REGISTRY,
             scenes: &Installed,
             clock: &SystemClock::default(),
+            world: &SystemWorld,
             out: &mut Closed,
             err: &mut err,
             command_line: Vec::new(),

@@ -4,17 +4,19 @@ mod common;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use accel_core::structures::REGISTRY;
 use common::{Ended, Folder, PLANTED, row, run_stepping, run_with};
-use rtbench::clock::SystemClock;
+use rtbench::clock::{Clock, SteppingClock, SystemClock};
 use rtbench::record::SCHEMA_VERSION;
 use rtbench::scene_source::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};
+use rtbench::warnings::Warning;
 
 const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
     n_ts,n_ets,n_eets,saved_part,answers,rays,memory_bytes,pending_cells,build_s,build_s_low,build_s_high,\
     trace_s,trace_s_low,trace_s_high,render_s,first_image_s,ratio_to_reference,ratio_low,\
-    ratio_high,primary_mrays,shadow_mrays,secondary_mrays,diffuse_mrays,mismatches,verdict";
+    ratio_high,primary_mrays,shadow_mrays,secondary_mrays,diffuse_mrays,mismatches,verdict,build_outliers,trace_outliers";
 
 #[test]
 fn the_csv_has_exactly_these_columns_and_a_row_for_each_scene_structure_and_setting() {
@@ -270,4 +272,51 @@ fn a_scene_that_fails_costs_its_own_rows_only() {
     let ended = run_with(PLANTED, &Both, &clock, "run both --quick -s obvhs-cwbvh");
     assert_eq!(ended.code, 1);
     assert!(ended.err.contains("error: ") && ended.out.contains("tetra:1: 4 primitives"));
+}
+
+#[test]
+fn outliers_are_counted_and_shown_and_a_noisy_machine_is_warned_of() {
+    // a clock that jumps: one reading in 50 takes 40 steps
+    struct Jumping(SteppingClock, std::sync::atomic::AtomicU32);
+    impl Clock for Jumping {
+        fn now(&self) -> Duration {
+            let reading = self.1.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
+            (0..if reading % 50 == 0 { 40 } else { 1 }).fold(Duration::ZERO, |_, _| self.0.now())
+        }
+    }
+    let clock = Jumping(SteppingClock::new(Duration::from_micros(10)), Default::default());
+    let folder = Folder::new();
+    let ended = run_with(
+        PLANTED,
+        &Installed,
+        &clock,
+        &format!(
+            "run tetra:2 --size 8 --rounds 30 -s uniform-grid,obvhs-cwbvh -o {}",
+            folder.path()
+        ),
+    );
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.out.contains("Far from the other rounds (Tukey), and counted like them: "));
+    let record = folder.record();
+    let row = row(&record, "uniform-grid");
+    assert_eq!(row.samples.len(), 30);
+    let found = row.outliers.trace[1];
+    assert!((1..10).contains(&found), "{found}");
+    assert_eq!(folder.csv()[0]["trace_outliers"], found.to_string());
+    assert!(!ended.err.contains("warning"), "few outliers are no noise: {}", ended.err);
+}
+
+#[test]
+fn warnings_are_printed_and_kept() {
+    let folder = Folder::new();
+    let ended = run_stepping(&format!(
+        "run tetra:2 --size 8 --rounds 3 -s obvhs-cwbvh -o {}",
+        folder.path()
+    ));
+    assert_eq!(ended.code, 0);
+    assert!(ended.err.starts_with("warning: too few rounds: intervals of 3 hold"), "{}", ended.err);
+    assert_eq!(folder.record().warnings, [Warning::TooFewRounds { rounds: 3 }]);
+    assert!(folder.text("results.md").contains("- warning: too few rounds: "));
+    let quiet = run_stepping("run tetra:2 --size 8 -s obvhs-cwbvh");
+    assert_eq!((quiet.code, quiet.err.as_str()), (0, ""));
 }

@@ -20,6 +20,7 @@ use rtbench::scene_source::Installed;
 use rtbench::verify::cases::secondary::leaving_a_shape_under;
 use rtbench::verify::judge::{Judge, Judged};
 use rtbench::verify::subject::Subject;
+use rtbench::world::SystemWorld;
 
 /// Brute force that does not answer some rays: which ones is its fault.
 struct Faulty<S, F> {
@@ -115,6 +116,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
         occluders: accel_core::occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
+        world: &SystemWorld,
         out: &mut out,
         err: &mut err,
         command_line: vec!["rtbench".into()],

@@ -1,12 +1,14 @@
 //! The command line as typed: syntax only. What it means is decided in [`crate::plan`].
 
 mod accuracy;
+mod compare;
 mod compare_tracers;
 mod render;
 mod reproduce;
 mod verify;
 
 pub use accuracy::AccuracyArgs;
+pub use compare::{CompareArgs, CompareFormat};
 pub use compare_tracers::CompareTracersArgs;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
@@ -56,6 +58,8 @@ pub enum Command {
     Run(RunArgs),
     /// Measure one parameter of a structure over its values
     Sweep(SweepArgs),
+    /// Put the results of two or more runs side by side
+    Compare(CompareArgs),
     /// List what there is
     List(ListArgs),
     /// Render a scene, with the effects it calls for, to a PNG or EXR image

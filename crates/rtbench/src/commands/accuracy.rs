@@ -14,7 +14,6 @@ use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use crate::export::text::{write_notes, write_table};
-use crate::machine;
 use crate::pools::pool;
 use crate::scene_source::KnownScene;
 
@@ -48,9 +47,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let rounds = args.rounds.map_or(pick(ROUNDS, quick), |n| n as usize);
     let mut record = AccuracyRecord {
         command_line: context.command_line.clone(),
-        tool: machine::tool(),
-        machine: machine::machine(),
-        compiler: machine::compiler(),
+        tool: context.world.tool(),
+        machine: context.world.machine(),
+        compiler: context.world.compiler(),
         seed: args.seed,
         quick: args.quick,
         rounds,

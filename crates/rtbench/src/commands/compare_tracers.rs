@@ -110,6 +110,7 @@ pub fn run(
         threads,
         seed: frame.seed,
         command_line: context.command_line.clone(),
+        machine: context.world.machine(),
         reference,
         reference_samples,
         rows,

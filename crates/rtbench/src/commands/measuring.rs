@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use crate::args::Precision;
 use crate::context::{Context, Verbosity};
@@ -14,7 +14,6 @@ use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
 use crate::export::files::Outputs;
 use crate::journal::Journal;
 use crate::journal::lines::Line;
-use crate::machine;
 use crate::panics::caught;
 use crate::plan::{Plan, Rounds};
 use crate::pools::Pools;
@@ -23,6 +22,7 @@ use crate::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
 use crate::scene_run::{Equipment, run_scene};
 use crate::scene_source::KnownScene;
 use crate::summary::summarize;
+use crate::warnings;
 
 /// What came of a plan.
 #[derive(Debug)]
@@ -94,8 +94,12 @@ pub fn measure_rest(
                 progress.message(format!("{}: loading", known.name()));
                 let deadline = budget.deadline(context.clock.now(), left);
                 left -= 1;
-                let equipment =
-                    Equipment { pools: &pools, clock: context.clock, progress: &progress };
+                let equipment = Equipment {
+                    pools: &pools,
+                    clock: context.clock,
+                    world: context.world,
+                    progress: &progress,
+                };
                 measure_one(plan, &**known, &equipment, deadline)
             }
         };
@@ -120,7 +124,7 @@ pub fn measure_rest(
         }
         record.scenes.push(scene);
         record.summary = summarize(&record.scenes, plan.seed);
-        record.peak_rss_bytes = machine::peak_rss().max(record.peak_rss_bytes);
+        record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
         let kept_well = kept_well.and_then(|()| outputs.write(&record, false));
         if let Some(scene) = record.scenes.last() {
             // What the disk does not take is shown at least.
@@ -130,8 +134,13 @@ pub fn measure_rest(
     }
     progress.finish();
     record.complete = true;
+    record.load[1] = context.world.load();
+    record.warnings = warnings::of(&record);
     kept.append(|| Line::Complete)?;
     outputs.write(&record, true)?;
+    for warning in &record.warnings {
+        context.warn(warning);
+    }
     Ok(Measured { record, failures })
 }
 
@@ -181,11 +190,11 @@ pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
 pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
     RunRecord {
         schema_version: SCHEMA_VERSION,
-        tool: machine::tool(),
+        tool: context.world.tool(),
         command_line: context.command_line.clone(),
-        started_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()),
-        machine: machine::machine(),
-        compiler: machine::compiler(),
+        started_unix_s: context.world.unix_seconds(),
+        machine: context.world.machine(),
+        compiler: context.world.compiler(),
         settings: Settings {
             seed: plan.seed,
             threads: plan.threads,
@@ -201,9 +210,11 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         },
         scenes: Vec::new(),
         summary: Vec::new(),
-        peak_rss_bytes: machine::peak_rss(),
+        peak_rss_bytes: context.world.peak_rss(),
         planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
         complete: false,
+        load: [context.world.load(); 2],
+        warnings: Vec::new(),
     }
 }
 

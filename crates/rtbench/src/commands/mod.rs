@@ -1,6 +1,7 @@
 //! The subcommands, one a file.
 
 pub mod accuracy;
+pub mod compare;
 pub mod compare_tracers;
 pub mod cost;
 pub mod list;

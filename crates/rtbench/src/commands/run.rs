@@ -17,7 +17,6 @@ use crate::export::text;
 use crate::interrupt::{self, Unfinished};
 use crate::journal::lines::{Manifest, Recovered};
 use crate::journal::{Journal, JournalError};
-use crate::machine;
 use crate::plan::Plan;
 use crate::record::RunRecord;
 
@@ -42,7 +41,7 @@ pub fn run(
         let make = std::fs::create_dir_all(folder);
         make.map_err(|source| Error::Write { path: folder.clone(), source })?;
         let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
-        kept.journal = Some(Journal::begin(folder, manifest(&plan, &record, arguments))?);
+        kept.journal = Some(Journal::begin(folder, manifest(context, &plan, &record, arguments))?);
     }
     measure(context, args, color, &plan, kept, record)
 }
@@ -63,7 +62,7 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
     args.output = Some(folder.to_owned());
     let plan = Plan::new(&args, context.registry, context.occluders, context.scenes)?;
     let mut record = begin(context, &plan);
-    let mut differences = was.differences(&manifest(&plan, &record, Vec::new()));
+    let mut differences = was.differences(&manifest(context, &plan, &record, Vec::new()));
     for (&i, scene) in &finished {
         let Some(known) = plan.scenes.get(i) else { continue };
         let sha256 = known.load()?.sha256;
@@ -119,11 +118,16 @@ fn measure(
 }
 
 /// What the run is, for its journal.
-fn manifest(plan: &Plan<'_>, record: &RunRecord, arguments: Vec<String>) -> Manifest {
+fn manifest(
+    context: &Context<'_>,
+    plan: &Plan<'_>,
+    record: &RunRecord,
+    arguments: Vec<String>,
+) -> Manifest {
     Manifest {
         schema_version: record.schema_version,
         tool: record.tool.clone(),
-        program_sha256: machine::program_sha256(),
+        program_sha256: context.world.program_sha256(),
         compiler: record.compiler.clone(),
         machine: record.machine.clone(),
         settings: record.settings.clone(),

@@ -1,10 +1,9 @@
 //! `rtbench verify`: the hard cases against every structure.
 
-use std::path::Path;
-
 use crate::args::{Color, VerifyArgs};
 use crate::context::{Context, Verbosity};
 use crate::error::{Error, SUCCESS, WRONG_HITS};
+use crate::export::files::write_file;
 use crate::export::text::write_table;
 use crate::machine;
 use crate::plan::PlanError;
@@ -75,14 +74,6 @@ fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Res
     }
     report.seconds = context.clock.seconds_since(start);
     Ok(report)
-}
-
-fn write_file(
-    path: Option<&Path>,
-    text: impl FnOnce() -> Result<String, Error>,
-) -> Result<(), Error> {
-    let Some(path) = path else { return Ok(()) };
-    std::fs::write(path, text()?).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 /// Repeats one trial and says what comes of it.

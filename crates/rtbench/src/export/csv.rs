@@ -4,11 +4,11 @@ use csv::Writer;
 
 use crate::error::Error;
 use crate::export::{numbers, table};
-use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict, WorkRecord};
+use crate::record::{Outliers, RowRecord, RunRecord, SceneRecord, Verdict, WorkRecord};
 use crate::statistics::Estimate;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 35] = [
+pub const COLUMNS: [&str; 37] = [
     "scene",
     "primitives",
     "structure",
@@ -44,6 +44,8 @@ pub const COLUMNS: [&str; 35] = [
     "diffuse_mrays",
     "mismatches",
     "verdict",
+    "build_outliers",
+    "trace_outliers",
 ];
 
 /// All finished scenes.
@@ -110,6 +112,11 @@ pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
     let judged = !matches!(row.verdict, Verdict::NotBuilt | Verdict::Panicked);
     fields.push(if judged { row.mismatches.to_string() } else { String::new() });
     fields.push(row.verdict.name().to_owned());
+    let Outliers { build, trace } = row.outliers;
+    fields.extend([build, trace].map(|[low, high]| match row.samples.is_empty() {
+        true => String::new(),
+        false => (low + high).to_string(),
+    }));
     fields
 }
 

@@ -87,6 +87,18 @@ impl<'a> Outputs<'a> {
     }
 }
 
+/// Writes a file, if one is named.
+///
+/// # Errors
+/// [`Error::Write`] naming the file, or that of `text`.
+pub fn write_file(
+    path: Option<&Path>,
+    text: impl FnOnce() -> Result<String, Error>,
+) -> Result<(), Error> {
+    let Some(path) = path else { return Ok(()) };
+    fs::write(path, text()?).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
 /// Creates the file; what is no file, but a pipe or a device, stays open.
 fn open(path: &Path) -> Result<Option<File>, Error> {
     let error = |source| Error::Write { path: path.to_owned(), source };

@@ -25,6 +25,9 @@ pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str
     for line in facts(run) {
         let _ = writeln!(text, "- {line}");
     }
+    for warning in &run.warnings {
+        let _ = writeln!(text, "- warning: {warning}");
+    }
     text.push('\n');
     for table in tables {
         push_table(&mut text, table);
@@ -38,10 +41,21 @@ pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str
 fn facts(run: &RunRecord) -> Vec<String> {
     let (machine, compiler, settings) = (&run.machine, &run.compiler, &run.settings);
     let unknown = || "unknown".to_owned();
+    let mut clock = String::new();
+    if let Some(governor) = &machine.governor {
+        let _ = write!(clock, ", governor {governor}");
+    }
+    if let Some(boost) = machine.boost {
+        let _ = write!(clock, ", boost {}", if boost { "on" } else { "off" });
+    }
+    let averages = run.load.map(|load| load.average);
+    if let [Some(before), Some(after)] = averages {
+        let _ = write!(clock, ", load average {before:.2} before, {after:.2} after");
+    }
     vec![
         format!("command: `{}`", run.command_line.join(" ")),
         format!(
-            "machine: {}, {} threads, {} MiB, {}",
+            "machine: {}, {} threads, {} MiB, {}{clock}",
             machine.cpu.clone().unwrap_or_else(unknown),
             machine.threads,
             machine.memory_bytes.unwrap_or(0) >> 20,

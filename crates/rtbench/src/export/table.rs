@@ -202,6 +202,7 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
                  with brute force on a sample."
             .into(),
     }];
+    notes.extend(outlier_note(scene));
     notes.extend(oracle.refused.iter().map(|r| format!("Refused as reference: {r}")));
     for row in &scene.rows {
         let label = row.label();
@@ -222,6 +223,23 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
         }
     }
     notes
+}
+
+/// How many rounds were far from the others, and where most of them were.
+fn outlier_note(scene: &SceneRecord) -> Option<String> {
+    let count = |row: &RowRecord| [row.outliers.build, row.outliers.trace].map(|[a, b]| a + b);
+    let rows = || scene.rows.iter().filter(|row| !row.samples.is_empty());
+    let [builds, traces] =
+        rows().map(count).fold([0, 0], |[a, b], [builds, traces]| [a + builds, b + traces]);
+    let samples: usize = rows().map(|row| row.samples.len()).sum();
+    let most = rows().max_by_key(|row| count(row).iter().sum::<u64>())?;
+    (builds + traces > 0).then(|| {
+        format!(
+            "Far from the other rounds (Tukey), and counted like them: {builds} builds, {traces} \
+             traces of {samples}; most of {}.",
+            most.label()
+        )
+    })
 }
 
 /// What a mailbox was good for.

@@ -201,6 +201,8 @@ fn compare(name: &str, was: &Value, is: &Value, differences: &mut Vec<String>) {
 
 #[cfg(test)]
 mod tests {
+    use crate::world::FixedWorld;
+
     use super::*;
 
     fn manifest() -> Manifest {
@@ -215,7 +217,7 @@ mod tests {
                 profile: None,
                 opt_level: None,
             },
-            machine: Machine { cpu: None, threads: 2, memory_bytes: Some(1), os: "linux".into() },
+            machine: FixedWorld::default().machine,
             settings: Settings {
                 seed: 1,
                 threads: 1,

@@ -22,8 +22,8 @@ pub fn outliers(samples: &[f64]) -> [usize; 2] {
     [low, high]
 }
 
-/// A quantile of sorted samples, linear between them.
-fn quantile(sorted: &[f64], part: f64) -> f64 {
+/// A quantile of sorted samples, of which there is one at least, linear between them.
+pub fn quantile(sorted: &[f64], part: f64) -> f64 {
     let place = part * (sorted.len() - 1) as f64;
     let (i, share) = (place.floor() as usize, place.fract());
     let next = sorted[(i + 1).min(sorted.len() - 1)];

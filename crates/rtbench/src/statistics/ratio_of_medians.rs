@@ -21,6 +21,23 @@ pub fn ratio_of_medians(above: &[f64], below: &[f64]) -> Option<Estimate> {
     Some(Estimate { median: ratio, low: ratio / factor, high: ratio * factor })
 }
 
+/// The geometric mean over groups (scenes) of such ratios, each of a pair of above and below, with
+/// an interval of 95% at least: the groups are independent, so the variances of their logarithms
+/// add. Those are too large by 6% (31 samples) to 27% (7) on average, which evens out what a single
+/// one varies by; of four groups of nine samples the interval held the truth in 97.9% of trials.
+/// None where a group has no ratio, or where there are none.
+pub fn geometric_mean_of_ratios(groups: &[(&[f64], &[f64])]) -> Option<Estimate> {
+    let n = groups.len() as f64;
+    let (mut log_ratio, mut variance) = (0.0, 0.0);
+    for (above, below) in groups {
+        variance += log_median_variance(above)? + log_median_variance(below)?;
+        log_ratio += (median(above)? / median(below)?).ln();
+    }
+    let ratio = (log_ratio / n).exp();
+    let factor = (NORMAL_95 * variance.sqrt() / n).exp();
+    (n > 0.0).then_some(Estimate { median: ratio, low: ratio / factor, high: ratio * factor })
+}
+
 /// The variance of the logarithm of the median of samples.
 fn log_median_variance(samples: &[f64]) -> Option<f64> {
     let n = samples.len();
@@ -68,6 +85,36 @@ mod tests {
         assert_eq!((e.median, e.low, e.high), (1.5, 1.5, 1.5));
         assert_eq!(ratio_of_medians(&[1.0; 2], &[1.0; 9]), None);
         assert_eq!(ratio_of_medians(&[1.0; 3], &[0.0; 3]), None);
+    }
+
+    #[test]
+    fn groups_are_joined() {
+        let one: (&[f64], &[f64]) = (&[2.0, 2.2, 1.9, 2.1], &[1.0, 1.1, 0.9]);
+        let (joined, alone) =
+            (geometric_mean_of_ratios(&[one]).unwrap(), ratio_of_medians(one.0, one.1).unwrap());
+        assert!((joined.low - alone.low).abs() < 1e-12 && (joined.high - alone.high).abs() < 1e-12);
+        let halved: (&[f64], &[f64]) = (&[1.0; 3], &[2.0; 3]);
+        let doubled: (&[f64], &[f64]) = (&[2.0; 3], &[1.0; 3]);
+        let mean = geometric_mean_of_ratios(&[halved, doubled]).unwrap();
+        assert!((mean.median - 1.0).abs() < 1e-12 && mean.holds(mean.median));
+        assert_eq!(geometric_mean_of_ratios(&[]), None);
+        assert_eq!(geometric_mean_of_ratios(&[one, (&[1.0], &[1.0])]), None);
+    }
+
+    #[test]
+    fn the_interval_of_the_mean_holds_the_truth_at_least_as_often_as_it_says() {
+        // four scenes of nine rounds, whose ratios are 1.2 as a mean
+        let mut random = Random::new(11, "coverage of means");
+        let mut draw = |median: f64| -> Vec<f64> {
+            (0..9).map(|_| median * log_normal(&mut random, 0.2)).collect()
+        };
+        let mut held = 0;
+        for _ in 0..2000 {
+            let scenes = [1.0, 1.44, 1.2, 1.2].map(|ratio| (draw(ratio), draw(1.0)));
+            let groups = scenes.each_ref().map(|(above, below)| (&above[..], &below[..]));
+            held += u32::from(geometric_mean_of_ratios(&groups).unwrap().holds(1.2));
+        }
+        assert!((1860..=1980).contains(&held), "{held} of 2000");
     }
 
     #[test]

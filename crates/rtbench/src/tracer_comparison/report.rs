@@ -16,6 +16,7 @@ use crate::export::numbers::{milliseconds, ratio, short};
 use crate::export::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 use crate::export::table::{Cell, Style, Table};
 use crate::image_error::Converged;
+use crate::record::Machine;
 use crate::statistics::{Estimate, estimate};
 
 /// Columns of the CSV, in order.
@@ -55,6 +56,8 @@ pub struct Report {
     pub seed: u64,
     /// The command line.
     pub command_line: Vec<String>,
+    /// What it ran on.
+    pub machine: Machine,
     /// What images were compared with.
     pub reference: Converged,
     /// Samples a pixel of each of its two images.
@@ -310,7 +313,7 @@ impl Report {
             .collect();
         let all = json!({
             "command_line": self.command_line,
-            "machine": crate::machine::machine(),
+            "machine": self.machine,
             "scene": self.scene,
             "primitives": self.primitives,
             "resolution": self.resolution,

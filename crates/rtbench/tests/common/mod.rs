@@ -17,6 +17,7 @@ use rtbench::clock::{Clock, SteppingClock, SystemClock};
 use rtbench::context::{Context, Terminal, Verbosity};
 use rtbench::record::{RowRecord, RunRecord};
 use rtbench::scene_source::{Installed, SceneSource};
+use rtbench::world::FixedWorld;
 
 /// Brute force that forgets the first primitive, which the camera sees in the scenes of these
 /// tests: the wrong structure that must be found out. (One that no ray meets could not be.)
@@ -111,10 +112,11 @@ pub fn run_over(
         occluders,
         scenes,
         clock,
+        world: &FixedWorld::default(),
         out: &mut out,
         err: &mut err,
         command_line: vec!["rtbench".into()],
-        terminal: Terminal::default(),
+        terminal: Terminal { columns: Some(100), ..Terminal::default() },
         verbosity: Verbosity::Normal,
     };
     let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());

@@ -15,6 +15,7 @@ use rtbench::journal::lines::{Recovered, read};
 use rtbench::journal::{Journal, NAME};
 use rtbench::record::RunRecord;
 use rtbench::scene_source::Installed;
+use rtbench::world::SystemWorld;
 
 /// Runs the program over that registry: exit code, standard output, standard error.
 pub fn run_in(
@@ -27,6 +28,7 @@ pub fn run_in(
         occluders: occluders::REGISTRY,
         scenes: &Installed,
         clock: &SteppingClock::new(Duration::from_millis(1)),
+        world: &SystemWorld,
         out: &mut out,
         err: &mut err,
         command_line: vec!["rtbench".into()],

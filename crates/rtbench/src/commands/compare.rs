@@ -1,0 +1,108 @@
+//! `rtbench compare`: results of two or more runs side by side.
+
+use regex_lite::Regex;
+
+use crate::args::{Color, CompareArgs, CompareFormat};
+use crate::comparison::{
+    Choice, CompareError, Comparison, Named, compare, csv, default_metrics, tables,
+};
+use crate::context::Context;
+use crate::error::{Error, SUCCESS};
+use crate::export::files::write_file;
+use crate::metrics::{self, METRICS};
+use crate::record_file;
+
+/// Prints and exports. What changed is no failure: `rtbench check` is the gate.
+///
+/// # Errors
+/// [`Error`] for results that cannot be read or compared, unknown metrics, and outputs.
+pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Result<u8, Error> {
+    let choice = choice(args)?;
+    let runs =
+        args.results.iter().map(|path| record_file::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let paths: Vec<String> = args.results.iter().map(|p| p.display().to_string()).collect();
+    let letters: Vec<String> = (0..runs.len()).map(letter).collect();
+    let mut named = letters.iter().zip(&paths).zip(&runs).map(|((letter, path), run)| Named {
+        letter,
+        path,
+        run,
+    });
+    let mut comparisons = Vec::new();
+    if let Some(old) = named.next() {
+        for new in named {
+            comparisons.push(compare(old, new, &choice)?);
+        }
+    }
+    for comparison in &comparisons {
+        warn_of(context, comparison);
+    }
+    let json = || {
+        let text = serde_json::to_string_pretty(&comparisons).map(|text| text + "\n");
+        text.map_err(|e| Error::Format { format: "JSON", message: e.to_string() })
+    };
+    write_file(args.export_csv.as_deref(), || csv::to_string(&comparisons))?;
+    write_file(args.export_markdown.as_deref(), || Ok(tables::to_markdown(&comparisons)))?;
+    write_file(args.export_json.as_deref(), json)?;
+    match args.format {
+        CompareFormat::Text => {
+            tables::write(context.out, &comparisons, context.terminal.colors(color))?;
+        }
+        CompareFormat::Markdown => write!(context.out, "{}", tables::to_markdown(&comparisons))?,
+        CompareFormat::Csv => write!(context.out, "{}", csv::to_string(&comparisons)?)?,
+        CompareFormat::Json => write!(context.out, "{}", json()?)?,
+    }
+    context.out.flush()?;
+    Ok(SUCCESS)
+}
+
+fn choice(args: &CompareArgs) -> Result<Choice, Error> {
+    let filter = |text: &String| {
+        Regex::new(text)
+            .map_err(|e| CompareError::Filter { filter: text.clone(), message: e.to_string() })
+    };
+    let metrics = match (args.all_metrics, args.metrics.is_empty()) {
+        (true, _) => METRICS.iter().collect(),
+        (_, true) => default_metrics(),
+        _ => args.metrics.iter().map(|name| metrics::named(name)).collect::<Result<_, _>>()?,
+    };
+    Ok(Choice {
+        metrics,
+        shows_equal: args.all_metrics || !args.metrics.is_empty(),
+        filter: args.filter.as_ref().map(filter).transpose()?,
+        threshold: args.threshold,
+        is_forced: args.force,
+    })
+}
+
+/// `A`, `B`, ..., `Z`, `AA`, ...
+fn letter(place: usize) -> String {
+    let last = char::from(b'A' + (place % 26) as u8);
+    match place / 26 {
+        0 => last.to_string(),
+        more => letter(more - 1) + &last.to_string(),
+    }
+}
+
+/// What must not be missed where the output goes to a file.
+fn warn_of(context: &mut Context<'_>, comparison: &Comparison) {
+    for caution in &comparison.cautions {
+        context.warn(caution);
+    }
+    for row in &comparison.answers_changed {
+        context.warn(format_args!(
+            "ANSWERS CHANGED: {row}: {} and {} give other hits for the same rays; `rtbench verify` \
+             says which are right",
+            comparison.old.letter, comparison.new.letter
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_go_on_after_z() {
+        assert_eq!([0, 25, 26, 27, 52].map(letter), ["A", "Z", "AA", "AB", "BA"]);
+    }
+}

@@ -1,0 +1,45 @@
+//! What is to be kept in mind with a comparison.
+
+use crate::comparison::differences::{Concerns, Difference};
+use crate::comparison::{Choice, Named};
+
+/// What is to be said of two runs that are compared all the same.
+pub fn cautions(
+    old: Named<'_>,
+    new: Named<'_>,
+    choice: &Choice,
+    differing: &[Difference],
+) -> Vec<String> {
+    let mut said = Vec::new();
+    for Difference { what, concerns } in differing {
+        let consequence = match (concerns, choice.is_forced) {
+            (Concerns::Nothing, _) => "",
+            (_, true) => "; compared by --force",
+            (Concerns::Seconds, _) => {
+                "; times in seconds are not compared (--force does), ratios and counters are"
+            }
+            (Concerns::Ratios, _) => "; ratios to the reference are not compared (--force does)",
+            (Concerns::Everything, false) => "",
+        };
+        said.push(format!("{what}{consequence}"));
+    }
+    for Named { letter, run, .. } in [old, new] {
+        if !run.complete {
+            let (finished, all) = (run.scenes.len(), run.planned.len());
+            said.push(format!("{letter} is incomplete: {finished} of {all} scenes"));
+        }
+        if run.settings.quick {
+            said.push(format!("{letter} is a quick run: few rounds, a first look"));
+        }
+        said.extend(run.warnings.iter().map(|warning| format!("{letter}: {warning}")));
+    }
+    for (one, other) in [(old, new), (new, old)] {
+        let has = |name: &str| other.run.scenes.iter().any(|s| s.name == name);
+        let only: Vec<&str> =
+            one.run.scenes.iter().map(|s| s.name.as_str()).filter(|name| !has(name)).collect();
+        if !only.is_empty() {
+            said.push(format!("only in {}: {}", one.letter, only.join(", ")));
+        }
+    }
+    said
+}

@@ -1,0 +1,63 @@
+//! Comparisons as CSV: one row a scene, row and metric; geometric means have no scene, and what was
+//! left out has no metric.
+
+use crate::comparison::Comparison;
+use crate::error::Error;
+use crate::export::csv::{number, written};
+use crate::statistics::Estimate;
+
+/// The columns, in order.
+pub const COLUMNS: [&str; 14] = [
+    "old_file",
+    "new_file",
+    "scene",
+    "structure",
+    "settings",
+    "metric",
+    "unit",
+    "old",
+    "new",
+    "ratio",
+    "ratio_low",
+    "ratio_high",
+    "p",
+    "outcome",
+];
+
+/// All comparisons.
+///
+/// # Errors
+/// [`Error::Format`].
+pub fn to_string(comparisons: &[Comparison]) -> Result<String, Error> {
+    written(|writer| {
+        writer.write_record(COLUMNS)?;
+        for comparison in comparisons {
+            let files = [&*comparison.old.path, &*comparison.new.path];
+            for scene in &comparison.scenes {
+                for e in &scene.entries {
+                    let [old, new, p] = [Some(e.old), Some(e.new), e.p].map(number);
+                    let [ratio, low, high] = ends(e.ratio);
+                    let row = [&*scene.scene, &*e.structure, &*e.settings, e.metric, e.unit];
+                    let figures = [&*old, &*new, &*ratio, &*low, &*high, &*p, e.outcome.name()];
+                    writer.write_record(files.iter().chain(&row).chain(&figures))?;
+                }
+                for out in &scene.left_out {
+                    let row = [&*scene.scene, &*out.structure, &*out.settings];
+                    let figures = ["", "", "", "", "", "", "", "", &*out.why];
+                    writer.write_record(files.iter().chain(&row).chain(&figures))?;
+                }
+            }
+            for mean in &comparison.means {
+                let [ratio, low, high] = ends(mean.ratio);
+                let row = ["", &*mean.structure, &*mean.settings, mean.metric];
+                let figures = ["", "", "", &*ratio, &*low, &*high, "", mean.outcome.name()];
+                writer.write_record(files.iter().chain(&row).chain(&figures))?;
+            }
+        }
+        Ok(())
+    })
+}
+
+fn ends(ratio: Option<Estimate>) -> [String; 3] {
+    [ratio.map(|r| r.median), ratio.map(|r| r.low), ratio.map(|r| r.high)].map(number)
+}

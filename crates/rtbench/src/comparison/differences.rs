@@ -1,0 +1,225 @@
+//! What keeps two runs from being compared.
+//!
+//! A figure of one run can be held against one of another if nothing but the program differs between
+//! them. Other scenes, rays, arithmetic or instructions make everything another question. Another
+//! machine makes seconds one, but not counters, and not ratios to the reference of the same run,
+//! which is why they are taken. Another reference makes those another question.
+
+use std::collections::BTreeMap;
+
+use crate::record::{RunRecord, SceneRecord};
+
+/// What a difference concerns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Concerns {
+    /// No figure can be compared.
+    Everything,
+    /// No times in seconds.
+    Seconds,
+    /// No ratios to the reference.
+    Ratios,
+    /// All figures can be compared; the difference may be why they differ.
+    Nothing,
+}
+
+/// Something that two runs do not have in common.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Difference {
+    /// What it is, and what it was and is.
+    pub what: String,
+    /// What it concerns.
+    pub concerns: Concerns,
+}
+
+/// All differences between two runs, over the scenes that both have.
+pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
+    let mut found = Found(Vec::new());
+    let (a, b) = (&old.settings, &new.settings);
+    found.unless_equal(Concerns::Everything, "threads", &a.threads, &b.threads);
+    found.unless_equal(Concerns::Everything, "precision", &a.precision, &b.precision);
+    let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
+    let sizes = [a.resolution, b.resolution].map(size);
+    found.unless_equal(Concerns::Everything, "resolution", &sizes[0], &sizes[1]);
+    found.unless_equal(Concerns::Everything, "depth", &a.max_depth, &b.max_depth);
+    found.unless_equal(Concerns::Everything, "rays", &a.rays.join(","), &b.rays.join(","));
+    found.unless_equal(Concerns::Everything, "seed", &a.seed, &b.seed);
+    let (x, y) = (&old.compiler, &new.compiler);
+    found.unless_known_equal(Concerns::Everything, "target", &x.target, &y.target);
+    found.features(&x.target_features, &y.target_features);
+    found.unless_known_equal(Concerns::Everything, "profile", &x.profile, &y.profile);
+    found.unless_known_equal(Concerns::Everything, "opt-level", &x.opt_level, &y.opt_level);
+    for (before, after) in scenes_of_both(old, new) {
+        let name = &before.name;
+        let what = format!("scene {name}: sha256");
+        found.unless_equal(Concerns::Everything, &what, &before.sha256, &after.sha256);
+        if a.rays != b.rays {
+            // said above
+            continue;
+        }
+        let rays = [&before.rays, &after.rays].map(ray_counts);
+        let what = format!("scene {name}: rays");
+        found.unless_equal(Concerns::Everything, &what, &rays[0], &rays[1]);
+    }
+    let (m, n) = (&old.machine, &new.machine);
+    found.unless_known_equal(Concerns::Seconds, "processor", &m.cpu, &n.cpu);
+    found.unless_equal(Concerns::Seconds, "threads of the machine", &m.threads, &n.threads);
+    found.unless_known_equal(Concerns::Seconds, "governor", &m.governor, &n.governor);
+    found.unless_known_equal(Concerns::Seconds, "boost", &m.boost, &n.boost);
+    found.unless_equal(Concerns::Ratios, "reference", &a.reference, &b.reference);
+    found.unless_equal(Concerns::Nothing, "system", &m.os, &n.os);
+    found.unless_known_equal(Concerns::Nothing, "compiler", &x.rustc, &y.rustc);
+    found.0
+}
+
+/// The scenes that both runs finished, in the order of the first.
+pub fn scenes_of_both<'r>(
+    old: &'r RunRecord,
+    new: &'r RunRecord,
+) -> impl Iterator<Item = (&'r SceneRecord, &'r SceneRecord)> {
+    old.scenes.iter().filter_map(|scene| {
+        let same = new.scenes.iter().find(|other| other.name == scene.name)?;
+        Some((scene, same))
+    })
+}
+
+fn ray_counts(rays: &BTreeMap<String, u64>) -> String {
+    rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect::<Vec<_>>().join(" + ")
+}
+
+/// Differences as they are found.
+struct Found(Vec<Difference>);
+
+impl Found {
+    fn unless_equal<T: PartialEq + ToString>(
+        &mut self,
+        concerns: Concerns,
+        what: &str,
+        old: &T,
+        new: &T,
+    ) {
+        if old != new {
+            let what = format!("{what}: {}, then {}", old.to_string(), new.to_string());
+            self.0.push(Difference { what, concerns });
+        }
+    }
+
+    /// What is not known of one run is no difference.
+    fn unless_known_equal<T: PartialEq + ToString>(
+        &mut self,
+        concerns: Concerns,
+        what: &str,
+        old: &Option<T>,
+        new: &Option<T>,
+    ) {
+        if let (Some(old), Some(new)) = (old, new) {
+            self.unless_equal(concerns, what, old, new);
+        }
+    }
+
+    /// Target features, by those that only one run has.
+    fn features(&mut self, old: &[String], new: &[String]) {
+        let only = |all: &[String], others: &[String]| -> String {
+            let only: Vec<&str> =
+                all.iter().filter(|f| !others.contains(f)).map(String::as_str).collect();
+            if only.is_empty() { "none".to_owned() } else { only.join(" ") }
+        };
+        let (gone, come) = (only(old, new), only(new, old));
+        self.unless_equal(Concerns::Everything, "target features of one run only", &gone, &come);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_record::run;
+
+    #[test]
+    fn every_planted_difference_is_found_and_concerns_what_it_should() {
+        let old = run(&[("tetra", &[("obvhs-cwbvh", &[1.0])])]);
+        assert_eq!(differences(&old, &old.clone()), []);
+        type Plant = (fn(&mut RunRecord), &'static str, Concerns);
+        let plants: [Plant; 19] = [
+            (|r| r.settings.threads = 2, "threads: 1, then 2", Concerns::Everything),
+            (
+                |r| r.settings.precision = "f64".into(),
+                "precision: f32, then f64",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.settings.resolution = [8, 9],
+                "resolution: 16x16, then 8x9",
+                Concerns::Everything,
+            ),
+            (|r| r.settings.max_depth = 9, "depth: 4, then 9", Concerns::Everything),
+            (
+                |r| r.settings.rays = vec!["shadow".into()],
+                "rays: primary, then shadow",
+                Concerns::Everything,
+            ),
+            (|r| r.settings.seed = 7, "seed: 1, then 7", Concerns::Everything),
+            (
+                |r| r.compiler.target = Some("arm".into()),
+                "target: x86_64-unknown-linux-gnu, then arm",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.compiler.target_features = vec!["avx2".into()],
+                "target features of one run only: fma, then none",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.compiler.profile = Some("dev".into()),
+                "profile: release, then dev",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.compiler.opt_level = Some("1".into()),
+                "opt-level: 3, then 1",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.scenes[0].sha256 = "ef".into(),
+                "scene tetra: sha256: cd, then ef",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.scenes[0].rays = [("shadow".into(), 9)].into(),
+                "scene tetra: rays: 256 primary, then 9 shadow",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.machine.cpu = Some("Other".into()),
+                "processor: Test CPU, then Other",
+                Concerns::Seconds,
+            ),
+            (|r| r.machine.threads = 3, "threads of the machine: 2, then 3", Concerns::Seconds),
+            (
+                |r| r.machine.governor = Some("powersave".into()),
+                "governor: performance, then powersave",
+                Concerns::Seconds,
+            ),
+            (|r| r.machine.boost = Some(false), "boost: true, then false", Concerns::Seconds),
+            (
+                |r| r.settings.reference = "hug".into(),
+                "reference: obvhs-cwbvh, then hug",
+                Concerns::Ratios,
+            ),
+            (|r| r.machine.os = "plan9".into(), "system: linux, then plan9", Concerns::Nothing),
+            (
+                |r| r.compiler.rustc = Some("rustc 2".into()),
+                "compiler: rustc 1.90.0, then rustc 2",
+                Concerns::Nothing,
+            ),
+        ];
+        let mut old = old;
+        (old.machine.governor, old.machine.boost) = (Some("performance".into()), Some(true));
+        for (plant, what, concerns) in plants {
+            let mut new = old.clone();
+            plant(&mut new);
+            assert_eq!(differences(&old, &new), [Difference { what: what.into(), concerns }]);
+        }
+        let mut unknown = old.clone();
+        (unknown.machine.governor, unknown.compiler.target) = (None, None);
+        assert_eq!(differences(&old, &unknown), []);
+    }
+}

@@ -1,0 +1,174 @@
+//! One metric of one row in two runs.
+
+use serde::Serialize;
+
+use crate::metrics::Metric;
+use crate::record::{RowRecord, SceneRecord};
+use crate::statistics::mann_whitney::p_value;
+use crate::statistics::ratio_of_medians::ratio_of_medians;
+use crate::statistics::{Estimate, median};
+
+/// What comes of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// Exact: the same.
+    Equal,
+    /// Exact: less than before.
+    Less,
+    /// Exact: more than before.
+    More,
+    /// Measured: the interval of the ratio holds 1.
+    NoDifference,
+    /// Measured: the whole interval is below 1.
+    Faster,
+    /// Measured: the whole interval is above 1.
+    Slower,
+    /// Measured: too few rounds for an interval.
+    TooFewRounds,
+}
+
+impl Outcome {
+    /// Of an exact metric.
+    pub fn of_exact(old: f64, new: f64) -> Self {
+        match new.total_cmp(&old) {
+            std::cmp::Ordering::Less => Self::Less,
+            std::cmp::Ordering::Equal => Self::Equal,
+            std::cmp::Ordering::Greater => Self::More,
+        }
+    }
+
+    /// Of a measured one.
+    pub fn of_measured(ratio: Option<Estimate>) -> Self {
+        match ratio {
+            None => Self::TooFewRounds,
+            Some(ratio) if ratio.holds(1.0) => Self::NoDifference,
+            Some(ratio) if ratio.median < 1.0 => Self::Faster,
+            Some(_) => Self::Slower,
+        }
+    }
+
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Equal => "equal",
+            Self::Less => "less",
+            Self::More => "more",
+            Self::NoDifference => "no difference",
+            Self::Faster => "faster",
+            Self::Slower => "slower",
+            Self::TooFewRounds => "too few rounds",
+        }
+    }
+
+    /// Something changed, as far as can be told.
+    pub fn is_change(self) -> bool {
+        matches!(self, Self::Less | Self::More | Self::Faster | Self::Slower)
+    }
+}
+
+/// A metric of a row of a scene, before and after.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Entry {
+    /// Structure.
+    pub structure: String,
+    /// What differs from its defaults.
+    pub settings: String,
+    /// The metric's name.
+    pub metric: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The value, or the median of the rounds, before.
+    pub old: f64,
+    /// The same after.
+    pub new: f64,
+    /// After over before; of exact metrics without width, none where the old one is 0.
+    pub ratio: Option<Estimate>,
+    /// Mann and Whitney's probability of samples this unlike by chance; none of exact metrics.
+    pub p: Option<f64>,
+    /// What comes of it.
+    pub outcome: Outcome,
+}
+
+impl Entry {
+    /// Compares; none where one of the rows has no such metric.
+    pub fn of(
+        metric: &Metric,
+        [old_scene, new_scene]: [&SceneRecord; 2],
+        [old_row, new_row]: [&RowRecord; 2],
+    ) -> Option<Self> {
+        let before = metric.values(old_scene, old_row);
+        let after = metric.values(new_scene, new_row);
+        let (old, new) = (median(&before)?, median(&after)?);
+        let (ratio, p, outcome) = if metric.is_exact() {
+            (exact_ratio(old, new), None, Outcome::of_exact(old, new))
+        } else {
+            let ratio = ratio_of_medians(&after, &before);
+            (ratio, p_value(&before, &after), Outcome::of_measured(ratio))
+        };
+        Some(Self {
+            structure: new_row.structure.clone(),
+            settings: new_row.settings.clone(),
+            metric: metric.name,
+            unit: metric.unit,
+            old,
+            new,
+            ratio,
+            p,
+            outcome,
+        })
+    }
+
+    /// Structure and settings.
+    pub fn label(&self) -> String {
+        format!("{} {}", self.structure, self.settings).trim_end().to_owned()
+    }
+
+    /// It changed by more than this many percent: the larger of both is that much more than the
+    /// smaller one.
+    pub fn changed_by_more(&self, percent: f64) -> bool {
+        exceeds(self.ratio, self.outcome, percent)
+    }
+}
+
+/// A change beyond that many percent; what rose from nothing is beyond all.
+pub fn exceeds(ratio: Option<Estimate>, outcome: Outcome, percent: f64) -> bool {
+    let factor = ratio.map_or(f64::INFINITY, |r| r.median.max(1.0 / r.median));
+    outcome.is_change() && factor - 1.0 > percent / 100.0
+}
+
+/// The ratio of two exact values, an interval without width; none where it has no meaning.
+pub fn exact_ratio(old: f64, new: f64) -> Option<Estimate> {
+    let ratio = if old == new { 1.0 } else { new / old };
+    (ratio.is_finite()).then_some(Estimate { median: ratio, low: ratio, high: ratio })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outcomes_say_what_the_interval_says() {
+        let of = |low, high| {
+            Outcome::of_measured(Some(Estimate { median: f64::midpoint(low, high), low, high }))
+        };
+        assert_eq!(of(0.9, 1.1), Outcome::NoDifference);
+        assert_eq!(of(1.0, 1.1), Outcome::NoDifference);
+        assert_eq!(of(1.01, 1.1), Outcome::Slower);
+        assert_eq!(of(0.8, 0.99), Outcome::Faster);
+        assert_eq!(Outcome::of_measured(None), Outcome::TooFewRounds);
+        assert_eq!(Outcome::of_exact(2.0, 1.0), Outcome::Less);
+        assert_eq!(Outcome::of_exact(1.0, 2.0), Outcome::More);
+        assert_eq!(Outcome::of_exact(1.0, 1.0), Outcome::Equal);
+    }
+
+    #[test]
+    fn a_threshold_holds_in_both_directions() {
+        let by = |ratio: f64, outcome| exceeds(exact_ratio(1.0, ratio), outcome, 5.0);
+        assert!(by(1.06, Outcome::Slower) && !by(1.04, Outcome::Slower));
+        assert!(by(0.94, Outcome::Faster) && !by(0.96, Outcome::Faster));
+        assert!(!by(1.5, Outcome::NoDifference) && !by(1.5, Outcome::TooFewRounds));
+        assert!(exceeds(exact_ratio(0.0, 3.0), Outcome::More, 1e9));
+        assert_eq!(exact_ratio(0.0, 0.0).map(|r| r.median), Some(1.0));
+    }
+}

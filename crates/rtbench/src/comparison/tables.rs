@@ -1,0 +1,204 @@
+//! Comparisons as tables, for the terminal and in Markdown.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use crate::comparison::entry::{Entry, Outcome};
+use crate::comparison::{Comparison, SceneComparison, Side};
+use crate::export::markdown::push_table;
+use crate::export::numbers;
+use crate::export::table::{Cell, Style, Table};
+use crate::export::text::{write_notes, write_table};
+use crate::statistics::Estimate;
+
+/// Column heads of a scene's table.
+const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "p", "outcome"];
+
+/// What the columns mean.
+pub const GLOSSARY: &[&str] = &[
+    "old, new: exact values, or medians over the rounds. ratio: new over old, of medians with the \
+     95% interval of Bonett and Price (2020); below 1 is faster, or less. p: the probability of \
+     rounds this unlike by chance (Mann and Whitney).",
+    "Of 20 intervals over runs that do not differ, one leaves out 1 by chance, and two runs at \
+     different times drift apart: what matters is measured again, or by `rtbench check --against`.",
+    "All scenes: geometric means of the ratios, over the scenes that both runs have the row in. \
+     The reference's own ratio is 1 by definition and not shown.",
+];
+
+/// Prints comparisons.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write(out: &mut dyn Write, comparisons: &[Comparison], colors: bool) -> io::Result<()> {
+    for comparison in comparisons {
+        let facts = facts(comparison);
+        write_notes(out, &facts.iter().map(String::as_str).collect::<Vec<_>>(), colors)?;
+        writeln!(out)?;
+        for table in tables(comparison, true) {
+            write_table(out, &table, colors)?;
+        }
+    }
+    write_notes(out, GLOSSARY, colors)
+}
+
+/// The same in Markdown.
+pub fn to_markdown(comparisons: &[Comparison]) -> String {
+    let mut text = "# rtbench comparison\n\n".to_owned();
+    for comparison in comparisons {
+        for fact in facts(comparison) {
+            let _ = writeln!(text, "- {fact}");
+        }
+        text.push('\n');
+        for table in tables(comparison, false) {
+            push_table(&mut text, &table);
+        }
+    }
+    for line in GLOSSARY {
+        let _ = writeln!(text, "{line}\n");
+    }
+    text
+}
+
+/// Both sides, and what is to be kept in mind.
+fn facts(comparison: &Comparison) -> Vec<String> {
+    let side = |Side { letter, path, git_revision, cpu }: &Side| {
+        let revision = git_revision.as_deref().unwrap_or("unknown");
+        let cpu = cpu.as_deref().unwrap_or("unknown");
+        format!("{letter}: {path} (rtbench at {revision:.12}, {cpu})")
+    };
+    let mut lines = vec![side(&comparison.old), side(&comparison.new)];
+    lines.extend(comparison.cautions.iter().cloned());
+    let (equal, below) = (comparison.equal, comparison.below_threshold);
+    if equal > 0 {
+        lines
+            .push(format!("exact figures that are equal: {equal}, not shown (--all-metrics does)"));
+    }
+    if below > 0 {
+        lines.push(format!("figures that did not change beyond the threshold: {below}, not shown"));
+    }
+    if comparison.scenes.iter().all(|s| s.is_empty()) {
+        lines.push("nothing to show".into());
+    }
+    lines.extend(comparison.answers_changed.iter().map(|row| {
+        format!("ANSWERS CHANGED: {row}: other hits for the same rays, though each run calls its own right")
+    }));
+    lines
+}
+
+/// A table a scene, and that of the means.
+fn tables(comparison: &Comparison, indent: bool) -> Vec<Table> {
+    let sides = format!("{} / {}", comparison.new.letter, comparison.old.letter);
+    let mut tables: Vec<Table> = comparison
+        .scenes
+        .iter()
+        .filter(|scene| !scene.is_empty())
+        .map(|scene| scene_table(scene, &sides, indent))
+        .collect();
+    if !comparison.means.is_empty() {
+        tables.push(mean_table(comparison, &sides, indent));
+    }
+    tables
+}
+
+fn scene_table(scene: &SceneComparison, sides: &str, indent: bool) -> Table {
+    let mut previous = String::new();
+    let rows = scene.entries.iter().map(|entry| {
+        let label = entry.label();
+        let is_again = indent && label == previous;
+        previous.clone_from(&label);
+        vec![
+            if is_again { String::new() } else { label }.into(),
+            metric(entry).into(),
+            value(entry, entry.old).into(),
+            value(entry, entry.new).into(),
+            ratio(entry.outcome, entry.ratio).into(),
+            entry.p.map_or_else(|| "-".to_owned(), probability).into(),
+            outcome(entry.outcome, entry.ratio),
+        ]
+    });
+    Table {
+        title: format!("{}: {sides}", scene.scene),
+        header: HEADER.to_vec(),
+        rows: rows.collect(),
+        notes: left_out(scene),
+    }
+}
+
+/// What is not compared, by the reason.
+fn left_out(scene: &SceneComparison) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for out in &scene.left_out {
+        match reasons.iter_mut().find(|(why, _)| *why == out.why) {
+            Some((_, rows)) => rows.push(out.label()),
+            None => reasons.push((&out.why, vec![out.label()])),
+        }
+    }
+    reasons.iter().map(|(why, rows)| format!("{why}: {}", rows.join(", "))).collect()
+}
+
+fn mean_table(comparison: &Comparison, sides: &str, indent: bool) -> Table {
+    let mut previous = String::new();
+    let rows = comparison.means.iter().map(|mean| {
+        let label = format!("{} {}", mean.structure, mean.settings).trim_end().to_owned();
+        let is_again = indent && label == previous;
+        previous.clone_from(&label);
+        vec![
+            if is_again { String::new() } else { label }.into(),
+            mean.metric.to_owned().into(),
+            mean.scenes.to_string().into(),
+            ratio(mean.outcome, mean.ratio).into(),
+            outcome(mean.outcome, mean.ratio),
+        ]
+    });
+    Table {
+        title: format!("All scenes: {sides}"),
+        header: vec!["structure", "metric", "scenes", "ratio [95%]", "outcome"],
+        rows: rows.collect(),
+        notes: Vec::new(),
+    }
+}
+
+/// The metric in the unit that it is shown in.
+fn metric(entry: &Entry) -> String {
+    match entry.unit {
+        "" => entry.metric.to_owned(),
+        "s" => format!("{} ms", entry.metric),
+        unit => format!("{} {unit}", entry.metric),
+    }
+}
+
+fn value(entry: &Entry, value: f64) -> String {
+    match entry.unit {
+        "s" => numbers::milliseconds(value),
+        // counts are whole, rays have parts of them
+        _ if entry.p.is_none() && value.fract() == 0.0 => format!("{value:.0}"),
+        _ if entry.p.is_none() => format!("{value:.3}"),
+        _ => numbers::short(value),
+    }
+}
+
+fn ratio(outcome: Outcome, ratio: Option<Estimate>) -> String {
+    let is_exact = matches!(outcome, Outcome::Equal | Outcome::Less | Outcome::More);
+    match ratio {
+        None => "-".to_owned(),
+        Some(ratio) if is_exact => format!("{:.4}", ratio.median),
+        Some(Estimate { median, low, high }) => format!("{median:.3} [{low:.3}, {high:.3}]"),
+    }
+}
+
+fn probability(p: f64) -> String {
+    if p < 0.001 { "<0.001".to_owned() } else { format!("{p:.3}") }
+}
+
+/// The outcome in words; of exact metrics with the change.
+fn outcome(outcome: Outcome, ratio: Option<Estimate>) -> Cell {
+    let change = ratio.map(|r| format!(" by {:.3}%", 100.0 * (r.median - 1.0).abs()));
+    let change = change.filter(|_| matches!(outcome, Outcome::Less | Outcome::More));
+    let style = match outcome {
+        Outcome::Slower | Outcome::More => Style::Bad,
+        Outcome::Faster | Outcome::Less => Style::Best,
+        Outcome::Equal | Outcome::NoDifference => Style::Dim,
+        Outcome::TooFewRounds => Style::Plain,
+    };
+    Cell { text: format!("{}{}", outcome.name(), change.unwrap_or_default()), style }
+}

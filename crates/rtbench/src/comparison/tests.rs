@@ -1,0 +1,207 @@
+use regex_lite::Regex;
+
+use super::*;
+use crate::test_record::run;
+
+const OLD: [f64; 7] = [1.0, 1.01, 0.99, 1.02, 0.98, 1.0, 1.01];
+
+fn times(factor: f64) -> [f64; 7] {
+    OLD.map(|t| t * factor)
+}
+
+/// Two scenes of a reference and two rows.
+fn record(grid: f64, tree: f64) -> RunRecord {
+    let (grid, tree) = (times(grid), times(tree));
+    let rows: [(&str, &[f64]); 3] =
+        [("obvhs-cwbvh", &OLD), ("uniform-grid", &grid), ("kd-tree sah=0", &tree)];
+    run(&[("balls", &rows), ("tetra", &rows)])
+}
+
+fn choice() -> Choice {
+    Choice {
+        metrics: default_metrics(),
+        shows_equal: false,
+        filter: None,
+        threshold: None,
+        is_forced: false,
+    }
+}
+
+fn compared(old: &RunRecord, new: &RunRecord, choice: &Choice) -> Result<Comparison, CompareError> {
+    let named = |letter, path, run| Named { letter, path, run };
+    compare(named("A", "old.json", old), named("B", "new.json", new), choice)
+}
+
+/// Outcomes by scene, row and metric.
+fn outcomes(comparison: &Comparison) -> Vec<(String, Outcome)> {
+    let of = |s: &SceneComparison| {
+        let name = s.scene.clone();
+        let line = |e: &Entry| (format!("{name}/{}/{}", e.label(), e.metric), e.outcome);
+        s.entries.iter().map(line).collect::<Vec<_>>()
+    };
+    comparison.scenes.iter().flat_map(of).collect()
+}
+
+fn outcome(comparison: &Comparison, of: &str) -> Outcome {
+    let all = outcomes(comparison);
+    all.iter().find(|(line, _)| line == of).unwrap_or_else(|| panic!("{of} of {all:?}")).1
+}
+
+#[test]
+fn a_planted_slow_down_is_found_and_what_did_not_change_is_called_that() {
+    let comparison = compared(&record(2.0, 3.0), &record(2.6, 3.0), &choice()).unwrap();
+    for scene in ["balls", "tetra"] {
+        for metric in ["build", "trace", "ratio"] {
+            let of = |row| outcome(&comparison, &format!("{scene}/{row}/{metric}"));
+            assert_eq!(of("uniform-grid"), Outcome::Slower, "{metric}");
+            assert_eq!(of("kd-tree sah=0"), Outcome::NoDifference, "{metric}");
+        }
+    }
+    let grid = &comparison.scenes[0]
+        .entries
+        .iter()
+        .find(|e| e.metric == "trace" && e.structure == "uniform-grid")
+        .unwrap();
+    assert!((grid.ratio.unwrap().median - 1.3).abs() < 1e-9 && grid.p.unwrap() < 0.01);
+    // exact metrics are equal and counted; the reference's ratio to itself is not compared
+    assert_eq!(comparison.equal, 2 * 3 * 10);
+    assert_eq!(comparison.scenes[0].entries.len(), 8);
+    let mean = comparison
+        .means
+        .iter()
+        .find(|m| m.structure == "uniform-grid" && m.metric == "trace")
+        .unwrap();
+    assert_eq!((mean.scenes, mean.outcome), (2, Outcome::Slower));
+    assert!((mean.ratio.unwrap().median - 1.3).abs() < 1e-9);
+    assert!(mean.ratio.unwrap().low > grid.ratio.unwrap().low, "two scenes say more than one");
+    let faster = compared(&record(2.0, 3.0), &record(1.6, 3.0), &choice()).unwrap();
+    assert_eq!(outcome(&faster, "tetra/uniform-grid/trace"), Outcome::Faster);
+}
+
+#[test]
+fn counters_are_compared_exactly() {
+    let (old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
+    new.scenes[1].rows[1].work.as_mut().unwrap().intersection_tests += 1;
+    new.scenes[1].rows[1].shape.as_mut().unwrap().n_ev = 5;
+    let comparison = compared(&old, &new, &choice()).unwrap();
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_it"), Outcome::More);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ev"), Outcome::More);
+    assert_eq!(comparison.equal, 58);
+    let mean = |metric| comparison.means.iter().find(|m| m.metric == metric);
+    let n_it = mean("n_it").unwrap().ratio.unwrap().median;
+    assert!((n_it - (513.0f64 / 512.0).sqrt()).abs() < 1e-12);
+    assert_eq!(mean("n_ev"), None, "what rises from 0 has no mean");
+    let all = Choice { metrics: METRICS.iter().collect(), shows_equal: true, ..choice() };
+    let comparison = compared(&old, &new, &all).unwrap();
+    assert_eq!(comparison.equal, 0);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ts"), Outcome::Equal);
+}
+
+#[test]
+fn filter_and_threshold_choose_what_is_shown() {
+    let (old, new) = (record(2.0, 3.0), record(2.2, 3.9));
+    let filter = Some(Regex::new("^tetra/.*grid.*/trace$").unwrap());
+    let shown = compared(&old, &new, &Choice { filter, ..choice() }).unwrap();
+    assert_eq!(outcomes(&shown), [("tetra/uniform-grid/trace".to_owned(), Outcome::Slower)]);
+    assert_eq!((shown.means.len(), shown.means[0].scenes), (1, 1));
+    let shown = compared(&old, &new, &Choice { threshold: Some(20.0), ..choice() }).unwrap();
+    assert!(outcomes(&shown).iter().all(|(line, _)| line.contains("kd-tree")), "{shown:?}");
+    assert_eq!((outcomes(&shown).len(), shown.below_threshold), (6, 10));
+    let filter = Some(Regex::new("hug").unwrap());
+    let error = compared(&old, &new, &Choice { filter, ..choice() }).unwrap_err().to_string();
+    assert!(
+        error.starts_with("--filter 'hug' finds nothing among A: old.json, B: new.json"),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused_with_all_reasons_unless_forced() {
+    let (old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
+    new.settings.threads = 2;
+    new.settings.seed = 9;
+    new.scenes[1].sha256 = "ef".into();
+    let error = compared(&old, &new, &choice()).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "cannot be compared (A: old.json, B: new.json): threads: 1, then 2; seed: 1, then 9; \
+         scene tetra: sha256: cd, then ef; --force compares them all the same"
+    );
+    let forced = compared(&old, &new, &Choice { is_forced: true, ..choice() }).unwrap();
+    assert_eq!(forced.cautions[0], "threads: 1, then 2; compared by --force");
+    assert_eq!((forced.cautions.len(), forced.scenes[1].entries.len()), (3, 8));
+}
+
+#[test]
+fn another_machine_leaves_ratios_and_counters() {
+    let (old, mut new) = (record(2.0, 3.0), record(2.6, 3.0));
+    new.machine.cpu = Some("Other CPU".into());
+    let comparison = compared(&old, &new, &choice()).unwrap();
+    let shown: Vec<String> = outcomes(&comparison).into_iter().map(|(line, _)| line).collect();
+    assert!(shown.len() == 4 && shown.iter().all(|line| line.ends_with("/ratio")), "{shown:?}");
+    assert_eq!(comparison.equal, 60);
+    assert!(comparison.cautions[0].starts_with("processor: Test CPU, then Other CPU; times in"));
+    let seconds = Choice { metrics: vec![crate::metrics::named("trace").unwrap()], ..choice() };
+    let error = compared(&old, &new, &seconds).unwrap_err().to_string();
+    assert!(error.contains("processor: Test CPU, then Other CPU; --force"), "{error}");
+    let forced = compared(&old, &new, &Choice { is_forced: true, ..seconds }).unwrap();
+    assert_eq!(outcome(&forced, "tetra/uniform-grid/trace"), Outcome::Slower);
+    new.machine = old.machine.clone();
+    new.settings.reference = "kd-tree".into();
+    let comparison = compared(&old, &new, &choice()).unwrap();
+    assert!(outcomes(&comparison).iter().all(|(line, _)| !line.ends_with("/ratio")));
+    assert!(comparison.cautions[0].contains("ratios to the reference are not compared"));
+}
+
+#[test]
+fn nothing_is_lost_without_a_word() {
+    let (mut old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
+    old.scenes[0].rows.remove(1);
+    new.scenes[0].rows.remove(2);
+    new.scenes[1].rows[1].verdict = Verdict::Wrong;
+    new.scenes[1].rows[2].rays = 128;
+    new.scenes.push(SceneRecord { name: "rings".into(), ..new.scenes[0].clone() });
+    new.complete = false;
+    new.planned = vec!["x".into(); 8];
+    new.warnings = vec![crate::warnings::Warning::NoisyMachine { spread: 0.5 }];
+    let comparison = compared(&old, &new, &choice()).unwrap();
+    let left = |scene: usize| -> Vec<String> {
+        let left = comparison.scenes[scene].left_out.iter();
+        left.map(|l| format!("{}: {}", l.label(), l.why)).collect()
+    };
+    assert_eq!(left(0), ["uniform-grid: only in B", "kd-tree sah=0: only in A"]);
+    assert_eq!(
+        left(1),
+        ["uniform-grid: wrong in B", "kd-tree sah=0: trace, ratio over other rays, not compared"]
+    );
+    assert!(outcomes(&comparison).iter().all(|(line, _)| !line.contains("uniform-grid")));
+    let forced = compared(&old, &new, &Choice { is_forced: true, ..choice() }).unwrap();
+    assert!(forced.scenes[1].left_out[1].why.ends_with("over other rays, compared by --force"));
+    assert_eq!(outcome(&forced, "tetra/kd-tree sah=0/trace"), Outcome::NoDifference);
+    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/build"), Outcome::NoDifference);
+    let said = &comparison.cautions;
+    assert_eq!(said[0], "B is incomplete: 3 of 8 scenes");
+    assert!(said[1].starts_with("B: noisy machine"));
+    assert_eq!(said[2..], ["only in B: rings"]);
+    old.scenes.truncate(1);
+    new.scenes.remove(0);
+    let error = compared(&old, &new, &choice()).unwrap_err().to_string();
+    assert!(error.ends_with("no scene in common: balls, then tetra, rings"), "{error}");
+}
+
+#[test]
+fn changed_answers_are_said_and_samples_of_other_rays_are_none() {
+    let (old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
+    new.scenes[1].rows[1].answers_sha256 = Some("ba".into());
+    let comparison = compared(&old, &new, &choice()).unwrap();
+    assert_eq!(comparison.answers_changed, ["tetra: uniform-grid"]);
+    new.scenes[1].rows[1].checked_rays = 128;
+    assert!(compared(&old, &new, &choice()).unwrap().answers_changed.is_empty());
+}
+
+#[test]
+fn two_rounds_have_no_interval() {
+    let few = run(&[("tetra", &[("obvhs-cwbvh", &[1.0, 1.0]), ("hug", &[2.0, 9.0])])]);
+    let comparison = compared(&few, &few, &choice()).unwrap();
+    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Outcome::TooFewRounds);
+}

@@ -1,0 +1,162 @@
+//! What results say of the world around a run: the date, the machine, the compiler, and what else
+//! kept the machine busy. Injected like the clock, so that all that is printed can be tested.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
+
+use crate::machine;
+use crate::record::{Compiler, Machine, Tool};
+
+/// The world as far as results repeat it.
+pub trait World: Sync {
+    /// Seconds since 1970.
+    fn unix_seconds(&self) -> u64;
+    /// The program.
+    fn tool(&self) -> Tool;
+    /// What it was compiled with.
+    fn compiler(&self) -> Compiler;
+    /// What it runs on.
+    fn machine(&self) -> Machine;
+    /// SHA-256 of the program's file, where it can be read.
+    fn program_sha256(&self) -> Option<String>;
+    /// Largest resident set since the start or [`World::reset_peak_rss`], bytes.
+    fn peak_rss(&self) -> Option<u64>;
+    /// Begins a new peak where the system lets us.
+    fn reset_peak_rss(&self);
+    /// How busy the machine has been until now.
+    fn load(&self) -> Load;
+}
+
+/// How busy the machine has been; what counts up does so since its start.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Load {
+    /// Mean number of runnable processes in the last minute.
+    pub average: Option<f64>,
+    /// Processor time of the whole machine; none where it is not told.
+    pub ticks: Option<Ticks>,
+    /// Pages read back from swap.
+    pub pages_swapped_in: Option<u64>,
+    /// Bytes of this process that are in swap.
+    pub swapped_bytes: Option<u64>,
+}
+
+/// Processor time, in the kernel's ticks.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Ticks {
+    /// Processors they are counted over.
+    pub processors: u64,
+    /// All of it, idle or not.
+    pub all: u64,
+    /// What was used, or taken by the host of a virtual machine.
+    pub busy: u64,
+    /// What this process used.
+    pub own: u64,
+}
+
+/// The world that the process finds.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SystemWorld;
+
+impl World for SystemWorld {
+    fn unix_seconds(&self) -> u64 {
+        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
+    }
+
+    fn tool(&self) -> Tool {
+        machine::tool()
+    }
+
+    fn compiler(&self) -> Compiler {
+        machine::compiler()
+    }
+
+    fn machine(&self) -> Machine {
+        machine::machine()
+    }
+
+    fn program_sha256(&self) -> Option<String> {
+        machine::program_sha256()
+    }
+
+    fn peak_rss(&self) -> Option<u64> {
+        machine::peak_rss()
+    }
+
+    fn reset_peak_rss(&self) {
+        machine::reset_peak_rss();
+    }
+
+    fn load(&self) -> Load {
+        machine::load()
+    }
+}
+
+/// A world that is the same everywhere, for tests of what is printed.
+#[derive(Debug)]
+pub struct FixedWorld {
+    /// What is said of the machine.
+    pub machine: Machine,
+    /// What it was compiled with.
+    pub compiler: Compiler,
+    /// What the loads are, one reading after another; the last one stays.
+    pub loads: Mutex<VecDeque<Load>>,
+}
+
+impl Default for FixedWorld {
+    fn default() -> Self {
+        Self {
+            machine: Machine {
+                cpu: Some("Test CPU".into()),
+                threads: 2,
+                memory_bytes: Some(4 << 30),
+                os: "linux".into(),
+                governor: None,
+                boost: None,
+            },
+            compiler: Compiler {
+                rustc: Some("rustc 1.90.0".into()),
+                target: Some("x86_64-unknown-linux-gnu".into()),
+                target_features: vec!["avx2".into(), "fma".into()],
+                profile: Some("release".into()),
+                opt_level: Some("3".into()),
+            },
+            loads: Mutex::default(),
+        }
+    }
+}
+
+impl World for FixedWorld {
+    fn unix_seconds(&self) -> u64 {
+        1_767_225_600
+    }
+
+    fn tool(&self) -> Tool {
+        Tool { name: "rtbench".into(), version: "0.0.0".into(), git_revision: Some("0".repeat(40)) }
+    }
+
+    fn compiler(&self) -> Compiler {
+        self.compiler.clone()
+    }
+
+    fn machine(&self) -> Machine {
+        self.machine.clone()
+    }
+
+    fn program_sha256(&self) -> Option<String> {
+        Some("0".repeat(64))
+    }
+
+    fn peak_rss(&self) -> Option<u64> {
+        Some(64 << 20)
+    }
+
+    fn reset_peak_rss(&self) {}
+
+    fn load(&self) -> Load {
+        let mut loads = self.loads.lock().unwrap_or_else(PoisonError::into_inner);
+        if loads.len() > 1 { loads.pop_front() } else { loads.front().copied() }.unwrap_or_default()
+    }
+}
