@@ -20,8 +20,11 @@
 
 pub mod accuracy;
 pub mod args;
+pub mod baselines;
 pub mod batches;
+pub mod callgrind;
 pub mod check;
+pub mod child_process;
 pub mod clock;
 pub mod commands;
 pub mod context;
@@ -31,10 +34,12 @@ pub mod duration;
 pub mod effect_table;
 pub mod error;
 pub mod export;
+pub mod gate;
 #[allow(clippy::indexing_slicing)]
 pub mod image_error;
 pub mod interrupt;
 pub mod journal;
+pub mod like;
 pub mod machine;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
@@ -57,6 +62,7 @@ pub mod scene_source;
 pub mod schedule;
 #[allow(clippy::indexing_slicing)]
 pub mod statistics;
+pub mod strides;
 mod suggest;
 pub mod summary;
 #[allow(clippy::indexing_slicing)]
@@ -75,7 +81,7 @@ use clap::Parser;
 
 use crate::args::{Cli, Command};
 use crate::clock::SystemClock;
-use crate::context::{Context, Terminal, Verbosity};
+use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS, USAGE};
 use crate::scene_source::Installed;
 
@@ -97,6 +103,7 @@ pub fn main() -> ExitCode {
         command_line,
         terminal: Terminal::detect(),
         verbosity: Verbosity::Normal,
+        environment: Environment::detect(),
     };
     let ended = panics::caught(|| run(&mut context, arguments));
     ExitCode::from(ended.unwrap_or_else(|panicked| {
@@ -131,6 +138,9 @@ pub fn run(
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
+        Command::Check(args) => commands::check::run(context, args, cli.color),
+        Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
+        Command::Child(args) => commands::child::run(context, args),
     };
     match ended {
         Ok(code) => code,
