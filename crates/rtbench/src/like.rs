@@ -10,6 +10,7 @@ use clap::Parser;
 use crate::args::{BaselineAction, Cli, Command, RunArgs};
 use crate::context::Context;
 use crate::error::Error;
+use crate::gate::GateError;
 use crate::plan::{Plan, PlanError};
 use crate::record::{RunRecord, SceneRecord};
 use crate::strides::FixedStrides;
@@ -106,7 +107,7 @@ pub fn plan<'r>(
     wanted: &Narrowed<'_>,
     context: &Context<'r>,
 ) -> Result<Plan<'r>, Error> {
-    let args = arguments(record, wanted)?;
+    let args = arguments(record, wanted).map_err(GateError::from)?;
     let mut plan = Plan::new(&args, context.registry, context.occluders, context.scenes)
         .or_else(|error| by_source(error, record, args, context))?;
     plan.strides = FixedStrides::of(record, 1);

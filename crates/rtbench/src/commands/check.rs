@@ -17,7 +17,7 @@ use crate::gate::against::{Contest, PairedRow, own_program};
 use crate::gate::report::{GLOSSARY, Report};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{
-    Evidence, Finding, GateError, Instructions, Outcome, ROUNDS, Times, annotations, comparable,
+    Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable,
     export, judge, wall_clock,
 };
 use crate::interrupt::undisturbed;
