@@ -76,7 +76,8 @@ use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use accel_core::{occluders, structures::REGISTRY};
+use accel_core::occluders;
+use accel_core::structures::{Entry, REGISTRY};
 use clap::Parser;
 
 use crate::args::{Cli, Command};
@@ -87,6 +88,11 @@ use crate::scene_source::Installed;
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
+    main_over(REGISTRY)
+}
+
+/// The same over structures of the caller's choice.
+pub fn main_over(registry: &[Entry]) -> ExitCode {
     panics::keep_quiet();
     interrupt::arm();
     let arguments: Vec<OsString> = std::env::args_os().collect();
@@ -94,7 +100,7 @@ pub fn main() -> ExitCode {
     let mut out = io::stdout().lock();
     let mut err = io::stderr();
     let mut context = Context {
-        registry: REGISTRY,
+        registry,
         occluders: occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),

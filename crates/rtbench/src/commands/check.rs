@@ -17,8 +17,8 @@ use crate::gate::against::{Contest, PairedRow, own_program};
 use crate::gate::report::{GLOSSARY, Report};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{
-    Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable,
-    export, judge, wall_clock,
+    Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
+    judge, wall_clock,
 };
 use crate::interrupt::undisturbed;
 use crate::like::{self, LikeError, Narrowed};
