@@ -41,7 +41,7 @@ instructions() { # TURNS -> instructions of all walks
 }
 seconds() { # TURNS -> trace time over the reference's
     PLANTED_LOOPS=$1 "$new" -q run "$first" --quick --rounds 21 -s slowed-grid \
-        --export-csv "$work/time.csv" >/dev/null
+        --reference obvhs-cwbvh --export-csv "$work/time.csv" >/dev/null
     awk -F, 'NR == 1 {for (i = 1; i <= NF; i++) c[$i] = i} $c["structure"] == "slowed-grid" {
         print $c["ratio_to_reference"]}' "$work/time.csv"
 }

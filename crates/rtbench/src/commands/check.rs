@@ -57,7 +57,11 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     };
     let colors = context.terminal.colors(color);
     for table in report.tables(args.all) {
-        text::write_table(context.out, &table, colors)?;
+        if table.rows.is_empty() {
+            writeln!(context.out, "{}\n{}\n", table.title, table.notes.join(" "))?;
+        } else {
+            text::write_table(context.out, &table, colors)?;
+        }
     }
     for remark in &report.remarks {
         writeln!(context.out, "{remark}")?;
@@ -254,6 +258,10 @@ impl Check<'_> {
 
     fn report(&self, context: &Context<'_>, found: Found<'_>) -> Report {
         let Found { base, now, against, findings, failures, pairs } = found;
+        let times = match self.args.against {
+            Some(_) => "seconds".to_owned(),
+            None => format!("ratios to {} in the same rounds", now.settings.reference),
+        };
         Report {
             tool: now.tool.clone(),
             command_line: context.command_line.clone(),
@@ -265,6 +273,7 @@ impl Check<'_> {
             outcome: Report::worst(&findings),
             remarks: comparable::remarks(base, now),
             findings,
+            times,
             failures,
             pairs,
         }

@@ -16,8 +16,11 @@ use crate::progress::Progress;
 use crate::random::Random;
 use crate::record::{RowRecord, RunRecord, Sample};
 
-/// Visits of a row in a process. The least of their times counts: other programs only add to it.
-const VISITS: u32 = 3;
+/// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The least
+/// of their times counts: other programs only add to it.
+const VISITS: (u32, u32) = (3, 9);
+/// Seconds of a process that are worth their time: starting it takes about as long.
+const VISIT_SECONDS: f64 = 0.5;
 /// Pairs within a time budget, at the least: fewer could not be significant.
 const FEWEST: u32 = 9;
 
@@ -93,14 +96,15 @@ impl Contest<'_> {
         progress: &Progress,
     ) -> Result<Vec<PairedRow>, AgainstError> {
         let mut rows: Vec<PairedRow> = Vec::new();
+        let visits = self.visits();
         let start = clock.now();
         let mut round = 0;
         while self.goes_on(round, clock.now().saturating_sub(start)) {
             progress.message(format!("pair {}", round + 1));
             let purpose = format!("pairs/{round}");
             let old_first = Random::new(self.like.settings.seed, &purpose).below(2) == 0;
-            let old = || self.measured(self.old, VISITS, true).map_err(AgainstError::Old);
-            let new = || self.measured(self.new, VISITS, true).map_err(AgainstError::New);
+            let old = || self.measured(self.old, visits, true).map_err(AgainstError::Old);
+            let new = || self.measured(self.new, visits, true).map_err(AgainstError::New);
             let (old, new) = if old_first {
                 let old = old()?;
                 (old, new()?)
@@ -118,6 +122,14 @@ impl Contest<'_> {
     /// Pairs that will be made, as far as is known.
     pub fn expected(&self) -> u32 {
         self.rounds.unwrap_or(ROUNDS)
+    }
+
+    /// Visits of each row in a process.
+    fn visits(&self) -> u32 {
+        let samples = || self.like.scenes.iter().flat_map(|s| &s.rows).flat_map(|r| &r.samples);
+        let seconds: f64 = samples().map(|s| s.build_s + s.total_trace_s()).sum();
+        let visits = (VISIT_SECONDS / seconds.max(1e-6)).ceil().min(f64::from(VISITS.1));
+        (visits as u32).max(VISITS.0)
     }
 
     fn goes_on(&self, round: u32, elapsed: Duration) -> bool {

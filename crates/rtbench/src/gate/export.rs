@@ -28,7 +28,11 @@ pub fn markdown(report: &Report, all: bool) -> String {
     let mut text =
         format!("# rtbench check: {}\n\n{}\n\n", report.outcome.name(), report.verdict());
     for table in report.tables(all) {
-        push_table(&mut text, &table);
+        if table.rows.is_empty() {
+            let _ = writeln!(text, "## {}\n\n{}\n", table.title, table.notes.join(" "));
+        } else {
+            push_table(&mut text, &table);
+        }
     }
     for line in report.remarks.iter().map(String::as_str).chain(GLOSSARY.iter().copied()) {
         let _ = writeln!(text, "{line}\n");

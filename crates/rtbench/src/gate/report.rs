@@ -7,7 +7,7 @@ use crate::export::numbers;
 use crate::export::table::{Cell, Style, Table};
 use crate::gate::against::PairedRow;
 use crate::gate::thresholds::Thresholds;
-use crate::gate::{Finding, Outcome, RUNGS, Rung};
+use crate::gate::{Finding, Outcome, RUNGS, Rung, wall_clock};
 use crate::record::{Machine, Tool};
 
 /// A check.
@@ -33,6 +33,8 @@ pub struct Report {
     pub findings: Vec<Finding>,
     /// What there is to say beside.
     pub remarks: Vec<String>,
+    /// What the figures of times are, in words.
+    pub times: String,
     /// Scenes that could not be measured.
     pub failures: usize,
     /// Times of the pairs of processes, with `--against`.
@@ -105,6 +107,9 @@ impl Report {
         let (unchanged, all_of_them) = (count(Outcome::Unchanged), own.len());
         let mut notes = vec![format!("{unchanged} of {all_of_them} unchanged.")];
         notes.extend(self.reasons(&own).filter(|_| !all));
+        if rung.name == wall_clock::RUNG.name {
+            notes.push(format!("baseline, now: {}.", self.times));
+        }
         Some(Table {
             title: format!("{}: {}", rung.name, rung.summary),
             header: vec!["row", "what", "baseline", "now", "change", "p", "outcome"],

@@ -36,7 +36,7 @@ fn what_makes_no_sense_is_said_before_anything_is_measured() {
         ("baseline remove other", 2, "there are: main"),
         ("baseline promote main .x", 2, "letters"),
         ("baseline save new --from /nowhere", 1, "/nowhere"),
-        ("baseline save new tetra:2 --resume x", 2, "--from DIR"),
+        ("baseline save new --resume x", 2, "--from DIR"),
         ("check --baseline mian", 2, "did you mean 'main'?"),
         ("check", 2, "--baseline"),
         ("check --baseline main teapot", 2, "it has: tetra:2"),
