@@ -54,7 +54,8 @@ pub fn check<S: Buildable + OccluderScalar>(
     let full_pass_s = pilot(&built, &asked, scope.clock);
     let limits = &scope.plan.limits;
     let cap = if row.is_sampled() { limits.sampled_pass } else { limits.checked_pass };
-    let stride = stride_for(full_pass_s, cap);
+    let fixed = scope.plan.strides.checked(&scope.stage.scene.name, &row.label());
+    let stride = fixed.unwrap_or_else(|| stride_for(full_pass_s, cap));
     let thinned;
     let set = if stride == 1 {
         &asked

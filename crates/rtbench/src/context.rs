@@ -1,6 +1,7 @@
 //! What a command works with; everything of the outside world that tests replace.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 use accel_core::occluders;
 use accel_core::structures::Entry;
@@ -33,6 +34,34 @@ pub struct Context<'a> {
     pub terminal: Terminal,
     /// How much to say on standard error.
     pub verbosity: Verbosity,
+    /// What the environment of the process says.
+    pub environment: Environment,
+}
+
+/// What the environment of the process says, beside the terminal.
+#[derive(Debug, Clone, Default)]
+pub struct Environment {
+    /// This program's file, to start it again; none where it is not known.
+    pub program: Option<PathBuf>,
+    /// GITHUB_ACTIONS is `true`: annotations are read.
+    pub github_actions: bool,
+    /// GITHUB_STEP_SUMMARY: the file that Markdown is appended to.
+    pub github_step_summary: Option<PathBuf>,
+    /// RTBENCH_BASELINES: the folder of baselines.
+    pub baselines: Option<PathBuf>,
+}
+
+impl Environment {
+    /// What the process finds.
+    pub fn detect() -> Self {
+        let path = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+        Self {
+            program: std::env::current_exe().ok(),
+            github_actions: std::env::var_os("GITHUB_ACTIONS").is_some_and(|v| v == "true"),
+            github_step_summary: path("GITHUB_STEP_SUMMARY"),
+            baselines: path("RTBENCH_BASELINES"),
+        }
+    }
 }
 
 /// What is known of the terminal.

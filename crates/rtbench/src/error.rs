@@ -7,6 +7,7 @@ use crate::scene_source::LoadError;
 use accel_core::structures::BuildError;
 
 use crate::comparison::CompareError;
+use crate::gate::GateError;
 use crate::journal::JournalError;
 use crate::panics::Panicked;
 use crate::plan::PlanError;
@@ -20,8 +21,12 @@ pub const SUCCESS: u8 = 0;
 pub const FAILURE: u8 = 1;
 /// The command line makes no sense.
 pub const USAGE: u8 = 2;
+/// Something got worse than a baseline.
+pub const REGRESSION: u8 = 3;
 /// A structure gave wrong hits.
 pub const WRONG_HITS: u8 = 4;
+/// Something could not be told from a regression, and `--strict` was given.
+pub const INCONCLUSIVE: u8 = 5;
 /// SIGINT (Ctrl-C) ended the run; other signals as shells count them, 128 and their number.
 pub const INTERRUPTED: u8 = 130;
 
@@ -122,6 +127,9 @@ pub enum Error {
     /// Runs are not compared.
     #[error(transparent)]
     Compare(#[from] CompareError),
+    /// Nothing could be held against a baseline.
+    #[error(transparent)]
+    Gate(#[from] GateError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),
@@ -143,6 +151,7 @@ impl Error {
             Self::Compare(CompareError::Filter { .. } | CompareError::NothingMatches { .. }) => {
                 USAGE
             }
+            Self::Gate(error) if error.is_usage() => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)
                 | ReproduceError::UnknownStructure(_)

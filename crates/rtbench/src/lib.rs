@@ -3,7 +3,8 @@
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
 //! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`]. A [`sweep`] is
-//! such a run whose rows are the values of one parameter.
+//! such a run whose rows are the values of one parameter; the [`gate`] holds a run against an earlier
+//! one.
 
 // What a command line or a file says can make nothing panic. Modules that index lists of their own
 // making say so.
@@ -20,8 +21,11 @@
 
 pub mod accuracy;
 pub mod args;
+pub mod baselines;
 pub mod batches;
+pub mod callgrind;
 pub mod check;
+pub mod child_process;
 pub mod clock;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
@@ -33,10 +37,12 @@ pub mod duration;
 pub mod effect_table;
 pub mod error;
 pub mod export;
+pub mod gate;
 #[allow(clippy::indexing_slicing)]
 pub mod image_error;
 pub mod interrupt;
 pub mod journal;
+pub mod like;
 pub mod machine;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
@@ -59,6 +65,7 @@ pub mod scene_source;
 pub mod schedule;
 #[allow(clippy::indexing_slicing)]
 pub mod statistics;
+pub mod strides;
 mod suggest;
 pub mod summary;
 #[allow(clippy::indexing_slicing)]
@@ -76,18 +83,24 @@ use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use accel_core::{occluders, structures::REGISTRY};
+use accel_core::occluders;
+use accel_core::structures::{Entry, REGISTRY};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command};
 use crate::clock::SystemClock;
-use crate::context::{Context, Terminal, Verbosity};
+use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS, USAGE};
 use crate::scene_source::Installed;
 use crate::world::SystemWorld;
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
+    main_over(REGISTRY)
+}
+
+/// The same over structures of the caller's choice.
+pub fn main_over(registry: &[Entry]) -> ExitCode {
     panics::keep_quiet();
     interrupt::arm();
     let arguments: Vec<OsString> = std::env::args_os().collect();
@@ -95,7 +108,7 @@ pub fn main() -> ExitCode {
     let mut out = io::stdout().lock();
     let mut err = io::stderr();
     let mut context = Context {
-        registry: REGISTRY,
+        registry,
         occluders: occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
@@ -105,6 +118,7 @@ pub fn main() -> ExitCode {
         command_line,
         terminal: Terminal::detect(),
         verbosity: Verbosity::Normal,
+        environment: Environment::detect(),
     };
     let ended = panics::caught(|| run(&mut context, arguments));
     ExitCode::from(ended.unwrap_or_else(|panicked| {
@@ -140,6 +154,9 @@ pub fn run(
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
+        Command::Check(args) => commands::check::run(context, args, cli.color),
+        Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
+        Command::Child(args) => commands::child::run(context, args),
     };
     match ended {
         Ok(code) => code,

@@ -76,7 +76,7 @@ pub fn measure<S: Buildable + OccluderScalar>(
 ) -> Vec<Timed> {
     let plan = scope.plan;
     let mut timed = vec![Timed::default(); plan.rows.len()];
-    let strides = strides(plan, checked);
+    let strides = strides(plan, &scope.stage.scene.name, checked);
     let rows: Vec<usize> = (0..plan.rows.len()).filter(|&r| strides[r].is_some()).collect();
     let mut sheets: BTreeMap<usize, Sheet<'_, S>> = BTreeMap::new();
     for stride in strides.iter().flatten() {
@@ -154,12 +154,13 @@ pub fn measure<S: Buildable + OccluderScalar>(
 
 /// Every how many-th ray each row is timed on; none for rows that are not timed. No row is timed
 /// on more rays than the baseline, so that both can be timed on the same.
-fn strides(plan: &Plan<'_>, checked: &[Option<Checked>]) -> Vec<Option<usize>> {
+fn strides(plan: &Plan<'_>, scene: &str, checked: &[Option<Checked>]) -> Vec<Option<usize>> {
     let own = |(row, checked): (&MeasuredRow<'_>, &Option<Checked>)| {
         let checked = checked.as_ref().filter(|c| c.verdict.is_timed())?;
         let limits = &plan.limits;
         let cap = if row.is_sampled() { limits.sampled_pass } else { limits.timed_pass };
-        Some(stride_for(checked.full_pass_s / plan.threads as f64, cap))
+        let by_cost = || stride_for(checked.full_pass_s / plan.threads as f64, cap);
+        Some(plan.strides.timed(scene, &row.label()).unwrap_or_else(by_cost))
     };
     let own: Vec<Option<usize>> = plan.rows.iter().zip(checked).map(own).collect();
     let least = own.get(plan.baseline).copied().flatten().unwrap_or(1);

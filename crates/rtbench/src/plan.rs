@@ -14,6 +14,7 @@ use crate::measured_row::{self, MeasuredRow};
 use crate::ray_overrides;
 use crate::rows::Row;
 use crate::scene_source::{KnownScene, LoadError, SceneSource};
+use crate::strides::FixedStrides;
 use crate::suggest;
 use crate::sweep::SweepError;
 use renderer::{RayKind, RaySettings};
@@ -217,6 +218,8 @@ pub struct Plan<'r> {
     pub limits: Limits,
     /// A first look only.
     pub quick: bool,
+    /// Every how many-th ray rows are asked, where an earlier record says so.
+    pub strides: FixedStrides,
 }
 
 impl<'r> Plan<'r> {
@@ -294,6 +297,7 @@ impl<'r> Plan<'r> {
             precision: args.precision,
             limits: Limits::new(args.quick),
             quick: args.quick,
+            strides: FixedStrides::default(),
         })
     }
 }

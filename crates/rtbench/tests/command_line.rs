@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use common::{Folder, PLANTED, run};
 use rtbench::clock::SystemClock;
-use rtbench::context::{Context, Terminal, Verbosity};
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::scene_source::Installed;
 use rtbench::world::SystemWorld;
 
@@ -158,6 +158,7 @@ fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
             command_line: Vec::new(),
             terminal: Terminal::default(),
             verbosity: Verbosity::Normal,
+            environment: Environment::default(),
         };
         let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
         assert_eq!(rtbench::run(&mut context, arguments), expected);

@@ -14,7 +14,7 @@ use accel_core::{Ray, Scalar, Vector};
 use common::{Ended, Folder, PLANTED, run_with};
 use renderer::leaving::OffsetRule;
 use rtbench::clock::{SteppingClock, SystemClock};
-use rtbench::context::{Context, Terminal, Verbosity};
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::random::Random;
 use rtbench::scene_source::Installed;
 use rtbench::verify::cases::secondary::leaving_a_shape_under;
@@ -122,6 +122,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
         command_line: vec!["rtbench".into()],
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
+        environment: Environment::default(),
     };
     let code = rtbench::run(&mut context, ["rtbench", "verify", "--replay", line]);
     let text = |bytes| String::from_utf8(bytes).unwrap();

@@ -1,6 +1,8 @@
 //! The command line as typed: syntax only. What it means is decided in [`crate::plan`].
 
 mod accuracy;
+mod baseline;
+mod check;
 mod compare;
 mod compare_tracers;
 mod render;
@@ -8,6 +10,8 @@ mod reproduce;
 mod verify;
 
 pub use accuracy::AccuracyArgs;
+pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
+pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
 pub use compare::{CompareArgs, CompareFormat};
 pub use compare_tracers::CompareTracersArgs;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
@@ -24,7 +28,8 @@ use scene_loading::source_names::name_of_path;
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
 #[command(name = "rtbench", version, about, propagate_version = true, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 fine, 1 failure, 2 usage, 4 wrong hits, 130 interrupted.")]
+#[command(after_help = "Exit codes: 0 fine, 1 failure, 2 usage, 3 regression, 4 wrong hits, \
+                        5 inconclusive (check --strict), 130 interrupted.")]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -76,6 +81,13 @@ pub enum Command {
     Accuracy(AccuracyArgs),
     /// Put published figures beside ours
     Reproduce(ReproduceArgs),
+    /// Hold this program against a baseline or against an older binary: the gate of a CI job
+    Check(CheckArgs),
+    /// Keep results to check against
+    Baseline(BaselineArgs),
+    /// What `check` starts as processes of their own
+    #[command(hide = true)]
+    Child(ChildArgs),
 }
 
 /// The name of a scene; of a file of any name, UTF-8 or not.
@@ -95,6 +107,9 @@ impl Command {
                 | Self::Accuracy(_)
                 | Self::Verify(_)
                 | Self::Reproduce(_)
+                | Self::Check(_)
+                | Self::Baseline(_)
+                | Self::Child(_)
         )
     }
 }

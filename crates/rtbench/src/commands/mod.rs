@@ -1,6 +1,9 @@
 //! The subcommands, one a file.
 
 pub mod accuracy;
+pub mod baseline;
+pub mod check;
+pub mod child;
 pub mod compare;
 pub mod compare_tracers;
 pub mod cost;

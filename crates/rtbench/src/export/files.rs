@@ -112,16 +112,23 @@ fn open(path: &Path) -> Result<Option<File>, Error> {
 /// file; in place only where the folder does not take new files.
 fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
     // Links are followed: what they point to is replaced, not the link.
-    let path = fs::canonicalize(path)?;
+    put(&fs::canonicalize(path)?, content)
+}
+
+/// Writes a file's whole content in one step, whether it was there or not.
+///
+/// # Errors
+/// The system's.
+pub fn put(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.tmp", std::process::id()));
     let temporary = path.with_file_name(name);
     let mut file = match File::create(&temporary) {
         Ok(file) => file,
-        Err(e) if e.kind() == io::ErrorKind::PermissionDenied => return fs::write(&path, content),
+        Err(e) if e.kind() == io::ErrorKind::PermissionDenied => return fs::write(path, content),
         Err(e) => return Err(e),
     };
-    let replaced = file.write_all(content).and_then(|()| fs::rename(&temporary, &path));
+    let replaced = file.write_all(content).and_then(|()| fs::rename(&temporary, path));
     if replaced.is_err() {
         let _ = fs::remove_file(&temporary);
     }

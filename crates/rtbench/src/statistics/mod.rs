@@ -1,9 +1,11 @@
 //! Medians, bootstrap intervals, geometric means; the rest in files of their own.
 
+pub mod holm;
 pub mod mann_whitney;
 pub mod normal;
 pub mod outliers;
 pub mod ratio_of_medians;
+pub mod sign_test;
 
 use serde::{Deserialize, Serialize};
 

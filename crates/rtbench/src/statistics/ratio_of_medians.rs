@@ -54,7 +54,7 @@ fn log_median_variance(samples: &[f64]) -> Option<f64> {
 }
 
 /// The probability of at most `most` heads in `n` tosses of a fair coin.
-fn binomial_tail(n: usize, most: usize) -> f64 {
+pub(super) fn binomial_tail(n: usize, most: usize) -> f64 {
     // logarithms: 2^-n is 0 from n = 1075 on
     let mut log_count = 0.0;
     let half = n as f64 * 0.5f64.ln();

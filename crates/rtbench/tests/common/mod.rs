@@ -14,7 +14,7 @@ use accel_core::structures::{
     obvhs_cwbvh, uniform_grid,
 };
 use rtbench::clock::{Clock, SteppingClock, SystemClock};
-use rtbench::context::{Context, Terminal, Verbosity};
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::record::{RowRecord, RunRecord};
 use rtbench::scene_source::{Installed, SceneSource};
 use rtbench::world::FixedWorld;
@@ -118,6 +118,7 @@ pub fn run_over(
         command_line: vec!["rtbench".into()],
         terminal: Terminal { columns: Some(100), ..Terminal::default() },
         verbosity: Verbosity::Normal,
+        environment: Environment::default(),
     };
     let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
     let code = rtbench::run(&mut context, arguments);

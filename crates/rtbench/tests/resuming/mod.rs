@@ -10,7 +10,7 @@ use std::time::Duration;
 use accel_core::occluders;
 use accel_core::structures::{Entry, REGISTRY};
 use rtbench::clock::SteppingClock;
-use rtbench::context::{Context, Terminal, Verbosity};
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::journal::lines::{Recovered, read};
 use rtbench::journal::{Journal, NAME};
 use rtbench::record::RunRecord;
@@ -34,6 +34,7 @@ pub fn run_in(
         command_line: vec!["rtbench".into()],
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
+        environment: Environment::default(),
     };
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
     let code = rtbench::run(&mut context, arguments);

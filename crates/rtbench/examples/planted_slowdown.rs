@@ -1,0 +1,63 @@
+//! `rtbench` with a structure that can be slowed down on purpose, to see whether `rtbench check`
+//! finds it: for `scripts/check-trials.sh` and nothing else.
+//!
+//! `slowed-grid` is the uniform grid, and after each walk a loop of as many turns as
+//! PLANTED_LOOPS says, of which nothing is kept. Its answers and counters are the grid's.
+
+use std::hint::black_box;
+use std::process::ExitCode;
+
+use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::uniform_grid::{self, UniformGrid};
+use accel_core::structures::{
+    BuildError, Entry, Shape, Structure, StructureInfo, no_defect, obvhs_bvh2, obvhs_cwbvh,
+};
+use accel_core::{Ray, Scalar};
+
+static INFO: StructureInfo = StructureInfo {
+    name: "slowed-grid",
+    summary: "the uniform grid with a loop after each walk",
+    paper: "none",
+    deviations: "none",
+    params: uniform_grid::INFO.params,
+    variants: &[""],
+    also_tested: &[],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+static REGISTRY: &[Entry] = &[
+    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
+    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(crate::Slowed, crate::INFO),
+];
+
+/// A grid and how long it dawdles after each walk.
+struct Slowed<S: Scalar> {
+    grid: UniformGrid<S>,
+    loops: u32,
+}
+
+impl<S: Scalar> Structure<S> for Slowed<S> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let loops = std::env::var("PLANTED_LOOPS").ok().and_then(|n| n.parse().ok()).unwrap_or(0);
+        Ok(Self { grid: UniformGrid::build(prims, params)?, loops })
+    }
+
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.grid.walk(ray, sink);
+        for turn in 0..self.loops {
+            black_box(turn);
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        self.grid.shape()
+    }
+}
+
+fn main() -> ExitCode {
+    rtbench::main_over(REGISTRY)
+}

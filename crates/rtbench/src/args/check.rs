@@ -1,0 +1,156 @@
+//! `rtbench check`, and what it starts as processes of their own.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Subcommand};
+
+use crate::args::baseline::FolderArgs;
+use crate::args::{Precision, scene_name};
+
+/// `rtbench check`.
+#[derive(Debug, Clone, Args)]
+pub struct CheckArgs {
+    /// Scenes, of those that the baseline has; with --against alone, any [default: all of the
+    /// baseline]
+    #[arg(value_name = "SCENE", value_parser = scene_name())]
+    pub scenes: Vec<String>,
+    /// What to check against: the name of a baseline, a results.json, or the folder of `run -o`
+    #[arg(short, long, value_name = "FILE|NAME", required_unless_present = "against")]
+    pub baseline: Option<String>,
+    /// An older binary of this program, measured in turns with this one
+    #[arg(long, value_name = "BINARY")]
+    pub against: Option<PathBuf>,
+    /// Rows, of those that the baseline has: a structure, or a label [default: all]
+    #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Rounds; with --against, pairs of processes [default: 15, or those of the baseline if more]
+    #[arg(long, value_name = "N", conflicts_with = "time_budget",
+          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub rounds: Option<u32>,
+    /// Go on with rounds until this time has passed: 60s, 2m
+    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    pub time_budget: Option<Duration>,
+    /// Count instructions under valgrind [default: where the baseline has counts]
+    #[arg(long, overrides_with = "no_instructions")]
+    pub instructions: bool,
+    /// Count none
+    #[arg(long)]
+    pub no_instructions: bool,
+    /// Exit with 5 where something could not be told from a regression
+    #[arg(long)]
+    pub strict: bool,
+    /// Print what did not change, too
+    #[arg(long)]
+    pub all: bool,
+    /// What counts as a regression.
+    #[command(flatten)]
+    pub thresholds: ThresholdArgs,
+    /// Where baselines are kept.
+    #[command(flatten)]
+    pub folder: FolderArgs,
+    /// How to measure without a baseline.
+    #[command(flatten)]
+    pub measuring: AgainstArgs,
+    /// Write one CSV row for each thing judged
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Write the tables in Markdown
+    #[arg(long, value_name = "FILE")]
+    pub export_markdown: Option<PathBuf>,
+    /// Write everything as JSON
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
+}
+
+/// What `check` takes for a regression.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct ThresholdArgs {
+    /// More instructions than that are a regression, percent [default: 1]
+    #[arg(long, value_name = "PCT", value_parser = percent)]
+    pub instruction_threshold: Option<f64>,
+    /// A time longer by more than that is one, where that is certain, percent [default: 10]
+    #[arg(short = 't', long, value_name = "PCT", value_parser = percent)]
+    pub time_threshold: Option<f64>,
+    /// Probability of one false alarm in all times of a check [default: 0.05]
+    #[arg(long, value_name = "P")]
+    pub significance: Option<f64>,
+    /// Times shorter than that are not judged [default: 200us]
+    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    pub shortest: Option<Duration>,
+}
+
+/// What the baseline says where there is one.
+#[derive(Debug, Clone, Args)]
+pub struct AgainstArgs {
+    /// Kinds of rays, as for `run`
+    #[arg(long, value_name = "KIND", value_delimiter = ',', conflicts_with = "baseline")]
+    pub rays: Vec<String>,
+    /// Small images, as for `run`
+    #[arg(long, conflicts_with = "baseline")]
+    pub quick: bool,
+    /// Threads that build and trace [default: 1]
+    #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Seed of schedules, samples and intervals [default: 1]
+    #[arg(long, value_name = "N", conflicts_with = "baseline")]
+    pub seed: Option<u64>,
+    /// The row that ratios are taken to, as for `run`
+    #[arg(long, value_name = "STRUCTURE", conflicts_with = "baseline")]
+    pub reference: Option<String>,
+    /// Arithmetic of primitives and rays [default: f32]
+    #[arg(long, value_enum, conflicts_with = "baseline")]
+    pub precision: Option<Precision>,
+    /// Width and height of the image, as for `run`
+    #[arg(long, value_name = "PIXELS", conflicts_with = "baseline",
+          value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub size: Option<u32>,
+}
+
+/// What `check` starts.
+#[derive(Debug, Clone, Args)]
+pub struct ChildArgs {
+    /// What to do; the record that says of what comes on standard input.
+    #[command(subcommand)]
+    pub action: ChildAction,
+}
+
+/// What a child does with the record on its standard input; it answers in JSON.
+#[derive(Debug, Clone, Copy, Subcommand)]
+pub enum ChildAction {
+    /// Measure the record's rows anew
+    Measure {
+        /// Rounds.
+        #[arg(long, default_value_t = 1)]
+        rounds: u32,
+        /// Check few answers: an earlier child checked them all
+        #[arg(long)]
+        lightly: bool,
+    },
+    /// Build and ask each row once, for a counter of instructions
+    CountInstructions,
+}
+
+/// Percent as typed, `3` or `3%`, as a share.
+fn percent(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix('%').unwrap_or(text).trim().parse::<f64>();
+    match number {
+        Ok(percent) if (0.0..=1000.0).contains(&percent) => Ok(percent / 100.0),
+        _ => Err("expected percent from 0 to 1000: 3, 0.5, 10%".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percents() {
+        assert_eq!(percent("3"), Ok(0.03));
+        assert_eq!(percent("0.5%"), Ok(0.005));
+        for bad in ["", "%", "-1", "nan", "1001", "three"] {
+            assert!(percent(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! Baselines: records of runs kept under names, one JSON file each, to check against.
+//!
+//! A file is the record as `rtbench run --export-json` writes it, with the instruction counts of
+//! the same program beside it where they were asked for.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::callgrind::Counts;
+use crate::context::Environment;
+use crate::export::files::put;
+use crate::interrupt::undisturbed;
+use crate::record::RunRecord;
+use crate::record_file::{self, RecordError};
+use crate::suggest;
+
+/// Where baselines are kept unless something else is said.
+const FOLDER: &str = ".rtbench/baselines";
+/// How their files end.
+const EXTENSION: &str = "json";
+/// Longest name.
+const LONGEST: usize = 64;
+
+/// What is wrong with a baseline or its name.
+#[derive(Debug, thiserror::Error)]
+pub enum BaselineError {
+    /// Not a name.
+    #[error(
+        "'{0}' is no name of a baseline: expected 1 to {LONGEST} letters, digits, '.', '-' \
+             and '_', beginning with a letter or digit"
+    )]
+    Name(String),
+    /// No such baseline.
+    #[error("no baseline '{name}' in {}{hint}; {valid}", folder.display())]
+    Unknown {
+        /// As typed.
+        name: String,
+        /// Where it was looked for.
+        folder: PathBuf,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// What there is.
+        valid: String,
+    },
+    /// It would overwrite one.
+    #[error("there is a baseline '{0}' already; --force replaces it")]
+    Exists(String),
+    /// `--resume` when saving.
+    #[error(
+        "a baseline cannot be resumed: finish the run with `rtbench run --resume DIR`, then \
+             keep it with `rtbench baseline save NAME --from DIR`"
+    )]
+    Resume,
+    /// Only a whole run serves.
+    #[error("{}: the run was not finished; go on with `rtbench run --resume DIR`", .0.display())]
+    Incomplete(PathBuf),
+    /// The system refused.
+    #[error("baseline {}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// It is no record.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// Its instruction counts cannot be read.
+    #[error("{}: {message}", path.display())]
+    Counts {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+impl BaselineError {
+    /// What was typed makes no sense.
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::Name(_) | Self::Unknown { .. } | Self::Exists(_) | Self::Resume)
+    }
+}
+
+/// A baseline.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Baseline {
+    /// The run.
+    #[serde(flatten)]
+    pub record: RunRecord,
+    /// Instruction counts of its rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instructions: Option<Counts>,
+}
+
+/// What a file has beside a record.
+#[derive(Deserialize)]
+struct Beside {
+    #[serde(default)]
+    instructions: Option<Counts>,
+}
+
+/// The folder of baselines.
+#[derive(Debug, Clone)]
+pub struct Store(PathBuf);
+
+impl Store {
+    /// The folder that the command line names, else the environment, else the usual one.
+    pub fn new(folder: Option<&PathBuf>, environment: &Environment) -> Self {
+        let named = folder.or(environment.baselines.as_ref()).cloned();
+        Self(named.unwrap_or_else(|| PathBuf::from(FOLDER)))
+    }
+
+    /// All names, sorted; none where there is no folder.
+    ///
+    /// # Errors
+    /// [`BaselineError::Io`].
+    pub fn names(&self) -> Result<Vec<String>, BaselineError> {
+        let files = match fs::read_dir(&self.0) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            other => other.map_err(|e| self.io(&self.0, e))?,
+        };
+        let mut names = Vec::new();
+        for file in files {
+            let path = file.map_err(|e| self.io(&self.0, e))?.path();
+            let is_json = path.extension().is_some_and(|e| e == EXTENSION);
+            let stem = path.file_stem().and_then(|s| s.to_str()).filter(|_| is_json);
+            names.extend(stem.filter(|s| is_name(s)).map(str::to_owned));
+        }
+        names.sort();
+        Ok(names)
+    }
+
+    /// Where the baseline of that name is, or would be.
+    ///
+    /// # Errors
+    /// [`BaselineError::Name`].
+    pub fn path(&self, name: &str) -> Result<PathBuf, BaselineError> {
+        match is_name(name) {
+            true => Ok(self.0.join(format!("{name}.{EXTENSION}"))),
+            false => Err(BaselineError::Name(name.to_owned())),
+        }
+    }
+
+    /// The path of a baseline that is there.
+    ///
+    /// # Errors
+    /// [`BaselineError::Unknown`] naming those that are.
+    pub fn existing(&self, name: &str) -> Result<PathBuf, BaselineError> {
+        let path = self.path(name)?;
+        if path.is_file() {
+            return Ok(path);
+        }
+        let names = self.names()?;
+        Err(BaselineError::Unknown {
+            name: name.to_owned(),
+            folder: self.0.clone(),
+            hint: suggest::hint(name, names.iter().map(String::as_str)),
+            valid: match names.is_empty() {
+                true => "there is none yet: `rtbench baseline save NAME`".into(),
+                false => format!("there are: {}", names.join(", ")),
+            },
+        })
+    }
+
+    /// The baseline of that name, or the record in that file or folder.
+    ///
+    /// # Errors
+    /// [`BaselineError`].
+    pub fn open(&self, name_or_path: &str) -> Result<Baseline, BaselineError> {
+        let path = Path::new(name_or_path);
+        let is_path = !is_name(name_or_path) || path.extension().is_some_and(|e| e == EXTENSION);
+        if is_path || (path.exists() && !self.path(name_or_path)?.is_file()) {
+            return read(path);
+        }
+        read(&self.existing(name_or_path)?)
+    }
+
+    /// Keeps a baseline under a name, whole or not at all.
+    ///
+    /// # Errors
+    /// [`BaselineError`]; [`BaselineError::Exists`] unless it may `replace` one.
+    pub fn save(
+        &self,
+        name: &str,
+        baseline: &Baseline,
+        replace: bool,
+    ) -> Result<PathBuf, BaselineError> {
+        let path = self.free(name, replace)?;
+        let text = serde_json::to_string_pretty(baseline)
+            .map_err(|e| BaselineError::Counts { path: path.clone(), message: e.to_string() })?;
+        fs::create_dir_all(&self.0).map_err(|e| self.io(&self.0, e))?;
+        undisturbed(|| put(&path, text.as_bytes())).map_err(|e| self.io(&path, e))?;
+        Ok(path)
+    }
+
+    /// The path of a baseline that is not there yet, or may be replaced.
+    ///
+    /// # Errors
+    /// [`BaselineError::Name`], [`BaselineError::Exists`].
+    pub fn free(&self, name: &str, replace: bool) -> Result<PathBuf, BaselineError> {
+        let path = self.path(name)?;
+        match path.exists() && !replace {
+            true => Err(BaselineError::Exists(name.to_owned())),
+            false => Ok(path),
+        }
+    }
+
+    /// Removes the baseline of that name.
+    ///
+    /// # Errors
+    /// [`BaselineError`].
+    pub fn remove(&self, name: &str) -> Result<(), BaselineError> {
+        let path = self.existing(name)?;
+        fs::remove_file(&path).map_err(|e| self.io(&path, e))
+    }
+
+    fn io(&self, path: &Path, source: io::Error) -> BaselineError {
+        BaselineError::Io { path: path.to_owned(), source }
+    }
+}
+
+/// Reads the record in a file or folder, and the counts beside it.
+///
+/// # Errors
+/// [`BaselineError`].
+pub fn read(path: &Path) -> Result<Baseline, BaselineError> {
+    let record = record_file::read(path)?;
+    let path = if path.is_dir() { path.join(record_file::NAME) } else { path.to_owned() };
+    let text = fs::read(&path);
+    let text = text.map_err(|source| BaselineError::Io { path: path.clone(), source })?;
+    let Beside { instructions } = serde_json::from_slice(&text)
+        .map_err(|e| BaselineError::Counts { path, message: e.to_string() })?;
+    Ok(Baseline { record, instructions })
+}
+
+fn is_name(text: &str) -> bool {
+    let is_valid = |c: char| c.is_ascii_alphanumeric() || ".-_".contains(c);
+    let begins_well = text.starts_with(|c: char| c.is_ascii_alphanumeric());
+    begins_well && text.len() <= LONGEST && text.chars().all(is_valid)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_in_their_folder() {
+        for good in ["main", "v1.2", "a-b_c", "7"] {
+            assert!(is_name(good), "{good}");
+        }
+        let long = "x".repeat(65);
+        for bad in ["", ".hidden", "-x", "a/b", "../x", "a b", "a\\b", "ä", &long] {
+            assert!(!is_name(bad), "{bad}");
+        }
+    }
+}

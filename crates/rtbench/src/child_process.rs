@@ -1,0 +1,97 @@
+//! This program, or another version of it, as a process of its own: a record goes in, JSON comes
+//! out.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use serde::de::DeserializeOwned;
+
+use crate::record::RunRecord;
+
+/// Why a child gave no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum ChildError {
+    /// It could not be started.
+    #[error("cannot start {}: {source}", program.display())]
+    Start {
+        /// The program.
+        program: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// It knows no such command.
+    #[error(
+        "{}: this binary is from before `rtbench check`, and cannot be started by it; build it \
+         from a newer commit", program.display()
+    )]
+    Lacks {
+        /// The program.
+        program: PathBuf,
+    },
+    /// It failed.
+    #[error("{}: ended with {how}: {said}", program.display())]
+    Failed {
+        /// The program.
+        program: PathBuf,
+        /// Exit code or signal.
+        how: String,
+        /// The end of what it said on standard error.
+        said: String,
+    },
+    /// Its answer is none.
+    #[error("{}: its answer cannot be read ({message}); is it another version?", program.display())]
+    Answer {
+        /// The program.
+        program: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+}
+
+/// Starts the command with a record on its standard input and reads its answer.
+///
+/// # Errors
+/// [`ChildError`], naming the program.
+pub fn answer<T: DeserializeOwned>(
+    command: &mut Command,
+    record: &RunRecord,
+) -> Result<T, ChildError> {
+    let program = PathBuf::from(command.get_program());
+    let started = |source| ChildError::Start { program: program.clone(), source };
+    let unreadable = |message: String| ChildError::Answer { program: program.clone(), message };
+    let text = serde_json::to_vec(record).map_err(|e| unreadable(e.to_string()))?;
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().map_err(started)?;
+    if let Some(mut stdin) = child.stdin.take() {
+        // one that fails at once reads nothing; its exit code says more than the closed pipe
+        let _ = stdin.write_all(&text);
+    }
+    let ended = child.wait_with_output().map_err(started)?;
+    let said = String::from_utf8_lossy(&ended.stderr);
+    if !ended.status.success() {
+        if said.contains("unrecognized subcommand") {
+            return Err(ChildError::Lacks { program });
+        }
+        return Err(ChildError::Failed {
+            program,
+            how: ended.status.to_string(),
+            said: last(&said),
+        });
+    }
+    serde_json::from_slice(&ended.stdout).map_err(|e| unreadable(e.to_string()))
+}
+
+/// The last lines, joined.
+fn last(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+    lines.get(lines.len().saturating_sub(3)..).unwrap_or_default().join("; ")
+}
+
+/// The record without samples: what a child needs to know is short.
+pub fn without_samples(record: &RunRecord) -> RunRecord {
+    let mut record = record.clone();
+    record.scenes.iter_mut().flat_map(|s| &mut s.rows).for_each(|row| row.samples.clear());
+    record.summary.clear();
+    record
+}

@@ -1,0 +1,169 @@
+//! `rtbench baseline`: keep results to check against.
+
+use std::path::Path;
+
+use crate::args::{BaselineAction, BaselineArgs, Color, SaveArgs};
+use crate::baselines::{Baseline, BaselineError, Store, read};
+use crate::callgrind::{self, CallgrindError, Counts};
+use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::context::Context;
+use crate::error::{Error, SUCCESS};
+use crate::export::files::Outputs;
+use crate::export::table::Table;
+use crate::export::text;
+use crate::gate::{GateError, ROUNDS};
+use crate::machine;
+use crate::plan::Plan;
+use crate::record::RunRecord;
+
+/// Does what was asked and returns the exit code.
+///
+/// # Errors
+/// [`Error`] for names that are not there or not valid, files, and what measuring may end with.
+pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Result<u8, Error> {
+    let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
+    let colors = context.terminal.colors(color);
+    match &args.action {
+        BaselineAction::Save(args) => return save(context, args, &store),
+        BaselineAction::List => list(context, &store, colors)?,
+        BaselineAction::Show { name } => show(context, &store, name, colors)?,
+        BaselineAction::Promote { name, to } => {
+            let baseline = read(&store.existing(name).map_err(gate)?).map_err(gate)?;
+            let path = store.save(to, &baseline, true).map_err(gate)?;
+            context.say(format_args!("{name} is {to} now, too: {}", path.display()));
+        }
+        BaselineAction::Remove { name } => store.remove(name).map_err(gate)?,
+    }
+    context.out.flush()?;
+    Ok(SUCCESS)
+}
+
+fn gate(error: BaselineError) -> Error {
+    GateError::from(error).into()
+}
+
+fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8, Error> {
+    // what makes no sense is said before anything is measured
+    store.free(&args.name, args.force).map_err(gate)?;
+    if args.run.resume.is_some() {
+        return Err(gate(BaselineError::Resume));
+    }
+    if args.instructions {
+        callgrind::version().map_err(GateError::from)?;
+    }
+    let (mut baseline, code) = match &args.from {
+        Some(path) => (finished(path)?, SUCCESS),
+        None => measured(context, args)?,
+    };
+    if code != SUCCESS {
+        context.warn(format_args!("not kept as {}: the run failed", args.name));
+        return Ok(code);
+    }
+    if args.instructions {
+        if let Some(path) = &args.from {
+            same_program(path, &baseline.record)?;
+        }
+        baseline.instructions = Some(counted(context, &baseline.record)?);
+    }
+    let path = store.save(&args.name, &baseline, args.force).map_err(gate)?;
+    context.say(format_args!("kept as {}", path.display()));
+    Ok(SUCCESS)
+}
+
+/// The results of an earlier run.
+fn finished(path: &Path) -> Result<Baseline, Error> {
+    let baseline = read(path).map_err(gate)?;
+    match baseline.record.complete {
+        true => Ok(baseline),
+        false => Err(gate(BaselineError::Incomplete(path.to_owned()))),
+    }
+}
+
+fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8), Error> {
+    let mut run = args.run.clone();
+    if run.measuring.time_budget.is_none() {
+        run.measuring.rounds.get_or_insert(ROUNDS);
+    }
+    let plan = Plan::new(&run, context.registry, context.occluders, context.scenes)?;
+    let mut outputs = Outputs::of_run(&run)?;
+    let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
+        warn_of(context, scene);
+        Ok(())
+    })?;
+    let code = exit_code(&measured);
+    Ok((Baseline { record: measured.record, instructions: None }, code))
+}
+
+/// Refuses results of another commit: instructions of this one say nothing of it.
+fn same_program(path: &Path, record: &RunRecord) -> Result<(), Error> {
+    let (was, is) = (record.tool.git_revision.clone(), machine::tool().git_revision);
+    match was.is_some() && was == is {
+        true => Ok(()),
+        false => {
+            let path = path.to_owned();
+            Err(GateError::from(CallgrindError::OtherProgram { path, was, is }).into())
+        }
+    }
+}
+
+/// Instruction counts of the rows of a record, by this program.
+pub(super) fn counted(context: &mut Context<'_>, record: &RunRecord) -> Result<Counts, Error> {
+    context.say("counting instructions under valgrind");
+    let program = context.environment.program.as_deref();
+    Ok(callgrind::count(program, record).map_err(GateError::from)?)
+}
+
+fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Error> {
+    let header = vec!["baseline", "scenes", "rows", "rounds", "instructions", "commit"];
+    let mut table = Table { title: "Baselines".into(), header, ..Table::default() };
+    for name in store.names().map_err(gate)? {
+        let Baseline { record, instructions } =
+            read(&store.existing(&name).map_err(gate)?).map_err(gate)?;
+        let rows = record.scenes.iter().map(|s| s.rows.len()).max().unwrap_or(0);
+        let commit = record.tool.git_revision.as_deref().and_then(|r| r.get(..12));
+        let cells = vec![
+            name,
+            record.scenes.len().to_string(),
+            rows.to_string(),
+            rounds(&record).to_string(),
+            if instructions.is_some() { "counted" } else { "-" }.to_owned(),
+            commit.unwrap_or("-").to_owned(),
+        ];
+        table.rows.push(cells.into_iter().map(Into::into).collect());
+    }
+    text::write_table(context.out, &table, colors)?;
+    Ok(())
+}
+
+/// Rounds of a record: the samples of its most visited row.
+pub(super) fn rounds(record: &RunRecord) -> usize {
+    let rows = record.scenes.iter().flat_map(|s| &s.rows);
+    rows.map(|row| row.samples.len()).max().unwrap_or(0)
+}
+
+fn show(context: &mut Context<'_>, store: &Store, name: &str, colors: bool) -> Result<(), Error> {
+    let Baseline { record, instructions } =
+        read(&store.existing(name).map_err(gate)?).map_err(gate)?;
+    for scene in &record.scenes {
+        text::write_scene(context.out, &record, scene, colors)?;
+    }
+    text::write_summary(context.out, &record, colors)?;
+    if let Some(counts) = instructions {
+        let header = vec!["row", "rays", "build", "trace"];
+        let title = format!("Instructions ({})", counts.valgrind);
+        let number = |n: Option<u64>| n.map_or_else(|| "-".to_owned(), |n| n.to_string());
+        let rows = counts.rows.iter().map(|row| {
+            let label = format!("{}: {} {}", row.scene, row.structure, row.settings);
+            let cells = [
+                label.trim_end().to_owned(),
+                row.rays.to_string(),
+                number(row.build),
+                number(row.trace),
+            ];
+            cells.into_iter().map(Into::into).collect()
+        });
+        let table = Table { title, header, rows: rows.collect(), notes: Vec::new() };
+        text::write_table(context.out, &table, colors)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,345 @@
+//! `rtbench check`: measure anew, judge, print; the exit code is the verdict.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use crate::args::{CheckArgs, Cli, Color, Command, Precision, RunArgs};
+use crate::baselines::{Baseline, Store};
+use crate::callgrind::{self, CallgrindError, Counts};
+use crate::commands::baseline::{counted, rounds};
+use crate::commands::measuring::{measure_scenes, warn_of};
+use crate::context::{Context, Verbosity};
+use crate::error::Error;
+use crate::export::files::Outputs;
+use crate::export::text;
+use crate::gate::against::{Contest, PairedRow, own_program};
+use crate::gate::report::{GLOSSARY, Report};
+use crate::gate::thresholds::Thresholds;
+use crate::gate::{
+    Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
+    judge, wall_clock,
+};
+use crate::interrupt::undisturbed;
+use crate::like::{self, LikeError, Narrowed};
+use crate::plan::{Plan, Rounds};
+use crate::progress::Progress;
+use crate::record::{RunRecord, Verdict};
+use clap::Parser;
+
+/// Checks and returns the exit code.
+///
+/// # Errors
+/// [`Error`] for what cannot be measured or compared.
+pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<u8, Error> {
+    let thresholds = Thresholds::default().with(&args.thresholds).map_err(GateError::from)?;
+    for path in [&args.export_csv, &args.export_markdown, &args.export_json].into_iter().flatten() {
+        create(path)?;
+    }
+    let baseline = open(context, args)?;
+    let wants_counts = match &baseline {
+        _ if args.no_instructions => false,
+        Some(baseline) if args.instructions && args.against.is_none() => {
+            baseline.instructions.as_ref().ok_or(GateError::NoCounts)?;
+            true
+        }
+        Some(baseline) if args.against.is_none() => baseline.instructions.is_some(),
+        _ => args.instructions,
+    };
+    if args.instructions {
+        callgrind::version().map_err(GateError::from)?;
+    }
+    let check = Check { args, thresholds, wants_counts };
+    let report = match (&args.against, baseline) {
+        (Some(old), baseline) => check.against_binary(context, old, baseline.as_ref())?,
+        (None, Some(baseline)) => check.against_baseline(context, &baseline)?,
+        (None, None) => return Err(GateError::from(LikeError::Empty).into()),
+    };
+    let colors = context.terminal.colors(color);
+    for table in report.tables(args.all) {
+        if table.rows.is_empty() {
+            writeln!(context.out, "{}\n{}\n", table.title, table.notes.join(" "))?;
+        } else {
+            text::write_table(context.out, &table, colors)?;
+        }
+    }
+    for remark in &report.remarks {
+        writeln!(context.out, "{remark}")?;
+    }
+    text::write_notes(context.out, GLOSSARY, colors)?;
+    writeln!(context.out, "{}", report.verdict())?;
+    context.out.flush()?;
+    write(args.export_csv.as_deref(), || export::csv(&report))?;
+    write(args.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
+    write(args.export_json.as_deref(), || export::json(&report))?;
+    tell_github(context, &report)?;
+    Ok(report.exit_code(args.strict))
+}
+
+/// The baseline that was named.
+fn open(context: &Context<'_>, args: &CheckArgs) -> Result<Option<Baseline>, Error> {
+    let Some(name) = &args.baseline else { return Ok(None) };
+    let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
+    Ok(Some(store.open(name).map_err(GateError::from)?))
+}
+
+/// What a check goes by.
+struct Check<'a> {
+    args: &'a CheckArgs,
+    thresholds: Thresholds,
+    wants_counts: bool,
+}
+
+/// What was found, before it is a report.
+struct Found<'a> {
+    base: &'a RunRecord,
+    now: &'a RunRecord,
+    against: String,
+    findings: Vec<Finding>,
+    failures: usize,
+    pairs: Vec<PairedRow>,
+}
+
+impl Check<'_> {
+    fn against_baseline(
+        &self,
+        context: &mut Context<'_>,
+        baseline: &Baseline,
+    ) -> Result<Report, Error> {
+        let args = self.args;
+        let base = like::narrowed(&baseline.record, &self.narrowed()).map_err(GateError::from)?;
+        let of_base = u32::try_from(rounds(&base)).unwrap_or(u32::MAX).max(ROUNDS);
+        let wanted = Narrowed {
+            rounds: args.rounds.or(args.time_budget.is_none().then_some(of_base)),
+            time_budget: args.time_budget,
+            ..Narrowed::default()
+        };
+        let mut plan = like::plan(&base, &wanted, context)?;
+        plan.limits.render_pass = 0.0;
+        let (now, failures) = measured(context, &plan)?;
+        refuse(&base, &now)?;
+        let counts = match self.wants_counts {
+            true => Some(self.counts(context, &base)?),
+            false => None,
+        };
+        let of_base = baseline.instructions.as_ref().map(|c| &c.rows[..]);
+        let instructions = match (&counts, of_base) {
+            (Some(Ok(counts)), Some(base)) => Instructions::Counted { base, now: &counts.rows },
+            (Some(Err(why)), _) => Instructions::Missing(why),
+            _ => Instructions::NotAsked,
+        };
+        let thresholds = &self.thresholds;
+        let first =
+            Evidence { thresholds, base: &base, now: &now, instructions, times: Times::InRun };
+        let mut findings = judge(&first);
+        let suspects = suspects(&findings);
+        if !suspects.is_empty() {
+            context.say(format_args!("measuring again: {}", suspects.join(", ")));
+            plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
+            let (again, _) = measured(context, &plan)?;
+            let second = (wall_clock::RUNG.judge)(&Evidence { now: &again, ..first });
+            wall_clock::confirm(&mut findings, &second);
+        }
+        let against = format!("baseline {}", args.baseline.as_deref().unwrap_or_default());
+        let pairs = Vec::new();
+        Ok(self
+            .report(context, Found { base: &base, now: &now, against, findings, failures, pairs }))
+    }
+
+    fn against_binary(
+        &self,
+        context: &mut Context<'_>,
+        old: &Path,
+        baseline: Option<&Baseline>,
+    ) -> Result<Report, Error> {
+        let args = self.args;
+        let mut plan = match baseline {
+            Some(baseline) => {
+                let like = like::narrowed(&baseline.record, &self.narrowed());
+                like::plan(&like.map_err(GateError::from)?, &Narrowed::default(), context)?
+            }
+            None => {
+                let run = self.run_args()?;
+                Plan::new(&run, context.registry, context.occluders, context.scenes)?
+            }
+        };
+        plan.limits.render_pass = 0.0;
+        plan.rounds = Rounds::Fixed(1);
+        let (now, failures) = measured(context, &plan)?;
+        let program = context.environment.program.clone();
+        let new = own_program(program.as_ref()).map_err(GateError::from)?;
+        let (rounds, time_budget) = (args.rounds, args.time_budget);
+        let mut contest = Contest { old, new, like: now.clone(), rounds, time_budget };
+        context.say(format_args!("asking {}", old.display()));
+        let base = contest.record_of_old().map_err(GateError::from)?;
+        refuse(&base, &now)?;
+        let counts = match self.wants_counts {
+            true => {
+                let base = callgrind::count(Some(old), &now).map_err(GateError::from)?;
+                Some((base, counted(context, &now)?))
+            }
+            false => None,
+        };
+        let instructions = match &counts {
+            Some((base, now)) => Instructions::Counted { base: &base.rows, now: &now.rows },
+            None => Instructions::NotAsked,
+        };
+        let pairs = raced(context, &contest)?;
+        let thresholds = &self.thresholds;
+        let times = Times::Paired(&pairs);
+        let first = Evidence { thresholds, base: &base, now: &now, instructions, times };
+        let mut findings = judge(&first);
+        let suspects = suspects(&findings);
+        if !suspects.is_empty() {
+            context.say(format_args!("measuring again: {}", suspects.join(", ")));
+            contest.like.scenes.retain(|s| suspects.contains(&s.name));
+            let again = raced(context, &contest)?;
+            let second =
+                (wall_clock::RUNG.judge)(&Evidence { times: Times::Paired(&again), ..first });
+            wall_clock::confirm(&mut findings, &second);
+        }
+        let against = format!("binary {}", old.display());
+        Ok(self
+            .report(context, Found { base: &base, now: &now, against, findings, failures, pairs }))
+    }
+
+    fn narrowed(&self) -> Narrowed<'_> {
+        let CheckArgs { scenes, structures, .. } = self.args;
+        Narrowed { scenes, structures, ..Narrowed::default() }
+    }
+
+    /// Instruction counts now, or why there are none: an error only where they were asked for.
+    fn counts(
+        &self,
+        context: &mut Context<'_>,
+        base: &RunRecord,
+    ) -> Result<Result<Counts, String>, Error> {
+        match counted(context, base) {
+            Err(Error::Gate(GateError::Callgrind(CallgrindError::NoValgrind(why))))
+                if !self.args.instructions =>
+            {
+                Ok(Err(format!(
+                    "the baseline has instruction counts, and valgrind is missing: {why}"
+                )))
+            }
+            other => other.map(Ok),
+        }
+    }
+
+    /// The command line of `run` for what is compared without a baseline.
+    fn run_args(&self) -> Result<RunArgs, Error> {
+        let (args, how) = (self.args, &self.args.measuring);
+        let mut words: Vec<String> = ["rtbench", "run"].map(str::to_owned).into();
+        let precision = how.precision.map(|p| match p {
+            Precision::F32 => "f32".to_owned(),
+            Precision::F64 => "f64".to_owned(),
+        });
+        let rays = (!how.rays.is_empty()).then(|| how.rays.join(","));
+        for (name, value) in [
+            ("rays", rays),
+            ("threads", how.threads.map(|n| n.to_string())),
+            ("seed", how.seed.map(|n| n.to_string())),
+            ("reference", how.reference.clone()),
+            ("precision", precision),
+            ("size", how.size.map(|n| n.to_string())),
+        ] {
+            words.extend(value.map(|value| format!("--{name}={value}")));
+        }
+        words.extend(args.structures.iter().map(|s| format!("--structures={s}")));
+        words.extend(how.quick.then(|| "--quick".to_owned()));
+        words.push("--".into());
+        words.extend(args.scenes.iter().cloned());
+        match Cli::try_parse_from(words).map(|cli| cli.command) {
+            Ok(Command::Run(args)) => Ok(args),
+            Ok(_) => Err(GateError::from(LikeError::Settings("expected `run`".into())).into()),
+            Err(e) => Err(GateError::from(LikeError::Settings(e.to_string())).into()),
+        }
+    }
+
+    fn report(&self, context: &Context<'_>, found: Found<'_>) -> Report {
+        let Found { base, now, against, findings, failures, pairs } = found;
+        let times = match self.args.against {
+            Some(_) => "seconds".to_owned(),
+            None => format!("ratios to {} in the same rounds", now.settings.reference),
+        };
+        Report {
+            tool: now.tool.clone(),
+            command_line: context.command_line.clone(),
+            against,
+            baseline_tool: base.tool.clone(),
+            baseline_machine: base.machine.clone(),
+            machine: now.machine.clone(),
+            thresholds: self.thresholds,
+            outcome: Report::worst(&findings),
+            remarks: comparable::remarks(base, now),
+            findings,
+            times,
+            failures,
+            pairs,
+        }
+    }
+}
+
+/// Measures a plan; what goes wrong in a scene is said.
+fn measured(context: &mut Context<'_>, plan: &Plan<'_>) -> Result<(RunRecord, usize), Error> {
+    let measured = measure_scenes(context, plan, &mut Outputs::default(), |context, _, scene| {
+        warn_of(context, scene);
+        Ok(())
+    })?;
+    Ok((measured.record, measured.failures))
+}
+
+/// The pairs of a contest, with a bar.
+fn raced(context: &Context<'_>, contest: &Contest<'_>) -> Result<Vec<PairedRow>, Error> {
+    let is_visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
+    let progress = Progress::new(is_visible, u64::from(contest.expected()), contest.time_budget);
+    let pairs = contest.pairs(context.clock, &progress).map_err(GateError::from);
+    progress.finish();
+    Ok(pairs?)
+}
+
+/// Scenes in which times say that something regressed.
+fn suspects(findings: &[Finding]) -> Vec<String> {
+    let mut scenes: Vec<String> = Vec::new();
+    for finding in findings.iter().filter(|f| wall_clock::is_suspect(f)) {
+        if !scenes.contains(&finding.scene) {
+            scenes.push(finding.scene.clone());
+        }
+    }
+    scenes
+}
+
+/// Refuses what cannot be compared; wrong hits are said first, whatever the settings.
+fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
+    let reasons = comparable::refusals(base, now);
+    let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
+    match reasons.is_empty() || is_wrong {
+        true => Ok(()),
+        false => Err(GateError::NotComparable(reasons)),
+    }
+}
+
+/// Annotations and the job's summary, where there is a GitHub to read them.
+fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> {
+    if context.environment.github_actions {
+        annotations::write(context.err, report)?;
+    }
+    let Some(path) = &context.environment.github_step_summary else { return Ok(()) };
+    let append = || -> io::Result<()> {
+        let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+        file.write_all(export::markdown(report, false).as_bytes())
+    };
+    undisturbed(append).map_err(|source| Error::Write { path: path.clone(), source })
+}
+
+fn create(path: &PathBuf) -> Result<(), Error> {
+    let created = OpenOptions::new().create(true).write(true).truncate(false).open(path);
+    created.map(|_: File| ()).map_err(|source| Error::Write { path: path.clone(), source })
+}
+
+fn write(path: Option<&Path>, text: impl FnOnce() -> Result<String, Error>) -> Result<(), Error> {
+    let Some(path) = path else { return Ok(()) };
+    let text = text()?;
+    undisturbed(|| std::fs::write(path, text))
+        .map_err(|source| Error::Write { path: path.to_owned(), source })
+}

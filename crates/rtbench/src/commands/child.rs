@@ -1,0 +1,50 @@
+//! What `rtbench check` starts as processes of their own: a record on standard input says what to
+//! do, the answer goes to standard output as JSON.
+
+use std::io::Read;
+
+use crate::args::{ChildAction, ChildArgs};
+use crate::callgrind::counted::count_all;
+use crate::commands::measuring::measure_scenes;
+use crate::context::Context;
+use crate::error::{Error, FAILURE, SUCCESS};
+use crate::export::files::Outputs;
+use crate::like::{self, Narrowed};
+use crate::record::RunRecord;
+use crate::strides::FixedStrides;
+
+/// Where few answers are checked, one ray in that many of those that would be.
+const LIGHTLY: usize = 16;
+
+/// Does what was asked and returns the exit code.
+///
+/// # Errors
+/// [`Error`] for a record that cannot be read or measured.
+pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
+    let json = |e: serde_json::Error| Error::Format { format: "JSON", message: e.to_string() };
+    let mut text = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut text)?;
+    let record: RunRecord = serde_json::from_slice(&text).map_err(json)?;
+    let (answer, failures) = match args.action {
+        ChildAction::Measure { rounds, lightly } => {
+            let wanted = Narrowed { rounds: Some(rounds), ..Narrowed::default() };
+            let mut plan = like::plan(&record, &wanted, context)?;
+            // whole images are not compared
+            plan.limits.render_pass = 0.0;
+            if lightly {
+                plan.limits.oracle_tests = 0;
+                plan.strides = FixedStrides::of(&record, LIGHTLY);
+            }
+            let measured =
+                measure_scenes(context, &plan, &mut Outputs::default(), |_, _, _| Ok(()))?;
+            (serde_json::to_string(&measured.record), measured.failures)
+        }
+        ChildAction::CountInstructions => {
+            let plan = like::plan(&record, &Narrowed::default(), context)?;
+            (serde_json::to_string(&count_all(&plan)?), 0)
+        }
+    };
+    writeln!(context.out, "{}", answer.map_err(json)?)?;
+    context.out.flush()?;
+    Ok(if failures == 0 { SUCCESS } else { FAILURE })
+}

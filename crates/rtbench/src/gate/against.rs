@@ -1,0 +1,199 @@
+//! Two binaries measured in turns: pairs of processes, old and new in seeded random order.
+//!
+//! What drifts while the job runs then falls on both, and where code and memory happen to lie is
+//! drawn anew in each process instead of once for all rounds.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::child_process::{ChildError, answer, without_samples};
+use crate::clock::Clock;
+use crate::gate::{MatchedRow, ROUNDS};
+use crate::progress::Progress;
+use crate::random::Random;
+use crate::record::{RowRecord, RunRecord, Sample};
+
+/// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The least
+/// of their times counts: other programs only add to it.
+const VISITS: (u32, u32) = (3, 9);
+/// Seconds of a process that are worth their time: starting it takes about as long.
+const VISIT_SECONDS: f64 = 0.5;
+/// Pairs within a time budget, at the least: fewer could not be significant.
+const FEWEST: u32 = 9;
+
+/// Why two binaries could not be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum AgainstError {
+    /// The other binary.
+    #[error("--against: {0}")]
+    Old(ChildError),
+    /// This one.
+    #[error(transparent)]
+    New(ChildError),
+    /// This program's own file is not known.
+    #[error("cannot tell where the file of this program is, to start it in turns with the other")]
+    NoProgram,
+}
+
+/// Times of a row, old and new of each pair, seconds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairedRow {
+    /// Scene.
+    pub scene: String,
+    /// Structure.
+    pub structure: String,
+    /// What differs from its defaults.
+    pub settings: String,
+    /// Build.
+    pub build: Vec<[f64; 2]>,
+    /// Trace.
+    pub trace: Vec<[f64; 2]>,
+}
+
+impl PairedRow {
+    /// True for that row.
+    pub fn is_of(&self, row: &MatchedRow<'_>) -> bool {
+        self.scene == row.scene.1.name
+            && self.structure == row.now.structure
+            && self.settings == row.now.settings
+    }
+}
+
+/// Two binaries and what they measure.
+#[derive(Debug)]
+pub struct Contest<'a> {
+    /// The older.
+    pub old: &'a Path,
+    /// The newer: this one.
+    pub new: &'a Path,
+    /// The record that says what to measure.
+    pub like: RunRecord,
+    /// Pairs; none asks for the default.
+    pub rounds: Option<u32>,
+    /// Time for all pairs.
+    pub time_budget: Option<Duration>,
+}
+
+impl Contest<'_> {
+    /// The old binary's record of the same rows and rays, all answers checked.
+    ///
+    /// # Errors
+    /// [`AgainstError`].
+    pub fn record_of_old(&self) -> Result<RunRecord, AgainstError> {
+        self.measured(self.old, 1, false).map_err(AgainstError::Old)
+    }
+
+    /// Pairs of processes, until there are as many as asked for.
+    ///
+    /// # Errors
+    /// [`AgainstError`].
+    pub fn pairs(
+        &self,
+        clock: &dyn Clock,
+        progress: &Progress,
+    ) -> Result<Vec<PairedRow>, AgainstError> {
+        let mut rows: Vec<PairedRow> = Vec::new();
+        let visits = self.visits();
+        let start = clock.now();
+        let mut round = 0;
+        while self.goes_on(round, clock.now().saturating_sub(start)) {
+            progress.message(format!("pair {}", round + 1));
+            let purpose = format!("pairs/{round}");
+            let old_first = Random::new(self.like.settings.seed, &purpose).below(2) == 0;
+            let old = || self.measured(self.old, visits, true).map_err(AgainstError::Old);
+            let new = || self.measured(self.new, visits, true).map_err(AgainstError::New);
+            let (old, new) = if old_first {
+                let old = old()?;
+                (old, new()?)
+            } else {
+                let new = new()?;
+                (old()?, new)
+            };
+            add(&mut rows, &old, &new);
+            round += 1;
+            progress.step(clock.now());
+        }
+        Ok(rows)
+    }
+
+    /// Pairs that will be made, as far as is known.
+    pub fn expected(&self) -> u32 {
+        self.rounds.unwrap_or(ROUNDS)
+    }
+
+    /// Visits of each row in a process.
+    fn visits(&self) -> u32 {
+        let samples = || self.like.scenes.iter().flat_map(|s| &s.rows).flat_map(|r| &r.samples);
+        let seconds: f64 = samples().map(|s| s.build_s + s.total_trace_s()).sum();
+        let visits = (VISIT_SECONDS / seconds.max(1e-6)).ceil().min(f64::from(VISITS.1));
+        (visits as u32).max(VISITS.0)
+    }
+
+    fn goes_on(&self, round: u32, elapsed: Duration) -> bool {
+        match self.time_budget {
+            Some(budget) => round < FEWEST || elapsed < budget,
+            None => round < self.expected(),
+        }
+    }
+
+    fn measured(
+        &self,
+        program: &Path,
+        rounds: u32,
+        lightly: bool,
+    ) -> Result<RunRecord, ChildError> {
+        let mut command = Command::new(program);
+        command.args(["--quiet", "child", "measure", "--rounds", &rounds.to_string()]);
+        if lightly {
+            command.arg("--lightly");
+        }
+        answer(&mut command, &without_samples(&self.like))
+    }
+}
+
+/// Adds the pair of times of each row that both have.
+fn add(rows: &mut Vec<PairedRow>, old: &RunRecord, new: &RunRecord) {
+    for (scene, row) in new.scenes.iter().flat_map(|s| s.rows.iter().map(move |r| (s, r))) {
+        let same = |r: &&RowRecord| r.structure == row.structure && r.settings == row.settings;
+        let of_old = old.scenes.iter().find(|s| s.name == scene.name);
+        let of_old = of_old.and_then(|s| s.rows.iter().find(same));
+        let Some(pair) = of_old.and_then(|old| pair(old, row)) else { continue };
+        let at = rows.iter().position(|p| {
+            let same = p.structure == row.structure && p.settings == row.settings;
+            p.scene == scene.name && same
+        });
+        let (build, trace) = pair;
+        match at.and_then(|i| rows.get_mut(i)) {
+            Some(known) => {
+                known.build.push(build);
+                known.trace.push(trace);
+            }
+            None => rows.push(PairedRow {
+                scene: scene.name.clone(),
+                structure: row.structure.clone(),
+                settings: row.settings.clone(),
+                build: vec![build],
+                trace: vec![trace],
+            }),
+        }
+    }
+}
+
+fn pair(old: &RowRecord, new: &RowRecord) -> Option<([f64; 2], [f64; 2])> {
+    let least =
+        |row: &RowRecord, of: fn(&Sample) -> f64| row.samples.iter().map(of).min_by(f64::total_cmp);
+    let build = [least(old, |s| s.build_s)?, least(new, |s| s.build_s)?];
+    let trace = [least(old, Sample::total_trace_s)?, least(new, Sample::total_trace_s)?];
+    Some((build, trace))
+}
+
+/// The file of this program, as the environment has it.
+///
+/// # Errors
+/// [`AgainstError::NoProgram`].
+pub fn own_program(program: Option<&PathBuf>) -> Result<&Path, AgainstError> {
+    program.map(PathBuf::as_path).ok_or(AgainstError::NoProgram)
+}

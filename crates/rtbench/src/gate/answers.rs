@@ -1,0 +1,60 @@
+//! Rung: are the answers right, and still the same?
+//!
+//! Wrong hits are judged by the run itself, against its oracle. Beyond that the hashes of all
+//! answers must be those of the baseline: ids and every bit of t.
+
+use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung};
+use crate::record::Verdict;
+
+/// Registry line.
+pub const RUNG: Rung =
+    Rung { name: "answers", summary: "no wrong hits; all answers as in the baseline", judge };
+
+fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
+    evidence.rows().iter().map(of_row).collect()
+}
+
+fn of_row(row: &MatchedRow<'_>) -> Finding {
+    let (outcome, note) = outcome(row);
+    Finding::of(RUNG.name, row, "answers", outcome, note)
+}
+
+fn outcome(row: &MatchedRow<'_>) -> (Outcome, String) {
+    let (base, now) = (row.base, row.now);
+    let ways = |was: &str, is: &str| format!("was {was}, is {is}");
+    let verdicts = || ways(base.verdict.name(), now.verdict.name());
+    match now.verdict {
+        Verdict::Wrong => {
+            let (wrong, rays) = (now.mismatches, now.checked_rays);
+            let example = now.example.as_deref().unwrap_or("no example");
+            return (Outcome::WrongHits, format!("{wrong} of {rays} rays: {example}"));
+        }
+        Verdict::NotBuilt | Verdict::Panicked => {
+            let why = now.error.as_deref().unwrap_or(now.verdict.name());
+            return match base.verdict == now.verdict {
+                true => (Outcome::Unchanged, why.to_owned()),
+                false => (Outcome::Regression, format!("{}: {why}", verdicts())),
+            };
+        }
+        Verdict::Ok | Verdict::WrongAsShipped => {}
+    }
+    if now.mismatches > base.mismatches && now.checked_rays == base.checked_rays {
+        let (was, is) = (base.mismatches.to_string(), now.mismatches.to_string());
+        return (Outcome::Regression, format!("wrong hits by design: {}", ways(&was, &is)));
+    }
+    if now.verdict != base.verdict {
+        return (Outcome::Improved, verdicts());
+    }
+    if base.checked_rays != now.checked_rays {
+        let (was, is) = (base.checked_rays.to_string(), now.checked_rays.to_string());
+        let note = format!("other rays were checked: {}", ways(&was, &is));
+        return (Outcome::NotJudged, note);
+    }
+    match (&base.answers_sha256, &now.answers_sha256) {
+        (Some(was), Some(is)) if was == is => (Outcome::Unchanged, String::new()),
+        (Some(_), Some(_)) => {
+            (Outcome::Regression, "not the baseline's answers, though none is wrong".to_owned())
+        }
+        _ => (Outcome::NotJudged, "the baseline has no hash of answers".to_owned()),
+    }
+}

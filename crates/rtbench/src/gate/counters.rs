@@ -1,0 +1,53 @@
+//! Rung: the exact counters, without any tolerance.
+//!
+//! They are the same on every machine, so any difference is one of the code. More work or more
+//! memory is a regression; less is an improvement, to be kept by saving a new baseline.
+
+use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung};
+use crate::metrics::{METRICS, Metric, Reading};
+use crate::statistics::Estimate;
+
+/// Registry line.
+pub const RUNG: Rung =
+    Rung { name: "counters", summary: "what was built and the work of the rays, exactly", judge };
+
+/// The one counter that is no cost: tests that were not made.
+const NO_COST: &str = "saved";
+
+fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
+    let exact: Vec<&Metric> = METRICS.iter().filter(|m| m.is_exact()).collect();
+    let rows = evidence.rows();
+    rows.iter().flat_map(|row| exact.iter().filter_map(|metric| of(metric, row))).collect()
+}
+
+/// What became of a metric; none where neither side has it.
+fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
+    let Reading::Exact(read) = metric.reading else { return None };
+    let (was, is) = (read(row.base), read(row.now));
+    let finding = |outcome, note: &str| Finding {
+        baseline: was,
+        now: is,
+        ..Finding::of(RUNG.name, row, metric.name, outcome, note)
+    };
+    let (before, now) = match (was, is) {
+        (Some(before), Some(now)) => (before, now),
+        (None, None) => return None,
+        // whether it was built is judged with its answers
+        _ => return Some(finding(Outcome::NotJudged, "one side has none")),
+    };
+    let counted = |row: &crate::record::RowRecord| row.work.as_ref().map(|w| w.rays);
+    if counted(row.base) != counted(row.now) {
+        return Some(finding(Outcome::NotJudged, "other rays were counted"));
+    }
+    if metric.name == NO_COST && before != now {
+        return Some(finding(Outcome::NotJudged, "changed; what it cost is judged by n_it"));
+    }
+    let outcome = match before.total_cmp(&now) {
+        std::cmp::Ordering::Less => Outcome::Regression,
+        std::cmp::Ordering::Equal => Outcome::Unchanged,
+        std::cmp::Ordering::Greater => Outcome::Improved,
+    };
+    let ratio = now / before;
+    let change = ratio.is_finite().then_some(Estimate { median: ratio, low: ratio, high: ratio });
+    Some(Finding { change, ..finding(outcome, "") })
+}

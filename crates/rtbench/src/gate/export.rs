@@ -1,0 +1,79 @@
+//! A check as Markdown, CSV and JSON.
+
+use std::fmt::Write;
+
+use crate::error::Error;
+use crate::export::csv::{number, written};
+use crate::export::markdown::push_table;
+use crate::gate::report::{GLOSSARY, Report};
+
+/// Columns of the CSV file.
+pub const COLUMNS: [&str; 12] = [
+    "rung",
+    "scene",
+    "row",
+    "what",
+    "baseline",
+    "now",
+    "change",
+    "change_low",
+    "change_high",
+    "p",
+    "outcome",
+    "note",
+];
+
+/// Verdict, tables, remarks.
+pub fn markdown(report: &Report, all: bool) -> String {
+    let mut text =
+        format!("# rtbench check: {}\n\n{}\n\n", report.outcome.name(), report.verdict());
+    for table in report.tables(all) {
+        if table.rows.is_empty() {
+            let _ = writeln!(text, "## {}\n\n{}\n", table.title, table.notes.join(" "));
+        } else {
+            push_table(&mut text, &table);
+        }
+    }
+    for line in report.remarks.iter().map(String::as_str).chain(GLOSSARY.iter().copied()) {
+        let _ = writeln!(text, "{line}\n");
+    }
+    text
+}
+
+/// One row for each thing judged.
+///
+/// # Errors
+/// [`Error::Format`].
+pub fn csv(report: &Report) -> Result<String, Error> {
+    written(|writer| {
+        writer.write_record(COLUMNS)?;
+        for f in &report.findings {
+            writer.write_record([
+                f.rung.to_owned(),
+                f.scene.clone(),
+                f.row.clone(),
+                f.quantity.to_owned(),
+                number(f.baseline),
+                number(f.now),
+                number(f.change.map(|e| e.median)),
+                number(f.change.map(|e| e.low)),
+                number(f.change.map(|e| e.high)),
+                // probabilities may be far smaller than nine digits show
+                f.p.map(|p| format!("{p:e}")).unwrap_or_default(),
+                f.outcome.name().to_owned(),
+                f.note.clone(),
+            ])?;
+        }
+        Ok(())
+    })
+}
+
+/// Everything.
+///
+/// # Errors
+/// [`Error::Format`].
+pub fn json(report: &Report) -> Result<String, Error> {
+    serde_json::to_string_pretty(report)
+        .map(|text| text + "\n")
+        .map_err(|e| Error::Format { format: "JSON", message: e.to_string() })
+}

@@ -1,0 +1,71 @@
+//! Rung: instruction counts of the build and of the walk, by callgrind.
+//!
+//! They repeat to within a few of a million, whatever else the machine does, so a threshold of 1%
+//! needs no test. What they do not see are cache misses and mispredicted branches.
+
+use crate::callgrind::CountedRow;
+use crate::gate::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung};
+use crate::statistics::Estimate;
+
+/// Registry line.
+pub const RUNG: Rung =
+    Rung { name: "instructions", summary: "instructions of build and walk, by callgrind", judge };
+
+fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
+    let rows = evidence.rows();
+    match evidence.instructions {
+        Instructions::NotAsked => Vec::new(),
+        Instructions::Missing(why) => rows
+            .iter()
+            .map(|row| Finding::of(RUNG.name, row, "trace", Outcome::Inconclusive, why))
+            .collect(),
+        Instructions::Counted { base, now } => rows
+            .iter()
+            .flat_map(|row| of_row(row, base, now, evidence.thresholds.instructions))
+            .collect(),
+    }
+}
+
+fn of_row(
+    row: &MatchedRow<'_>,
+    base: &[CountedRow],
+    now: &[CountedRow],
+    threshold: f64,
+) -> Vec<Finding> {
+    let of = |counted: &[CountedRow]| counted.iter().find(|c| c.is_of(row)).cloned();
+    let note = match (of(base), of(now)) {
+        (Some(before), Some(now)) if before.rays != now.rays => "other rays were counted",
+        (Some(before), Some(now)) => {
+            return [("build", before.build, now.build), ("trace", before.trace, now.trace)]
+                .into_iter()
+                .filter_map(|(what, before, now)| {
+                    Some(compared(row, what, before? as f64, now? as f64, threshold))
+                })
+                .collect();
+        }
+        (None, _) => "the baseline has no count of it",
+        (_, None) => "it was not counted now",
+    };
+    vec![Finding::of(RUNG.name, row, "trace", Outcome::NotJudged, note)]
+}
+
+fn compared(
+    row: &MatchedRow<'_>,
+    what: &'static str,
+    before: f64,
+    now: f64,
+    threshold: f64,
+) -> Finding {
+    let ratio = now / before.max(1.0);
+    let outcome = match ratio {
+        r if r > 1.0 + threshold => Outcome::Regression,
+        r if r < 1.0 / (1.0 + threshold) => Outcome::Improved,
+        _ => Outcome::Unchanged,
+    };
+    Finding {
+        baseline: Some(before),
+        now: Some(now),
+        change: Some(Estimate { median: ratio, low: ratio, high: ratio }),
+        ..Finding::of(RUNG.name, row, what, outcome, "")
+    }
+}

@@ -1,0 +1,165 @@
+//! What a check says: its verdict, and tables of what was judged.
+
+use serde::Serialize;
+
+use crate::error::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
+use crate::export::numbers;
+use crate::export::table::{Cell, Style, Table};
+use crate::gate::against::PairedRow;
+use crate::gate::thresholds::Thresholds;
+use crate::gate::{Finding, Outcome, RUNGS, Rung, wall_clock};
+use crate::record::{Machine, Tool};
+
+/// A check.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// The program.
+    pub tool: Tool,
+    /// The command line.
+    pub command_line: Vec<String>,
+    /// What it was held against, in words.
+    pub against: String,
+    /// The program that the baseline is of.
+    pub baseline_tool: Tool,
+    /// What the baseline was measured on.
+    pub baseline_machine: Machine,
+    /// What this was measured on.
+    pub machine: Machine,
+    /// What counted as a regression.
+    pub thresholds: Thresholds,
+    /// The worst of all that was judged.
+    pub outcome: Outcome,
+    /// Everything that was judged.
+    pub findings: Vec<Finding>,
+    /// What there is to say beside.
+    pub remarks: Vec<String>,
+    /// What the figures of times are, in words.
+    pub times: String,
+    /// Scenes that could not be measured.
+    pub failures: usize,
+    /// Times of the pairs of processes, with `--against`.
+    pub pairs: Vec<PairedRow>,
+}
+
+/// What the columns mean.
+pub const GLOSSARY: &[&str] = &[
+    "change: now over the baseline, with its 95% interval where it was measured; p: the \
+     probability of such times without a difference, corrected for all that were tested (Holm \
+     1979).",
+    "regression: worse by more than the threshold, and certain. inconclusive: it cannot be told \
+     from one. unchanged: no worse than the threshold.",
+];
+
+impl Report {
+    /// The exit code: 4 for wrong hits, 1 where scenes failed, 3 for regressions, and if `strict`
+    /// 5 where something is inconclusive.
+    pub fn exit_code(&self, strict: bool) -> u8 {
+        match self.outcome {
+            Outcome::WrongHits => WRONG_HITS,
+            _ if self.failures > 0 => FAILURE,
+            Outcome::Regression => REGRESSION,
+            Outcome::Inconclusive if strict => INCONCLUSIVE,
+            _ => SUCCESS,
+        }
+    }
+
+    /// The worst of findings; without any, nothing was judged.
+    pub fn worst(findings: &[Finding]) -> Outcome {
+        findings.iter().map(|f| f.outcome).max().unwrap_or(Outcome::NotJudged)
+    }
+
+    /// One line: what came of it.
+    pub fn verdict(&self) -> String {
+        let count = |outcome| self.findings.iter().filter(|f| f.outcome == outcome).count();
+        let counts: Vec<String> = [
+            Outcome::WrongHits,
+            Outcome::Regression,
+            Outcome::Inconclusive,
+            Outcome::Improved,
+            Outcome::Unchanged,
+            Outcome::NotJudged,
+        ]
+        .into_iter()
+        .filter(|outcome| count(*outcome) > 0)
+        .map(|outcome| format!("{} {}", count(outcome), outcome.name()))
+        .collect();
+        let failed = match self.failures {
+            0 => String::new(),
+            n => format!("; {n} scenes failed"),
+        };
+        format!("check against {}: {}{failed}", self.against, counts.join(", "))
+    }
+
+    /// A table a rung: what changed or could not be told, and with `all` the rest.
+    pub fn tables(&self, all: bool) -> Vec<Table> {
+        RUNGS.iter().filter_map(|rung| self.table(rung, all)).collect()
+    }
+
+    fn table(&self, rung: &Rung, all: bool) -> Option<Table> {
+        let own: Vec<&Finding> = self.findings.iter().filter(|f| f.rung == rung.name).collect();
+        if own.is_empty() {
+            return None;
+        }
+        let quiet = [Outcome::Unchanged, Outcome::NotJudged];
+        let shown = |f: &&&Finding| all || !quiet.contains(&f.outcome);
+        let rows = own.iter().filter(shown).map(|f| cells(f)).collect();
+        let count = |outcome| own.iter().filter(|f| f.outcome == outcome).count();
+        let (unchanged, all_of_them) = (count(Outcome::Unchanged), own.len());
+        let mut notes = vec![format!("{unchanged} of {all_of_them} unchanged.")];
+        notes.extend(self.reasons(&own).filter(|_| !all));
+        if rung.name == wall_clock::RUNG.name {
+            notes.push(format!("baseline, now: {}.", self.times));
+        }
+        Some(Table {
+            title: format!("{}: {}", rung.name, rung.summary),
+            header: vec!["row", "what", "baseline", "now", "change", "p", "outcome"],
+            rows,
+            notes,
+        })
+    }
+
+    /// Why things were not judged, each reason once with its number.
+    fn reasons(&self, own: &[&Finding]) -> impl Iterator<Item = String> {
+        let mut reasons: Vec<(String, usize)> = Vec::new();
+        for finding in own.iter().filter(|f| f.outcome == Outcome::NotJudged) {
+            // `too short to time: 8.4 us` differs from row to row
+            let reason = finding.note.split(':').next().unwrap_or_default();
+            match reasons.iter_mut().find(|(known, _)| known == reason) {
+                Some((_, n)) => *n += 1,
+                None => reasons.push((reason.to_owned(), 1)),
+            }
+        }
+        reasons.into_iter().map(|(reason, n)| format!("{n} not judged: {reason}."))
+    }
+}
+
+fn cells(finding: &Finding) -> Vec<Cell> {
+    let number = |x: Option<f64>| match x {
+        Some(x) if x.fract() == 0.0 && x.abs() < 1e15 => format!("{x:.0}"),
+        Some(x) => numbers::short(x),
+        None => "-".into(),
+    };
+    let change = finding.change.map_or("-".to_owned(), |e| match e.low == e.high {
+        true => format!("{:+.3}%", (e.median - 1.0) * 100.0),
+        false => numbers::ratio(&e).trim_end().to_owned(),
+    });
+    let style = match finding.outcome {
+        Outcome::WrongHits | Outcome::Regression => Style::Bad,
+        Outcome::Improved => Style::Best,
+        Outcome::NotJudged => Style::Dim,
+        Outcome::Inconclusive | Outcome::Unchanged => Style::Plain,
+    };
+    let outcome = match finding.note.is_empty() {
+        true => finding.outcome.name().to_owned(),
+        false => format!("{}: {}", finding.outcome.name(), finding.note),
+    };
+    vec![
+        format!("{}: {}", finding.scene, finding.row).into(),
+        finding.quantity.to_owned().into(),
+        number(finding.baseline).into(),
+        number(finding.now).into(),
+        change.into(),
+        finding.p.map_or("-".to_owned(), |p| format!("{p:.1e}")).into(),
+        Cell { text: outcome, style },
+    ]
+}

@@ -1,0 +1,109 @@
+//! What counts as a regression.
+//!
+//! Why these defaults. Counters are exact and have no threshold. Instruction counts of one binary
+//! repeat to within a few of a million, so 1% is far beyond chance, and less is seldom worth a
+//! failed job. Times of unchanged code differ between two builds and two processes by several
+//! percent (where code and memory happen to lie), and by more on shared machines; 10% is beyond
+//! most of that, and what is slower by less is what instruction counts are for.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::args::ThresholdArgs;
+
+/// Thresholds of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
+pub struct Thresholds {
+    /// Instructions: the share by which there may be more.
+    pub instructions: f64,
+    /// Times: the share by which they may be longer.
+    pub time: f64,
+    /// The probability of one false alarm among all times of a check.
+    pub significance: f64,
+    /// Seconds; shorter times are not judged.
+    pub shortest: f64,
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self { instructions: 0.01, time: 0.10, significance: 0.05, shortest: 200e-6 }
+    }
+}
+
+/// A threshold out of range.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{name}: {value} is out of range; expected {expected}")]
+pub struct ThresholdError {
+    name: &'static str,
+    value: f64,
+    expected: &'static str,
+}
+
+impl Thresholds {
+    /// These, with what the command line says in place of them.
+    ///
+    /// # Errors
+    /// [`ThresholdError`] naming what is valid.
+    pub fn with(mut self, args: &ThresholdArgs) -> Result<Self, ThresholdError> {
+        self.instructions = args.instruction_threshold.unwrap_or(self.instructions);
+        self.time = args.time_threshold.unwrap_or(self.time);
+        self.significance = args.significance.unwrap_or(self.significance);
+        self.shortest = args.shortest.map_or(self.shortest, |t: Duration| t.as_secs_f64());
+        self.checked()
+    }
+
+    fn checked(self) -> Result<Self, ThresholdError> {
+        let share = "a share from 0 to 10";
+        let is_share = |x: f64| (0.0..=10.0).contains(&x);
+        let [not_negative, probability] = ["seconds, not negative", "between 0 and 1"];
+        for (name, value, is_valid, expected) in [
+            ("instructions", self.instructions, is_share(self.instructions), share),
+            ("time", self.time, is_share(self.time), share),
+            (
+                "significance",
+                self.significance,
+                self.significance > 0.0 && self.significance < 1.0,
+                probability,
+            ),
+            (
+                "shortest",
+                self.shortest,
+                self.shortest.is_finite() && self.shortest >= 0.0,
+                not_negative,
+            ),
+        ] {
+            if !is_valid {
+                return Err(ThresholdError { name, value, expected });
+            }
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn they_are_read_with_defaults_and_unknown_ones_are_errors() {
+        let read = |text: &str| serde_json::from_str::<Thresholds>(text);
+        let some = read(r#"{"time": 0.2}"#).unwrap();
+        assert_eq!(some, Thresholds { time: 0.2, ..Thresholds::default() });
+        assert!(read(r#"{"tiem": 0.2}"#).unwrap_err().to_string().contains("time"));
+    }
+
+    #[test]
+    fn the_command_line_comes_first_and_nonsense_is_refused() {
+        let args = ThresholdArgs { instruction_threshold: Some(0.02), ..ThresholdArgs::default() };
+        let with = Thresholds::default().with(&args).unwrap();
+        assert_eq!((with.instructions, with.time), (0.02, 0.1));
+        for significance in [0.0, 1.0, f64::NAN] {
+            let args =
+                ThresholdArgs { significance: Some(significance), ..ThresholdArgs::default() };
+            let error = Thresholds::default().with(&args).unwrap_err().to_string();
+            assert!(error.contains("between 0 and 1"), "{error}");
+        }
+    }
+}

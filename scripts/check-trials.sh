@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# Does `rtbench check` find what it should, and nothing else? With a structure that is slowed down
+# on purpose (crates/rtbench/examples/planted_slowdown.rs), repeated TRIALS times each:
+#   * a planted 3% of instructions, by the instruction rung;
+#   * nothing planted, against a baseline and against a copy of the same binary: false alarms;
+#   * a planted 30% of time, by pairs of processes (--against).
+# Fails when a 3% is missed, a false alarm is raised, or more than one 30% of 20 is missed.
+# usage: scripts/check-trials.sh [TRIALS] [SCENE...]
+# PROFILE=dev builds without full optimisation; KEEP=DIR keeps each check's CSV file there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+command -v valgrind >/dev/null || { echo "check-trials: valgrind is needed" >&2; exit 1; }
+trials=${1:-20}
+shift || true
+scenes=("$@")
+[ ${#scenes[@]} -gt 0 ] || scenes=(teapot balls)
+first=${scenes[0]}
+profile=${PROFILE:-release}
+case $profile in release) flags=(--release); folder=release ;; *) flags=(--profile "$profile"); folder=debug ;; esac
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+keep=${KEEP:-$work/kept}
+mkdir -p "$keep"
+cargo build -q "${flags[@]}" -p rtbench --features planted-slowdown --example planted_slowdown
+new=$work/new
+cp "${CARGO_TARGET_DIR:-target}/$folder/examples/planted_slowdown" "$new"
+# the same program, with nothing planted whatever the environment says
+old=$work/old
+printf '#!/bin/sh\nPLANTED_LOOPS=0 exec "%s" "$@"\n' "$new" >"$old"
+chmod +x "$old"
+export RTBENCH_BASELINES=$work/baselines PLANTED_LOOPS=0
+rows=(-s slowed-grid,obvhs-cwbvh,obvhs-bvh2)
+
+# how many turns of the loop are 3% of the instructions, and 30% of the time, on the first scene
+turns=1000
+instructions() { # TURNS -> instructions of all walks
+    PLANTED_LOOPS=$1 "$new" -q baseline save --force calibration "$first" --quick --rounds 3 \
+        -s slowed-grid --instructions
+    "$new" baseline show calibration | awk '/^Instructions/ {on = 1}
+        on && /slowed-grid/ {print $NF; exit}'
+}
+seconds() { # TURNS -> trace time over the reference's
+    PLANTED_LOOPS=$1 "$new" -q run "$first" --quick --rounds 21 -s slowed-grid \
+        --reference obvhs-cwbvh --export-csv "$work/time.csv" >/dev/null
+    awk -F, 'NR == 1 {for (i = 1; i <= NF; i++) c[$i] = i} $c["structure"] == "slowed-grid" {
+        print $c["ratio_to_reference"]}' "$work/time.csv"
+}
+turns_for() { # SHARE BEFORE WITH_TURNS -> turns
+    awk -v share="$1" -v a="$2" -v b="$3" -v n="$turns" 'BEGIN {
+        print int(share * a / ((b - a) / n) + 0.999) }'
+}
+three=$(turns_for 0.03 "$(instructions 0)" "$(instructions $turns)")
+thirty=$(turns_for 0.30 "$(seconds 0)" "$(seconds $turns)")
+echo "planted in slowed-grid on $first: $three turns a walk for 3% of instructions, $thirty for 30% of time"
+
+check() { # NAME TURNS ARGUMENTS... -> code; the CSV file at $csv
+    csv=$keep/$1.csv
+    local code=0
+    PLANTED_LOOPS=$2 "$new" -q check "${@:3}" --export-csv "$csv" >"$work/out" || code=$?
+    case $code in 0 | 3) ;; *) cat "$work/out" >&2; echo "check-trials: exit $code" >&2; exit 1 ;; esac
+    return 0
+}
+# rung, scene, row, what, ..., outcome, note
+regressions() { # AWK_CONDITION -> lines of the CSV file that are regressions and meet it
+    awk -F, "\$11 == \"regression\" && ($1)" "$csv" | wc -l
+}
+planted='$3 == "slowed-grid" && $4 == "trace"'
+
+"$new" -q baseline save main "${scenes[@]}" --quick "${rows[@]}" --instructions
+found3=0 found30=0 alarms=0 alarms_against=0 elsewhere=0
+start=$SECONDS
+for i in $(seq "$trials"); do
+    check "three-$i" "$three" --baseline main --structures slowed-grid --rounds 15 "$first"
+    [ "$(regressions "\$1 == \"instructions\" && $planted")" -gt 0 ] && found3=$((found3 + 1))
+    elsewhere=$((elsewhere + $(regressions "!($planted)")))
+    check "same-$i" 0 --baseline main
+    [ "$(regressions 1)" -eq 0 ] || alarms=$((alarms + 1))
+    check "against-same-$i" 0 --against "$old" "${scenes[@]}" --quick "${rows[@]}"
+    [ "$(regressions 1)" -eq 0 ] || alarms_against=$((alarms_against + 1))
+    check "thirty-$i" "$thirty" --against "$old" "$first" --quick "${rows[@]}"
+    [ "$(regressions "\$1 == \"times\" && $planted")" -gt 0 ] && found30=$((found30 + 1))
+    elsewhere=$((elsewhere + $(regressions "!($planted)")))
+    echo "trial $i: 3% found $found3, 30% found $found30; false alarms $alarms (baseline)," \
+        "$alarms_against (binary), $elsewhere (other rows); load $(cut -d' ' -f1 /proc/loadavg)" >&2
+done
+echo "planted 3% of instructions, found by the instruction rung: $found3 of $trials"
+echo "nothing planted, false alarms against a baseline: $alarms of $trials"
+echo "nothing planted, false alarms against the same binary: $alarms_against of $trials"
+echo "planted 30% of time, found by pairs of processes: $found30 of $trials"
+echo "false alarms in rows in which nothing was planted: $elsewhere in $((2 * trials)) checks"
+echo "$((SECONDS - start)) s in all"
+[ "$found3" -eq "$trials" ] && [ $((alarms + alarms_against + elsewhere)) -eq 0 ] &&
+    [ $((found30 * 20)) -ge $((trials * 19)) ]
