@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use crate::scene_source::LoadError;
 use accel_core::structures::BuildError;
 
+use crate::config::ConfigError;
 use crate::journal::JournalError;
+use crate::merge::MergeError;
 use crate::panics::Panicked;
 use crate::plan::PlanError;
 use crate::record_file::RecordError;
@@ -118,6 +120,12 @@ pub enum Error {
     /// The record of a run cannot be read.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// The configuration cannot be used.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The parts of a run cannot be joined.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),
@@ -135,7 +143,7 @@ impl Error {
                     matches!(e, LoadError::UnknownScene { .. } | LoadError::Procedural { .. });
                 if is_usage { USAGE } else { FAILURE }
             }
-            Self::Plan(_) => USAGE,
+            Self::Plan(_) | Self::Config(_) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)
                 | ReproduceError::UnknownStructure(_)

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::shard::ShardRecord;
 use crate::statistics::Estimate;
 
 /// Version of this schema; raised when a field changes its meaning or goes away.
@@ -11,6 +12,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RunRecord {
     /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
@@ -38,6 +40,26 @@ pub struct RunRecord {
     /// Every scene had its turn; false in what a killed or interrupted run leaves.
     #[serde(default = "from_before")]
     pub complete: bool,
+    /// Which part of a run it is, where the run was divided; see [`crate::shard`].
+    #[serde(default)]
+    pub shard: Option<ShardRecord>,
+    /// The parts that it was joined of; empty unless `rtbench merge` made it.
+    #[serde(default)]
+    pub parts: Vec<PartRecord>,
+}
+
+/// A part that a run was joined of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct PartRecord {
+    /// Which part, from 1.
+    pub index: u32,
+    /// Its command line, program first.
+    pub command_line: Vec<String>,
+    /// What it ran on.
+    pub machine: Machine,
+    /// When it began, seconds since 1970.
+    pub started_unix_s: u64,
 }
 
 /// Of records from before there was a journal.
@@ -47,6 +69,7 @@ fn from_before() -> bool {
 
 /// The program.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Tool {
     /// `rtbench`.
     pub name: String,
@@ -58,6 +81,7 @@ pub struct Tool {
 
 /// The machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Machine {
     /// Model name of the first processor.
     pub cpu: Option<String>,
@@ -71,6 +95,7 @@ pub struct Machine {
 
 /// The compiler.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Compiler {
     /// `rustc -V`.
     pub rustc: Option<String>,
@@ -86,6 +111,7 @@ pub struct Compiler {
 
 /// Settings of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Settings {
     /// Seed of schedules, samples, directions and intervals.
     pub seed: u64,
@@ -107,6 +133,7 @@ pub struct Settings {
 
 /// A scene's results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SceneRecord {
     /// Name.
     pub name: String,
@@ -134,6 +161,7 @@ pub struct SceneRecord {
 
 /// How the answers of a scene were judged.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OracleRecord {
     /// The row whose answers all others are compared with; none when the oracle confirmed none.
     pub reference: Option<String>,
@@ -149,6 +177,7 @@ pub struct OracleRecord {
 
 /// Which rays a row answers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub enum Answered {
     /// Rays of every kind: a structure.
     #[default]
@@ -171,6 +200,7 @@ impl Answered {
 
 /// What is said of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub enum Verdict {
     /// Every answer agrees.
     #[serde(rename = "ok")]
@@ -209,6 +239,7 @@ impl Verdict {
 
 /// What was built, in the symbols of Havran and Sixta (1999).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ShapeRecord {
     /// N_IN: hierarchical cells.
     pub n_in: u64,
@@ -229,6 +260,7 @@ pub struct ShapeRecord {
 
 /// Work of all counted rays together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct WorkRecord {
     /// Rays counted over.
     pub rays: u64,
@@ -267,6 +299,7 @@ impl WorkRecord {
 
 /// One visit of a row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Sample {
     /// Round, from 0.
     pub round: u32,
@@ -278,6 +311,9 @@ pub struct Sample {
     pub trace_s: BTreeMap<String, f64>,
     /// Seconds that the reference row took for the same rays in the same round.
     pub reference_trace_s: Option<f64>,
+    /// Seconds of the reference row's build in the same round. None in records from before.
+    #[serde(default)]
+    pub reference_build_s: Option<f64>,
 }
 
 impl Sample {
@@ -289,6 +325,7 @@ impl Sample {
 
 /// A structure with settings on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RowRecord {
     /// Structure.
     pub structure: String,
@@ -355,6 +392,7 @@ impl RowRecord {
 
 /// A row over all finished scenes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SummaryRow {
     /// Structure.
     pub structure: String,

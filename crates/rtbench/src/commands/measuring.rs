@@ -80,7 +80,8 @@ pub fn measure_rest(
 ) -> Result<Measured, Error> {
     outputs.write(&record, false)?;
     let pools = Pools::new(plan.threads)?;
-    let progress = progress(context, plan, plan.scenes.len() - kept.finished.len());
+    let unfinished = (0..plan.scenes.len()).filter(|i| !kept.finished.contains_key(i));
+    let progress = progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum());
     let budget = Budget::new(plan, context.clock.now(), kept.finished.len());
     let mut failures = 0_usize;
     let mut left = plan.scenes.len() - kept.finished.len();
@@ -96,7 +97,8 @@ pub fn measure_rest(
                 left -= 1;
                 let equipment =
                     Equipment { pools: &pools, clock: context.clock, progress: &progress };
-                measure_one(plan, &**known, &equipment, deadline)
+                let own = plan.of_scene(i);
+                measure_one(own.as_ref().unwrap_or(plan), &**known, &equipment, deadline)
             }
         };
         let scene = match measured {
@@ -105,7 +107,7 @@ pub fn measure_rest(
                 // One bad scene does not cost the others.
                 failures += 1;
                 kept.append(|| Line::Failed { scene: i, error: error.to_string() })?;
-                progress.skip(steps_a_scene(plan));
+                progress.skip(steps_of(plan, i));
                 progress.suspend(|| {
                     let _ = writeln!(context.err, "error: {error}");
                 });
@@ -132,6 +134,7 @@ pub fn measure_rest(
     record.complete = true;
     kept.append(|| Line::Complete)?;
     outputs.write(&record, true)?;
+    outputs.print(&record, context.out)?;
     Ok(Measured { record, failures })
 }
 
@@ -204,25 +207,27 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         peak_rss_bytes: machine::peak_rss(),
         planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
         complete: false,
+        shard: plan.part.as_ref().map(|part| part.record.clone()),
+        parts: Vec::new(),
     }
 }
 
-/// Steps of the bar for a scene: each row is checked, timed in each round, rendered.
-fn steps_a_scene(plan: &Plan<'_>) -> u64 {
+/// Steps of the bar for the scene at that place: each row is checked, timed in each round, rendered.
+fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
     let rounds = match plan.rounds {
         Rounds::Fixed(n) => n,
         Rounds::Budget { at_least, .. } => at_least,
     };
-    (plan.rows.len() * (rounds + 2)) as u64
+    (plan.rows_in(scene) * (rounds + 2)) as u64
 }
 
-fn progress(context: &Context<'_>, plan: &Plan<'_>, scenes: usize) -> Progress {
+fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
     let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
     let budget = match plan.rounds {
         Rounds::Budget { total, .. } => Some(total),
         Rounds::Fixed(_) => None,
     };
-    Progress::new(visible, steps_a_scene(plan) * scenes as u64, budget)
+    Progress::new(visible, steps, budget)
 }
 
 /// The time budget of a run, if it has one.

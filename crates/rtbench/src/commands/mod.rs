@@ -3,8 +3,11 @@
 pub mod accuracy;
 pub mod compare_tracers;
 pub mod cost;
+pub mod doctor;
 pub mod list;
 pub mod measuring;
+pub mod merge;
+pub mod printed;
 pub mod render;
 pub mod reproduce;
 pub mod run;
