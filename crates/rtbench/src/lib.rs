@@ -78,7 +78,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use accel_core::{occluders, structures::REGISTRY};
-use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
+use clap::{CommandFactory, Parser};
 
 use crate::args::{Cli, Command};
 use crate::clock::SystemClock;
@@ -132,7 +133,7 @@ pub fn run_in(
     let mut arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
     let mut cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(error) => return usage(context, &error),
+        Err(error) => return usage(context, error),
     };
     let config = match Config::find(cli.config.as_deref(), folder) {
         Ok(config) => config,
@@ -148,7 +149,7 @@ pub fn run_in(
             config::join(&mut arguments, added);
             cli = match Cli::try_parse_from(&arguments) {
                 Ok(cli) => cli,
-                Err(error) => return usage(context, &error),
+                Err(error) => return usage(context, error),
             };
         }
     }
@@ -215,7 +216,8 @@ fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
 }
 
 /// Help and version on standard output, usage errors on standard error.
-fn usage(context: &mut Context<'_>, error: &clap::Error) -> u8 {
+fn usage(context: &mut Context<'_>, mut error: clap::Error) -> u8 {
+    suggest_command(&mut error);
     let text = error.render();
     let written = if error.use_stderr() {
         write!(context.err, "{text}")
@@ -226,5 +228,17 @@ fn usage(context: &mut Context<'_>, error: &clap::Error) -> u8 {
         _ if error.use_stderr() => USAGE,
         Err(e) if !e.is_closed_pipe() => FAILURE,
         _ => SUCCESS,
+    }
+}
+
+/// Clap does not see that `rnu` is `run`.
+fn suggest_command(error: &mut clap::Error) {
+    let (typed, known) = (ContextKind::InvalidSubcommand, ContextKind::SuggestedSubcommand);
+    if let (Some(ContextValue::String(typed)), None) = (error.get(typed), error.get(known)) {
+        let cli = Cli::command();
+        let meant = suggest::nearest(typed, cli.get_subcommands().map(clap::Command::get_name));
+        if let Some(meant) = meant.map(str::to_owned) {
+            error.insert(known, ContextValue::Strings(vec![meant]));
+        }
     }
 }

@@ -14,7 +14,8 @@ pub const SCHEMA_VERSION: u32 = 1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RunRecord {
-    /// [`SCHEMA_VERSION`].
+    /// Version of this schema: 1. Raised when a field changes its meaning or goes away, not for new
+    /// ones.
     pub schema_version: u32,
     /// What was run.
     pub tool: Tool,
@@ -40,7 +41,7 @@ pub struct RunRecord {
     /// Every scene had its turn; false in what a killed or interrupted run leaves.
     #[serde(default = "from_before")]
     pub complete: bool,
-    /// Which part of a run it is, where the run was divided; see [`crate::shard`].
+    /// Which part of a run it is, where the run was divided by `--shard`.
     #[serde(default)]
     pub shard: Option<ShardRecord>,
     /// The parts that it was joined of; empty unless `rtbench merge` made it.

@@ -17,7 +17,6 @@ mod tests {
     use schemars::generate::SchemaSettings;
     use serde_json::Value;
 
-    use super::*;
     use crate::record::RunRecord;
 
     const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/schema/run-record.schema.json");

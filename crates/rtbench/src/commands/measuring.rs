@@ -84,6 +84,7 @@ pub fn measure_rest(
     let progress = progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum());
     let budget = Budget::new(plan, context.clock.now(), kept.finished.len());
     let mut failures = 0_usize;
+    let mut steps = 0;
     let mut left = plan.scenes.len() - kept.finished.len();
     for (i, known) in plan.scenes.iter().enumerate() {
         let finished_before = kept.finished.remove(&i);
@@ -95,6 +96,7 @@ pub fn measure_rest(
                 progress.message(format!("{}: loading", known.name()));
                 let deadline = budget.deadline(context.clock.now(), left);
                 left -= 1;
+                steps += steps_of(plan, i);
                 let equipment =
                     Equipment { pools: &pools, clock: context.clock, progress: &progress };
                 let own = plan.of_scene(i);
@@ -107,13 +109,14 @@ pub fn measure_rest(
                 // One bad scene does not cost the others.
                 failures += 1;
                 kept.append(|| Line::Failed { scene: i, error: error.to_string() })?;
-                progress.skip(steps_of(plan, i));
+                progress.reach(steps);
                 progress.suspend(|| {
                     let _ = writeln!(context.err, "error: {error}");
                 });
                 continue;
             }
         };
+        progress.reach(steps);
         let mut kept_well = Ok(());
         if is_new {
             let record = || Line::Finished { scene: i, record: Box::new(scene.clone()) };

@@ -20,7 +20,7 @@ const NOT_THERE: [&str; 3] = ["help", "resume", "version"];
 const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
 
 /// What a key of the table stands for.
-struct Default {
+struct OptionDefault {
     /// Clap's name of the option.
     id: String,
     /// What would have been typed.
@@ -64,7 +64,7 @@ impl Config {
         Ok(added)
     }
 
-    fn run_defaults(&self) -> Result<Vec<Default>, ConfigError> {
+    fn run_defaults(&self) -> Result<Vec<OptionDefault>, ConfigError> {
         let cli = Cli::command();
         let Some(run) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
         let mut defaults = Vec::new();
@@ -98,7 +98,7 @@ fn is_typed(matches: &ArgMatches, id: &str) -> bool {
 }
 
 /// What a key with a value stands for.
-fn default(run: &Command, name: &str, value: &Value) -> Result<Default, String> {
+fn default(run: &Command, name: &str, value: &Value) -> Result<OptionDefault, String> {
     let options = || run.get_arguments().filter(|a| !NOT_THERE.contains(&a.get_id().as_str()));
     let named = |a: &clap::Arg| match a.get_long() {
         Some(long) => long.to_owned(),
@@ -113,7 +113,7 @@ fn default(run: &Command, name: &str, value: &Value) -> Result<Default, String> 
     if !option.get_action().takes_values() {
         let is_set = value.as_bool().ok_or_else(|| format!("{name}: expected true or false"))?;
         let arguments = if is_set { vec![format!("--{name}").into()] } else { Vec::new() };
-        return Ok(Default { id, arguments });
+        return Ok(OptionDefault { id, arguments });
     }
     let is_list = matches!(option.get_action(), clap::ArgAction::Append);
     let values = match value {
@@ -134,7 +134,7 @@ fn default(run: &Command, name: &str, value: &Value) -> Result<Default, String> 
             None => text.into(),
         });
     }
-    Ok(Default { id, arguments })
+    Ok(OptionDefault { id, arguments })
 }
 
 #[cfg(test)]

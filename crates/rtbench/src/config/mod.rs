@@ -14,8 +14,8 @@
 //!
 //! The file of `--config`, or the nearest `rtbench.toml` in the folder of the process or above.
 //! What it says can always be said otherwise on the command line. Whatever is not known in it is an
-//! error that names the line. `[check]` belongs to that command, which reads it by [`Config::check`]
-//! into a type of its own.
+//! error that names the line. `[check]` belongs to that command: [`crate::run_in`] has the
+//! configuration and hands it over, and [`Config::check`] reads the table into a type of the command.
 
 mod defaults;
 mod sets;
