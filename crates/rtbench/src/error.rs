@@ -7,8 +7,10 @@ use crate::scene_source::LoadError;
 use accel_core::structures::BuildError;
 
 use crate::comparison::CompareError;
+use crate::config::ConfigError;
 use crate::gate::GateError;
 use crate::journal::JournalError;
+use crate::merge::MergeError;
 use crate::panics::Panicked;
 use crate::plan::PlanError;
 use crate::record_file::RecordError;
@@ -130,6 +132,12 @@ pub enum Error {
     /// Nothing could be held against a baseline.
     #[error(transparent)]
     Gate(#[from] GateError),
+    /// The configuration cannot be used.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The parts of a run cannot be joined.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),
@@ -147,11 +155,11 @@ impl Error {
                     matches!(e, LoadError::UnknownScene { .. } | LoadError::Procedural { .. });
                 if is_usage { USAGE } else { FAILURE }
             }
-            Self::Plan(_) => USAGE,
             Self::Compare(CompareError::Filter { .. } | CompareError::NothingMatches { .. }) => {
                 USAGE
             }
             Self::Gate(error) if error.is_usage() => USAGE,
+            Self::Plan(_) | Self::Config(_) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)
                 | ReproduceError::UnknownStructure(_)

@@ -30,9 +30,11 @@ pub mod clock;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
+pub mod config;
 pub mod context;
 #[allow(clippy::indexing_slicing)]
 pub mod cost;
+pub mod doctor;
 pub mod duration;
 pub mod effect_table;
 pub mod error;
@@ -47,12 +49,14 @@ pub mod machine;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
 pub mod measured_row;
+pub mod merge;
 pub mod metrics;
 pub mod oracle;
 pub mod panics;
 pub mod plan;
 pub mod pools;
 pub mod progress;
+pub mod quantity;
 pub mod random;
 pub mod ray_overrides;
 pub mod record;
@@ -63,6 +67,8 @@ pub mod rows;
 pub mod scene_run;
 pub mod scene_source;
 pub mod schedule;
+pub mod schema;
+pub mod shard;
 #[allow(clippy::indexing_slicing)]
 pub mod statistics;
 pub mod strides;
@@ -81,14 +87,17 @@ pub mod world;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use accel_core::occluders;
 use accel_core::structures::{Entry, REGISTRY};
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command};
 use crate::clock::SystemClock;
+use crate::config::{Config, Configured};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS, USAGE};
 use crate::scene_source::Installed;
@@ -120,28 +129,74 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
         verbosity: Verbosity::Normal,
         environment: Environment::detect(),
     };
-    let ended = panics::caught(|| run(&mut context, arguments));
+    let folder = std::env::current_dir().ok();
+    let ended = panics::caught(|| run_in(&mut context, arguments, folder.as_deref()));
     ExitCode::from(ended.unwrap_or_else(|panicked| {
         let _ = writeln!(io::stderr(), "error: {panicked}; this is a defect of rtbench");
         FAILURE
     }))
 }
 
-/// The whole program on the given arguments, program name first; returns the exit code.
+/// The whole program on the given arguments, program name first; returns the exit code. It looks
+/// for no configuration but that of `--config`.
 pub fn run(
     context: &mut Context<'_>,
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
 ) -> u8 {
-    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
-    let cli = match parsed(context, &arguments) {
+    run_in(context, arguments, None)
+}
+
+/// The same, with the configuration that lies in a folder or above it, if any.
+pub fn run_in(
+    context: &mut Context<'_>,
+    arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    folder: Option<&Path>,
+) -> u8 {
+    let mut arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let mut cli = match parsed(context, &arguments) {
         Ok(cli) => cli,
-        Err(error) => return usage(context, &error),
+        Err(error) => return usage(context, error),
     };
-    context.verbosity = match (cli.quiet, cli.verbose) {
-        (true, _) => Verbosity::Quiet,
-        (_, true) => Verbosity::Verbose,
-        _ => Verbosity::Normal,
+    let config = match Config::find(cli.config.as_deref(), folder) {
+        Ok(config) => config,
+        Err(error) => return failed(context, &cli, &error.into()),
     };
+    let mut command_line = context.command_line.clone();
+    match config.as_ref().map_or(Ok(Vec::new()), |config| config.added_to(&arguments)) {
+        Err(error) => return failed(context, &cli, &error.into()),
+        Ok(added) if added.is_empty() => {}
+        Ok(added) => {
+            let shown = added.iter().map(|a| a.to_string_lossy().into_owned());
+            config::join(&mut command_line, shown);
+            config::join(&mut arguments, added);
+            cli = match parsed(context, &arguments) {
+                Ok(cli) => cli,
+                Err(error) => return usage(context, error),
+            };
+        }
+    }
+    let scenes = Configured::new(context.scenes, config.as_ref());
+    let mut context = Context {
+        registry: context.registry,
+        occluders: context.occluders,
+        scenes: &scenes,
+        clock: context.clock,
+        world: context.world,
+        environment: context.environment.clone(),
+        out: &mut *context.out,
+        err: &mut *context.err,
+        command_line,
+        terminal: context.terminal,
+        verbosity: match (cli.quiet, cli.verbose) {
+            (true, _) => Verbosity::Quiet,
+            (_, true) => Verbosity::Verbose,
+            _ => Verbosity::Normal,
+        },
+    };
+    let context = &mut context;
+    if let Some(config) = &config {
+        context.say(format_args!("configuration: {}", config.path().display()));
+    }
     let ended = match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color, &arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
@@ -154,29 +209,41 @@ pub fn run(
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
-        Command::Check(args) => commands::check::run(context, args, cli.color),
+        Command::Check(args) => {
+            let thresholds = config.as_ref().map(Config::thresholds).unwrap_or_default();
+            commands::check::run(context, args, thresholds, cli.color)
+        }
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
         Command::Child(args) => commands::child::run(context, args),
+        Command::Merge(args) => commands::merge::run(context, args, cli.color),
+        Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
+        Command::Schema(args) => commands::printed::schema(context, args).map(|()| SUCCESS),
+        Command::Completions(args) => {
+            commands::printed::completions(context, args).map(|()| SUCCESS)
+        }
+        Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
     };
-    match ended {
-        Ok(code) => code,
-        Err(error) if error.is_closed_pipe() && !cli.command.measures() => SUCCESS,
-        Err(error) if error.is_closed_pipe() => {
-            let _ = writeln!(
-                context.err,
-                "error: standard output was closed before the run was finished; what is finished \
-                 is in the output files"
-            );
-            FAILURE
-        }
-        Err(error) => {
-            let _ = writeln!(context.err, "error: {error}");
-            if error.exit_code() == USAGE {
-                let _ = writeln!(context.err, "For what there is, try 'rtbench list --help'.");
-            }
-            error.exit_code()
-        }
+    ended.unwrap_or_else(|error| failed(context, &cli, &error))
+}
+
+/// Says why a command ended early; returns the exit code.
+fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
+    if error.is_closed_pipe() && !cli.command.measures() {
+        return SUCCESS;
     }
+    if error.is_closed_pipe() {
+        let _ = writeln!(
+            context.err,
+            "error: standard output was closed before the run was finished; what is finished is \
+             in the output files"
+        );
+        return FAILURE;
+    }
+    let _ = writeln!(context.err, "error: {error}");
+    if error.exit_code() == USAGE {
+        let _ = writeln!(context.err, "For what there is, try 'rtbench list --help'.");
+    }
+    error.exit_code()
 }
 
 /// The command line; help is as wide as the terminal.
@@ -190,7 +257,8 @@ fn parsed(context: &Context<'_>, arguments: &[OsString]) -> Result<Cli, clap::Er
 }
 
 /// Help and version on standard output, usage errors on standard error.
-fn usage(context: &mut Context<'_>, error: &clap::Error) -> u8 {
+fn usage(context: &mut Context<'_>, mut error: clap::Error) -> u8 {
+    suggest_command(&mut error);
     let text = error.render();
     let written = if error.use_stderr() {
         write!(context.err, "{text}")
@@ -201,5 +269,17 @@ fn usage(context: &mut Context<'_>, error: &clap::Error) -> u8 {
         _ if error.use_stderr() => USAGE,
         Err(e) if !e.is_closed_pipe() => FAILURE,
         _ => SUCCESS,
+    }
+}
+
+/// Clap does not see that `rnu` is `run`.
+fn suggest_command(error: &mut clap::Error) {
+    let (typed, known) = (ContextKind::InvalidSubcommand, ContextKind::SuggestedSubcommand);
+    if let (Some(ContextValue::String(typed)), None) = (error.get(typed), error.get(known)) {
+        let cli = Cli::command();
+        let meant = suggest::nearest(typed, cli.get_subcommands().map(clap::Command::get_name));
+        if let Some(meant) = meant.map(str::to_owned) {
+            error.insert(known, ContextValue::Strings(vec![meant]));
+        }
     }
 }

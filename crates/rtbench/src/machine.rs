@@ -122,13 +122,14 @@ pub fn reset_peak_rss() {
 }
 
 /// The text after `key` and the separator on the first line that begins with them.
-fn value(text: &str, key: &str, separator: char) -> Option<String> {
+pub(crate) fn value(text: &str, key: &str, separator: char) -> Option<String> {
     let mut lines = text.lines().filter_map(|line| line.split_once(separator));
     let (_, value) = lines.find(|(k, _)| k.trim() == key)?;
     Some(value.trim().to_owned())
 }
 
-fn kibibytes(text: &str, key: &str) -> Option<u64> {
+/// The bytes of a line in kB of a file of /proc.
+pub(crate) fn kibibytes(text: &str, key: &str) -> Option<u64> {
     let value = value(text, key, ':')?;
     value.strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
 }

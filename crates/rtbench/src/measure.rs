@@ -118,6 +118,7 @@ pub fn measure<S: Buildable + OccluderScalar>(
                 build_s: seen.build_s,
                 trace_s: seen.trace_s,
                 reference_trace_s: None,
+                reference_build_s: None,
             });
             scope.progress.step(scope.clock.now());
         }

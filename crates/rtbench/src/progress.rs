@@ -68,11 +68,11 @@ impl Progress {
         }
     }
 
-    /// Takes steps out that will not be made.
-    pub fn skip(&self, steps: u64) {
+    /// So many steps are behind us, made or not: rows that are not timed, or a scene that failed,
+    /// leave some out.
+    pub fn reach(&self, steps: u64) {
         if self.budget.is_none() {
-            let length = self.bar.length().unwrap_or(1).saturating_sub(steps);
-            self.bar.set_length(length.max(1));
+            self.bar.set_position(steps);
         }
     }
 
@@ -84,5 +84,30 @@ impl Progress {
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_that_are_left_out_count_when_their_scene_is_over() {
+        let steps = Progress::new(false, 20, None);
+        (0..3).for_each(|_| steps.step(Duration::ZERO));
+        steps.reach(10);
+        assert_eq!(steps.bar.position(), 10);
+        steps.step(Duration::ZERO);
+        assert_eq!(steps.bar.position(), 11);
+    }
+
+    #[test]
+    fn a_time_budget_is_a_matter_of_time() {
+        let time = Progress::new(false, 20, Some(Duration::from_secs(2)));
+        time.step(Duration::from_millis(700));
+        time.reach(10);
+        assert_eq!(time.bar.position(), 700);
+        time.step(Duration::from_secs(9));
+        assert_eq!(time.bar.position(), 2000);
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::shard::ShardRecord;
 use crate::statistics::Estimate;
 use crate::statistics::outliers::outliers;
 use crate::warnings::Warning;
@@ -14,8 +15,10 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RunRecord {
-    /// [`SCHEMA_VERSION`].
+    /// Version of this schema: 1. Raised when a field changes its meaning or goes away, not for new
+    /// ones.
     pub schema_version: u32,
     /// What was run.
     pub tool: Tool,
@@ -47,6 +50,26 @@ pub struct RunRecord {
     /// What makes the figures less certain than they look.
     #[serde(default)]
     pub warnings: Vec<Warning>,
+    /// Which part of a run it is, where the run was divided by `--shard`.
+    #[serde(default)]
+    pub shard: Option<ShardRecord>,
+    /// The parts that it was joined of; empty unless `rtbench merge` made it.
+    #[serde(default)]
+    pub parts: Vec<PartRecord>,
+}
+
+/// A part that a run was joined of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct PartRecord {
+    /// Which part, from 1.
+    pub index: u32,
+    /// Its command line, program first.
+    pub command_line: Vec<String>,
+    /// What it ran on.
+    pub machine: Machine,
+    /// When it began, seconds since 1970.
+    pub started_unix_s: u64,
 }
 
 /// Of records from before there was a journal.
@@ -56,6 +79,7 @@ fn from_before() -> bool {
 
 /// The program.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Tool {
     /// `rtbench`.
     pub name: String,
@@ -67,6 +91,7 @@ pub struct Tool {
 
 /// The machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Machine {
     /// Model name of the first processor.
     pub cpu: Option<String>,
@@ -86,6 +111,7 @@ pub struct Machine {
 
 /// The compiler.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Compiler {
     /// `rustc -V`.
     pub rustc: Option<String>,
@@ -101,6 +127,7 @@ pub struct Compiler {
 
 /// Settings of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Settings {
     /// Seed of schedules, samples, directions and intervals.
     pub seed: u64,
@@ -122,6 +149,7 @@ pub struct Settings {
 
 /// A scene's results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SceneRecord {
     /// Name.
     pub name: String,
@@ -149,6 +177,7 @@ pub struct SceneRecord {
 
 /// How the answers of a scene were judged.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct OracleRecord {
     /// The row whose answers all others are compared with; none when the oracle confirmed none.
     pub reference: Option<String>,
@@ -164,6 +193,7 @@ pub struct OracleRecord {
 
 /// Which rays a row answers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub enum Answered {
     /// Rays of every kind: a structure.
     #[default]
@@ -186,6 +216,7 @@ impl Answered {
 
 /// What is said of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub enum Verdict {
     /// Every answer agrees.
     #[serde(rename = "ok")]
@@ -224,6 +255,7 @@ impl Verdict {
 
 /// What was built, in the symbols of Havran and Sixta (1999).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ShapeRecord {
     /// N_IN: hierarchical cells.
     pub n_in: u64,
@@ -244,6 +276,7 @@ pub struct ShapeRecord {
 
 /// Work of all counted rays together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct WorkRecord {
     /// Rays counted over.
     pub rays: u64,
@@ -282,6 +315,7 @@ impl WorkRecord {
 
 /// One visit of a row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Sample {
     /// Round, from 0.
     pub round: u32,
@@ -293,6 +327,9 @@ pub struct Sample {
     pub trace_s: BTreeMap<String, f64>,
     /// Seconds that the reference row took for the same rays in the same round.
     pub reference_trace_s: Option<f64>,
+    /// Seconds of the reference row's build in the same round. None in records from before.
+    #[serde(default)]
+    pub reference_build_s: Option<f64>,
 }
 
 impl Sample {
@@ -304,6 +341,7 @@ impl Sample {
 
 /// A structure with settings on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RowRecord {
     /// Structure.
     pub structure: String,
@@ -361,6 +399,7 @@ pub struct RowRecord {
 
 /// Samples of a row beyond the fences of [`outliers`], none of them dropped.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Outliers {
     /// Builds that took too little, too much.
     pub build: [u64; 2],
@@ -393,6 +432,7 @@ impl RowRecord {
 
 /// A row over all finished scenes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SummaryRow {
     /// Structure.
     pub structure: String,

@@ -221,10 +221,9 @@ fn compare_with_baseline(rows: &mut [RowRecord], plan: &Plan<'_>) {
         _ => Vec::new(),
     };
     for row in rows {
-        if !is_timed {
-            for sample in &mut row.samples {
-                sample.reference_trace_s = None;
-            }
+        for sample in &mut row.samples {
+            sample.reference_trace_s = sample.reference_trace_s.filter(|_| is_timed);
+            sample.reference_build_s = seconds_of(sample.round, &baseline);
         }
         row.ratio = estimate(&trace_ratios(row), plan.seed);
         row.build_ratio = estimate(&build_ratios(row, &baseline), plan.seed);
@@ -237,11 +236,17 @@ pub fn trace_ratios(row: &RowRecord) -> Vec<f64> {
     row.samples.iter().filter_map(ratio).collect()
 }
 
-/// Build time over that of the baseline's round.
+/// Build time over the reference's, round by round; `baseline` has that of each round, for records
+/// from before samples had it.
 pub fn build_ratios(row: &RowRecord, baseline: &[(u32, f64)]) -> Vec<f64> {
     let ratio = |s: &Sample| {
-        let (_, seconds) = baseline.iter().find(|(round, _)| *round == s.round)?;
-        (*seconds > 0.0).then(|| s.build_s / seconds)
+        let seconds = s.reference_build_s.or_else(|| seconds_of(s.round, baseline))?;
+        (seconds > 0.0).then(|| s.build_s / seconds)
     };
     row.samples.iter().filter_map(ratio).collect()
+}
+
+/// The seconds of a round.
+fn seconds_of(round: u32, seconds: &[(u32, f64)]) -> Option<f64> {
+    seconds.iter().find(|(r, _)| *r == round).map(|(_, seconds)| *seconds)
 }

@@ -7,7 +7,9 @@ pub fn nearest<'n>(typed: &str, valid: impl IntoIterator<Item = &'n str>) -> Opt
         .into_iter()
         .map(|name| {
             let prefix = typed.len() >= 3 && (name.starts_with(&typed) || name.contains(&typed));
-            let score = strsim::jaro_winkler(&typed, name);
+            // Jaro does not see that two letters of a short name changed places
+            let slip = typed.len() >= 3 && strsim::damerau_levenshtein(&typed, name) == 1;
+            let score = strsim::jaro_winkler(&typed, name).max(if slip { 0.9 } else { 0.0 });
             (if prefix { score.max(0.95) } else { score }, name)
         })
         .filter(|(score, _)| *score >= 0.8)
@@ -32,6 +34,8 @@ mod tests {
         assert_eq!(nearest("grid", NAMES), Some("uniform-grid"));
         assert_eq!(nearest("OBVHS-bvh", NAMES), Some("obvhs-bvh2"));
         assert_eq!(nearest("zzz", NAMES), None);
+        assert_eq!(nearest("rnu", ["run", "render"]), Some("run"));
+        assert_eq!(nearest("ru", ["fur"]), None);
         assert_eq!(hint("uniform", NAMES), " (did you mean 'uniform-grid'?)");
         assert_eq!(hint("", NAMES), "");
     }

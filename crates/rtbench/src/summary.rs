@@ -4,12 +4,17 @@ use crate::record::{RowRecord, SceneRecord, SummaryRow, Verdict};
 use crate::scene_run::{build_ratios, trace_ratios};
 use crate::statistics::geometric_mean_of_medians;
 
-/// One row for each row of the scenes, in their order.
+/// One row for each row of the scenes, in their order; a part of a run may have rows in some of its
+/// scenes only.
 pub fn summarize(scenes: &[SceneRecord], seed: u64) -> Vec<SummaryRow> {
-    let Some(first) = scenes.first() else {
-        return Vec::new();
-    };
-    first.rows.iter().map(|row| summarize_row(row, scenes, seed)).collect()
+    let mut rows: Vec<&RowRecord> = Vec::new();
+    for row in scenes.iter().flat_map(|scene| &scene.rows) {
+        let same = |r: &&RowRecord| r.structure == row.structure && r.settings == row.settings;
+        if !rows.iter().any(same) {
+            rows.push(row);
+        }
+    }
+    rows.into_iter().map(|row| summarize_row(row, scenes, seed)).collect()
 }
 
 fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryRow {

@@ -38,6 +38,8 @@ pub fn run(scenes: &[(&str, &[(&str, &[f64])])]) -> RunRecord {
         complete: true,
         load: Default::default(),
         warnings: Vec::new(),
+        shard: None,
+        parts: Vec::new(),
     }
 }
 
@@ -63,6 +65,7 @@ fn scene(name: &str, rows: &[(&str, &[f64])]) -> SceneRecord {
                 build_s: seconds / 10.0,
                 trace_s: [("primary".to_owned(), seconds)].into(),
                 reference_trace_s: reference.get(round).copied(),
+                reference_build_s: reference.get(round).map(|s| s / 10.0),
             })
             .collect();
         row

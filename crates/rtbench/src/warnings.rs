@@ -35,6 +35,7 @@ const PAGE_BYTES: u64 = 4096;
 
 /// Something that makes figures less certain than they look. Printed, it ends in advice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Warning {
     /// The reference's times are spread widely: more than [`QUIET_SPREAD`].

@@ -32,6 +32,7 @@ pub trait World: Sync {
 
 /// How busy the machine has been; what counts up does so since its start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Load {
     /// Mean number of runnable processes in the last minute.
     pub average: Option<f64>,
@@ -45,6 +46,7 @@ pub struct Load {
 
 /// Processor time, in the kernel's ticks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Ticks {
     /// Processors they are counted over.
     pub processors: u64,

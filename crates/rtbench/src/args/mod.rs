@@ -5,6 +5,10 @@ mod baseline;
 mod check;
 mod compare;
 mod compare_tracers;
+mod doctor;
+mod exports;
+mod merge;
+mod printed;
 mod render;
 mod reproduce;
 mod verify;
@@ -14,6 +18,10 @@ pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
 pub use compare::{CompareArgs, CompareFormat};
 pub use compare_tracers::CompareTracersArgs;
+pub use doctor::DoctorArgs;
+pub use exports::ExportArgs;
+pub use merge::MergeArgs;
+pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use verify::VerifyArgs;
@@ -43,6 +51,9 @@ pub struct Cli {
     /// Say on stderr what is done.
     #[arg(short, long, global = true)]
     pub verbose: bool,
+    /// Sets of scenes and defaults of `run` [default: rtbench.toml here or in a folder above]
+    #[arg(long, global = true, value_name = "FILE")]
+    pub config: Option<PathBuf>,
 }
 
 /// When to use colours.
@@ -88,6 +99,16 @@ pub enum Command {
     /// What `check` starts as processes of their own
     #[command(hide = true)]
     Child(ChildArgs),
+    /// Join the parts of a run that `--shard` made
+    Merge(MergeArgs),
+    /// Say what on this machine disturbs measurements, and what to do about it
+    Doctor(DoctorArgs),
+    /// Print the JSON schema of what is written
+    Schema(SchemaArgs),
+    /// Print completions for a shell
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write the pages of all commands
+    Man(ManArgs),
 }
 
 /// The name of a scene; of a file of any name, UTF-8 or not.
@@ -130,22 +151,16 @@ pub struct RunArgs {
     /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-    /// Write one CSV row a scene, structure and setting
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
-    /// Write the tables in Markdown
-    #[arg(long, value_name = "FILE")]
-    pub export_markdown: Option<PathBuf>,
-    /// Write everything, raw samples too, as JSON
-    #[arg(long, value_name = "FILE")]
-    pub export_json: Option<PathBuf>,
-    /// Write results.csv, results.md and results.json there, and run.jsonl, to resume from
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
+    /// Measure one part of the table only: 2/8 is the second of eight; `rtbench merge` joins them
+    #[arg(long, value_name = "I/N", value_parser = crate::shard::Shard::parse)]
+    pub shard: Option<crate::shard::Shard>,
+    /// What to write.
+    #[command(flatten)]
+    pub exports: ExportArgs,
     /// Finish the run that was begun with -o DIR: scenes that are finished are not measured again
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
           "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
-          "size", "export_csv", "export_markdown", "export_json", "output"])]
+          "size", "shard", "exports"])]
     pub resume: Option<PathBuf>,
 }
 
@@ -194,16 +209,16 @@ pub struct SweepArgs {
     /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-    /// Write one CSV row a scene and value
+    /// Write one CSV row a scene and value; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    /// Write a plot, one panel a scene
+    /// Write a plot, one panel a scene; or -
     #[arg(long, value_name = "FILE")]
     pub export_svg: Option<PathBuf>,
-    /// Write the tables in Markdown
+    /// Write the tables in Markdown; or -
     #[arg(long, value_name = "FILE")]
     pub export_markdown: Option<PathBuf>,
-    /// Write everything, raw samples too, as JSON
+    /// Write everything, raw samples too, as JSON; or -
     #[arg(long, value_name = "FILE")]
     pub export_json: Option<PathBuf>,
 }
@@ -216,9 +231,9 @@ pub struct MeasuringArgs {
     pub rays: Vec<String>,
     /// Rounds: each visits every row once
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+          value_parser = crate::quantity::count(1..=10_000))]
     pub rounds: Option<u32>,
-    /// Go on with rounds until this time has passed, all scenes together: 60s, 2m
+    /// Go on with rounds until this time has passed, all scenes together: 60s, 1.5m, 2h30m
     #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
     pub time_budget: Option<Duration>,
     /// Small images and few rounds: a first look

@@ -85,7 +85,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
         run.measuring.rounds.get_or_insert(ROUNDS);
     }
     let plan = Plan::new(&run, context.registry, context.occluders, context.scenes)?;
-    let mut outputs = Outputs::of_run(&run)?;
+    let mut outputs = Outputs::of_run(&run.exports)?;
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
         Ok(())

@@ -31,8 +31,13 @@ use clap::Parser;
 ///
 /// # Errors
 /// [`Error`] for what cannot be measured or compared.
-pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<u8, Error> {
-    let thresholds = Thresholds::default().with(&args.thresholds).map_err(GateError::from)?;
+pub fn run(
+    context: &mut Context<'_>,
+    args: &CheckArgs,
+    configured: Thresholds,
+    color: Color,
+) -> Result<u8, Error> {
+    let thresholds = configured.with(&args.thresholds).map_err(GateError::from)?;
     for path in [&args.export_csv, &args.export_markdown, &args.export_json].into_iter().flatten() {
         create(path)?;
     }

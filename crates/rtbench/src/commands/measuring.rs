@@ -80,9 +80,11 @@ pub fn measure_rest(
 ) -> Result<Measured, Error> {
     outputs.write(&record, false)?;
     let pools = Pools::new(plan.threads)?;
-    let progress = progress(context, plan, plan.scenes.len() - kept.finished.len());
+    let unfinished = (0..plan.scenes.len()).filter(|i| !kept.finished.contains_key(i));
+    let progress = progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum());
     let budget = Budget::new(plan, context.clock.now(), kept.finished.len());
     let mut failures = 0_usize;
+    let mut steps = 0;
     let mut left = plan.scenes.len() - kept.finished.len();
     for (i, known) in plan.scenes.iter().enumerate() {
         let finished_before = kept.finished.remove(&i);
@@ -94,13 +96,15 @@ pub fn measure_rest(
                 progress.message(format!("{}: loading", known.name()));
                 let deadline = budget.deadline(context.clock.now(), left);
                 left -= 1;
+                steps += steps_of(plan, i);
                 let equipment = Equipment {
                     pools: &pools,
                     clock: context.clock,
                     world: context.world,
                     progress: &progress,
                 };
-                measure_one(plan, &**known, &equipment, deadline)
+                let own = plan.of_scene(i);
+                measure_one(own.as_ref().unwrap_or(plan), &**known, &equipment, deadline)
             }
         };
         let scene = match measured {
@@ -109,13 +113,14 @@ pub fn measure_rest(
                 // One bad scene does not cost the others.
                 failures += 1;
                 kept.append(|| Line::Failed { scene: i, error: error.to_string() })?;
-                progress.skip(steps_a_scene(plan));
+                progress.reach(steps);
                 progress.suspend(|| {
                     let _ = writeln!(context.err, "error: {error}");
                 });
                 continue;
             }
         };
+        progress.reach(steps);
         let mut kept_well = Ok(());
         if is_new {
             let record = || Line::Finished { scene: i, record: Box::new(scene.clone()) };
@@ -141,6 +146,7 @@ pub fn measure_rest(
     for warning in &record.warnings {
         context.warn(warning);
     }
+    outputs.print(&record, context.out)?;
     Ok(Measured { record, failures })
 }
 
@@ -215,25 +221,27 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         complete: false,
         load: [context.world.load(); 2],
         warnings: Vec::new(),
+        shard: plan.part.as_ref().map(|part| part.record.clone()),
+        parts: Vec::new(),
     }
 }
 
-/// Steps of the bar for a scene: each row is checked, timed in each round, rendered.
-fn steps_a_scene(plan: &Plan<'_>) -> u64 {
+/// Steps of the bar for the scene at that place: each row is checked, timed in each round, rendered.
+fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
     let rounds = match plan.rounds {
         Rounds::Fixed(n) => n,
         Rounds::Budget { at_least, .. } => at_least,
     };
-    (plan.rows.len() * (rounds + 2)) as u64
+    (plan.rows_in(scene) * (rounds + 2)) as u64
 }
 
-fn progress(context: &Context<'_>, plan: &Plan<'_>, scenes: usize) -> Progress {
+fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
     let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
     let budget = match plan.rounds {
         Rounds::Budget { total, .. } => Some(total),
         Rounds::Fixed(_) => None,
     };
-    Progress::new(visible, steps_a_scene(plan) * scenes as u64, budget)
+    Progress::new(visible, steps, budget)
 }
 
 /// The time budget of a run, if it has one.

@@ -37,7 +37,7 @@ pub fn run(
     let record = begin(context, &plan);
     let mut kept = Kept::default();
     // The journal first: it refuses where the outputs would overwrite a run that is not finished.
-    if let Some(folder) = &args.output {
+    if let Some(folder) = &args.exports.output {
         let make = std::fs::create_dir_all(folder);
         make.map_err(|source| Error::Write { path: folder.clone(), source })?;
         let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
@@ -59,7 +59,7 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
         Ok(_) => return Err(differs("arguments: expected those of `run`".into()).into()),
         Err(error) => return Err(differs(format!("arguments: {error}")).into()),
     };
-    args.output = Some(folder.to_owned());
+    args.exports.output = Some(folder.to_owned());
     let plan = Plan::new(&args, context.registry, context.occluders, context.scenes)?;
     let mut record = begin(context, &plan);
     let mut differences = was.differences(&manifest(context, &plan, &record, Vec::new()));
@@ -95,8 +95,9 @@ fn measure(
     record: RunRecord,
 ) -> Result<u8, Error> {
     let colors = context.terminal.colors(color);
-    let mut outputs = Outputs::of_run(args)?;
-    let handle = match (&kept.journal, &args.output) {
+    let mut outputs = Outputs::of_run(&args.exports)?;
+    let has_tables = !outputs.are_printed();
+    let handle = match (&kept.journal, &args.exports.output) {
         (Some(journal), Some(folder)) => Some((journal.handle()?, folder.clone())),
         _ => None,
     };
@@ -106,11 +107,13 @@ fn measure(
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);
-            text::write_scene(context.out, record, scene, colors)?;
-            context.out.flush()?;
+            if has_tables {
+                text::write_scene(context.out, record, scene, colors)?;
+                context.out.flush()?;
+            }
             Ok(())
         })?;
-    if !measured.record.summary.is_empty() {
+    if has_tables && !measured.record.summary.is_empty() {
         text::write_summary(context.out, &measured.record, colors)?;
         context.out.flush()?;
     }

@@ -20,13 +20,16 @@ pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<
     outputs.add(args.export_svg.as_ref(), |run| Ok(sweep_plot::to_svg(&sweep, run)))?;
     outputs.add(args.export_markdown.as_ref(), |run| Ok(sweep_table::to_markdown(&sweep, run)))?;
     outputs.add(args.export_json.as_ref(), json::to_string)?;
+    let has_tables = !outputs.are_printed();
     let measured = measure_scenes(context, &sweep.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
-        sweep_table::write(context.out, &sweep, run, scene, colors)?;
-        context.out.flush()?;
+        if has_tables {
+            sweep_table::write(context.out, &sweep, run, scene, colors)?;
+            context.out.flush()?;
+        }
         Ok(())
     })?;
-    if !measured.record.scenes.is_empty() {
+    if has_tables && !measured.record.scenes.is_empty() {
         sweep_table::write_glossary(context.out, colors)?;
         context.out.flush()?;
     }

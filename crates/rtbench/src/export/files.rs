@@ -5,10 +5,11 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::args::RunArgs;
+use crate::args::ExportArgs;
 use crate::error::Error;
-use crate::export::{csv, json, markdown};
+use crate::export::EXPORTERS;
 use crate::interrupt::undisturbed;
+use crate::plan::PlanError;
 use crate::record::RunRecord;
 
 /// Makes a file's text of what is finished so far.
@@ -22,42 +23,67 @@ struct Output<'a> {
     stream: Option<File>,
 }
 
-/// All output files of a run.
+/// All outputs of a run, but for the tables.
 #[derive(Default)]
 pub struct Outputs<'a> {
     outputs: Vec<Output<'a>>,
+    /// What goes to standard output, in place of the tables.
+    printed: Option<Formatter<'a>>,
 }
 
 impl<'a> Outputs<'a> {
     /// Creates the files that the command line of a run names.
     ///
     /// # Errors
-    /// [`Error::Write`] naming the file or folder.
-    pub fn of_run(args: &RunArgs) -> Result<Self, Error> {
+    /// [`Error::Write`] naming the file or folder, [`PlanError::OneStdout`].
+    pub fn of_run(args: &ExportArgs) -> Result<Self, Error> {
         let mut outputs = Self::default();
         if let Some(folder) = &args.output {
             fs::create_dir_all(folder)
                 .map_err(|source| Error::Write { path: folder.clone(), source })?;
-            outputs.add(Some(&folder.join("results.csv")), csv::to_string)?;
-            outputs.add(Some(&folder.join("results.md")), |run| Ok(markdown::to_string(run)))?;
-            outputs.add(Some(&folder.join("results.json")), json::to_string)?;
+            for exporter in &EXPORTERS {
+                let path = exporter.in_folder.map(|name| folder.join(name));
+                outputs.add(path.as_ref(), exporter.to_string)?;
+            }
         }
-        outputs.add(args.export_csv.as_ref(), csv::to_string)?;
-        outputs.add(args.export_markdown.as_ref(), |run| Ok(markdown::to_string(run)))?;
-        outputs.add(args.export_json.as_ref(), json::to_string)?;
+        for exporter in &EXPORTERS {
+            outputs.add((exporter.path)(args), exporter.to_string)?;
+        }
         Ok(outputs)
     }
 
-    /// Creates one more file, if one is named.
+    /// Whether standard output is taken, so that no tables may be printed.
+    pub fn are_printed(&self) -> bool {
+        self.printed.is_some()
+    }
+
+    /// Writes what goes to standard output, once the run is over.
     ///
     /// # Errors
-    /// [`Error::Write`] naming the file.
+    /// Those of the format and of the writer.
+    pub fn print(&self, run: &RunRecord, out: &mut dyn Write) -> Result<(), Error> {
+        if let Some(format) = &self.printed {
+            out.write_all(format(run)?.as_bytes())?;
+            out.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Creates one more file, if one is named; `-` is standard output.
+    ///
+    /// # Errors
+    /// [`Error::Write`] naming the file, [`PlanError::OneStdout`].
     pub fn add(
         &mut self,
         path: Option<&PathBuf>,
         format: impl Fn(&RunRecord) -> Result<String, Error> + 'a,
     ) -> Result<(), Error> {
-        if let Some(path) = path {
+        if path.is_some_and(|path| path.as_os_str() == "-") {
+            if self.printed.is_some() {
+                return Err(PlanError::OneStdout.into());
+            }
+            self.printed = Some(Box::new(format));
+        } else if let Some(path) = path {
             let stream = open(path)?;
             self.outputs.push(Output { path: path.clone(), format: Box::new(format), stream });
         }

@@ -2,8 +2,17 @@
 
 use std::fmt::Write;
 
+use crate::error::Error;
 use crate::export::table::{self, GLOSSARY, Table};
 use crate::record::RunRecord;
+
+/// [`to_string`] as an exporter.
+///
+/// # Errors
+/// None.
+pub fn exported(run: &RunRecord) -> Result<String, Error> {
+    Ok(to_string(run))
+}
 
 /// The whole run: where and how it was measured, a table a scene, the summary, the symbols.
 pub fn to_string(run: &RunRecord) -> String {
@@ -18,6 +27,10 @@ pub fn to_string(run: &RunRecord) -> String {
 /// Where and how a run was measured, tables, and what their symbols mean.
 pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str]) -> String {
     let mut text = format!("# {title}\n\n");
+    if let Some(shard) = &run.shard {
+        let _ =
+            writeln!(text, "**Part {} of the run; `rtbench merge` joins them.**\n", shard.shard());
+    }
     if !run.complete {
         let (finished, all) = (run.scenes.len(), run.planned.len());
         let _ = writeln!(text, "**Incomplete: {finished} of {all} scenes.**\n");
@@ -27,6 +40,11 @@ pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str
     }
     for warning in &run.warnings {
         let _ = writeln!(text, "- warning: {warning}");
+    }
+    for part in &run.parts {
+        let (index, command) = (part.index, part.command_line.join(" "));
+        let cpu = part.machine.cpu.as_deref().unwrap_or("unknown");
+        let _ = writeln!(text, "- part {index} of {}: `{command}` on {cpu}", run.parts.len());
     }
     text.push('\n');
     for table in tables {

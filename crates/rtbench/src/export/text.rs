@@ -72,7 +72,7 @@ pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Resu
 }
 
 /// Text with the escape sequences of a style.
-fn painted(text: &str, style: Style, colors: bool) -> String {
+pub fn painted(text: &str, style: Style, colors: bool) -> String {
     let code = match style {
         Style::Plain => return text.to_owned(),
         Style::Bad => "31",

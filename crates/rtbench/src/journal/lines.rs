@@ -185,7 +185,8 @@ impl Manifest {
     }
 }
 
-fn compare(name: &str, was: &Value, is: &Value, differences: &mut Vec<String>) {
+/// Appends each field in which two values differ, as `name: was ..., is ...`.
+pub(crate) fn compare(name: &str, was: &Value, is: &Value, differences: &mut Vec<String>) {
     if let (Value::Object(was), Value::Object(is)) = (was, is) {
         for (key, value) in was {
             let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };

@@ -25,6 +25,7 @@ use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, genera
 use scene_loading::Scene;
 use scene_loading::procedural::{SpecError, generate_as_printed};
 
+use crate::suggest::hint;
 use published::{Figure, SCENES, table};
 use verdict::{Verdict, judge};
 
@@ -59,16 +60,19 @@ fn as_text<S: serde::Serializer>(v: &Verdict, s: S) -> Result<S::Ok, S::Error> {
 #[non_exhaustive]
 pub enum ReproduceError {
     /// No such scene in the paper.
-    #[error("the paper has no scene '{0}' that we have; it has {valid}", valid = SCENES.join(", "))]
+    #[error("the paper has no scene '{0}' that we have{hint}; it has {valid}",
+        hint = hint(.0, SCENES.iter().copied()), valid = SCENES.join(", "))]
     UnknownScene(String),
     /// No such scene in the lecture.
-    #[error("the lecture has no scene '{0}'; it has {valid}", valid = lecture::SCENES.join(", "))]
+    #[error("the lecture has no scene '{0}'{hint}; it has {valid}",
+        hint = hint(.0, lecture::SCENES.iter().copied()), valid = lecture::SCENES.join(", "))]
     NotInLecture(String),
     /// The lecture's ratios have one reference.
     #[error("--reference: ratios of the lecture are taken to {0}")]
     FixedReference(&'static str),
     /// No such structure among those reproduced.
-    #[error("no published figures for structure '{0}'; there are {valid}", valid = structures().join(", "))]
+    #[error("no published figures for structure '{0}'{hint}; there are {valid}",
+        hint = hint(.0, structures()), valid = structures().join(", "))]
     UnknownStructure(String),
     /// A published setting that has no counterpart here.
     #[error("no counterpart for the published setting '{0}'")]

@@ -20,6 +20,7 @@ const RESAMPLES: usize = 2000;
 /// percentile interval of few samples is too narrow. Fewer than 6 samples cannot say more than their
 /// least and largest, which hold the median in 75% (3 samples) to 94% (5) of all cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Estimate {
     /// Median of the samples.
     pub median: f64,

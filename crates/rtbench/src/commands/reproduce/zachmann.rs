@@ -29,12 +29,17 @@ pub fn run(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> 
     let published = published().map_err(ReproduceError::from)?;
     let mut outputs = Outputs::default();
     outputs.add(args.export_csv.as_ref(), |run| csv_text(&comparisons(run, &published)))?;
+    let has_tables = !outputs.are_printed();
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
-        write_table(context.out, &table(&Comparison::new(scene, &published)), false)?;
-        Ok(context.out.flush()?)
+        if has_tables {
+            write_table(context.out, &table(&Comparison::new(scene, &published)), false)?;
+            context.out.flush()?;
+        }
+        Ok(())
     })?;
-    for comparison in comparisons(&measured.record, &published) {
+    let sentences = comparisons(&measured.record, &published);
+    for comparison in sentences.iter().filter(|_| has_tables) {
         writeln!(context.out, "{}", comparison.sentence())?;
     }
     Ok(exit_code(&measured))

@@ -1,0 +1,32 @@
+//! What a run can write: one option a format, see [`crate::export::EXPORTERS`].
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Outputs of a run. `-` is standard output, which then has no tables.
+#[derive(Debug, Clone, Default, Args)]
+#[group(id = "exports", multiple = true)]
+pub struct ExportArgs {
+    /// Write one CSV row a scene, structure and setting; - is standard output, instead of the tables
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Write the tables in Markdown; or -
+    #[arg(long, value_name = "FILE")]
+    pub export_markdown: Option<PathBuf>,
+    /// Write everything, raw samples too, as JSON; or -
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
+    /// Write times, ratios and counters for github-action-benchmark (customSmallerIsBetter); or -
+    #[arg(long, value_name = "FILE")]
+    pub export_github_smaller: Option<PathBuf>,
+    /// Write rays a second for github-action-benchmark (customBiggerIsBetter); or -
+    #[arg(long, value_name = "FILE")]
+    pub export_github_bigger: Option<PathBuf>,
+    /// Write all of these in Bencher Metric Format; or -
+    #[arg(long, value_name = "FILE")]
+    pub export_bencher: Option<PathBuf>,
+    /// Write results.csv, results.md and results.json there; `run` also run.jsonl, to resume from
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}

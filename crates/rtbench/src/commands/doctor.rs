@@ -1,0 +1,45 @@
+//! `rtbench doctor`: what on this machine disturbs measurements.
+
+use std::io::Write;
+
+use crate::args::{Color, DoctorArgs, Format};
+use crate::context::Context;
+use crate::doctor::system::System;
+use crate::doctor::{Diagnosis, Level, diagnose};
+use crate::error::Error;
+use crate::export::json;
+use crate::export::table::Style;
+use crate::export::text::painted;
+
+/// Looks and prints.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
+    let diagnosis = diagnose(&System::this(), context.clock);
+    match args.format {
+        Format::Json => context.out.write_all(json::written(&diagnosis)?.as_bytes())?,
+        Format::Text => write(context.out, &diagnosis, context.terminal.colors(color))?,
+    }
+    Ok(context.out.flush()?)
+}
+
+fn write(out: &mut dyn Write, diagnosis: &Diagnosis, colors: bool) -> std::io::Result<()> {
+    let findings = &diagnosis.findings;
+    let width = findings.iter().map(|f| f.name.chars().count()).max().unwrap_or(0);
+    for finding in findings {
+        let style = match finding.level {
+            Level::Good => Style::Plain,
+            Level::Warning => Style::Bad,
+            Level::Unknown => Style::Dim,
+        };
+        let level = painted(&format!("{:<7}", finding.level.name()), style, colors);
+        writeln!(out, "{level}  {:<width$}  {}", finding.name, finding.value)?;
+        if let Some(advice) = finding.advice {
+            writeln!(out, "{:9}{:width$}  {}", "", "", finding.meaning)?;
+            writeln!(out, "{:9}{:width$}  to do: {advice}", "", "")?;
+        }
+    }
+    let warnings = findings.iter().filter(|f| f.level == Level::Warning).count();
+    writeln!(out, "{warnings} of {} may disturb measurements", findings.len())
+}

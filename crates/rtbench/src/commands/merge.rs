@@ -1,0 +1,54 @@
+//! `rtbench merge`: joins the parts of a run, and prints and exports it like a run.
+
+use std::path::Path;
+
+use crate::args::{Color, MergeArgs};
+use crate::commands::measuring::{Measured, exit_code, warn_of};
+use crate::context::Context;
+use crate::error::Error;
+use crate::export::files::Outputs;
+use crate::export::text;
+use crate::merge::{MergeError, MergeProblem, Part, merge};
+use crate::record_file;
+
+/// Merges and returns the exit code: that of the whole run.
+///
+/// # Errors
+/// [`Error`] for parts that cannot be read or joined, and for outputs.
+pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
+    let mut parts = Vec::with_capacity(args.parts.len());
+    for path in &args.parts {
+        parts.push(Part { record: record_file::read(path)?, path: path.clone() });
+    }
+    if let Some(folder) = &args.exports.output
+        && args.parts.iter().any(|part| is_in(part, folder))
+    {
+        let problems = vec![MergeProblem::Overwrites { folder: folder.clone() }];
+        return Err(MergeError { problems }.into());
+    }
+    let mut record = merge(parts, args.mixed_machines)?;
+    record.command_line = context.command_line.clone();
+    // not before: parts that do not fit leave no empty files
+    let mut outputs = Outputs::of_run(&args.exports)?;
+    outputs.write(&record, true)?;
+    outputs.print(&record, context.out)?;
+    let colors = context.terminal.colors(color);
+    for scene in &record.scenes {
+        warn_of(context, scene);
+        if !outputs.are_printed() {
+            text::write_scene(context.out, &record, scene, colors)?;
+        }
+    }
+    if !outputs.are_printed() && !record.summary.is_empty() {
+        text::write_summary(context.out, &record, colors)?;
+    }
+    context.out.flush()?;
+    Ok(exit_code(&Measured { record, failures: 0 }))
+}
+
+/// Whether a part, a file or its folder, lies in that folder.
+fn is_in(part: &Path, folder: &Path) -> bool {
+    let place = |path: &Path| path.canonicalize().ok();
+    let part = if part.is_dir() { place(part) } else { part.parent().and_then(place) };
+    part.is_some() && part == place(folder)
+}

@@ -1,0 +1,69 @@
+//! `rtbench schema`, `completions` and `man`: what is printed of the program itself.
+
+use clap::CommandFactory;
+use clap_mangen::Man;
+
+use crate::args::{Cli, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
+use crate::context::Context;
+use crate::error::Error;
+use crate::plan::PlanError;
+use crate::schema;
+use crate::suggest;
+
+/// The program's name, in pages and completions.
+const NAME: &str = "rtbench";
+
+/// Prints a schema.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error> {
+    let text = match args.what {
+        SchemaOf::RunRecord => schema::RUN_RECORD,
+        SchemaOf::GithubActionBenchmark => schema::GITHUB_ACTION_BENCHMARK,
+        SchemaOf::BencherMetricFormat => schema::BENCHER_METRIC_FORMAT,
+    };
+    context.out.write_all(text.as_bytes())?;
+    Ok(context.out.flush()?)
+}
+
+/// Prints completions.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<(), Error> {
+    // the library takes no error of its writer
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
+    context.out.write_all(&text)?;
+    Ok(context.out.flush()?)
+}
+
+/// Prints a manual page, or writes all of them.
+///
+/// # Errors
+/// [`PlanError::UnknownName`], [`Error::Write`], [`Error::Output`].
+pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
+    let mut cli = Cli::command().disable_help_subcommand(true);
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder)
+            .and_then(|()| clap_mangen::generate_to(cli, folder))
+            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        return Ok(());
+    }
+    cli.build();
+    let page = match &args.command {
+        None => &cli,
+        Some(name) => cli.find_subcommand(name).ok_or_else(|| {
+            let names: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+            PlanError::UnknownName {
+                what: "command",
+                name: name.clone(),
+                hint: suggest::hint(name, names.iter().copied()),
+                valid: names.join(", "),
+            }
+        })?,
+    };
+    Man::new(page.clone()).render(context.out)?;
+    Ok(context.out.flush()?)
+}

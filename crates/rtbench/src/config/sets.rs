@@ -1,0 +1,82 @@
+//! Sets of scenes of a configuration, beside those that the program carries.
+
+use std::collections::BTreeSet;
+
+use scene_loading::source_names::{name_of_path, path_of_name};
+
+use crate::config::Config;
+use crate::scene_source::{KnownScene, LoadError, SceneSource};
+
+/// A source of scenes with the sets of a configuration.
+pub struct Configured<'a> {
+    source: &'a dyn SceneSource,
+    config: Option<&'a Config>,
+}
+
+impl<'a> Configured<'a> {
+    /// The source, and the configuration if there is one.
+    pub fn new(source: &'a dyn SceneSource, config: Option<&'a Config>) -> Self {
+        Self { source, config }
+    }
+
+    /// What a name stands for: the names in its set, each in its place, else itself. A set may name
+    /// sets; `within` has those that are being expanded, which stand for themselves: the name of a
+    /// set of the program may be given to one that holds it.
+    fn expand(&self, name: &str, within: &mut BTreeSet<String>, out: &mut Vec<String>) {
+        let members = self.config.and_then(|config| config.set(name));
+        match members {
+            Some(members) if within.insert(name.to_owned()) => {
+                for member in members {
+                    self.expand(&member, within, out);
+                }
+                within.remove(name);
+            }
+            _ => out.push(name.to_owned()),
+        }
+    }
+}
+
+impl Config {
+    /// The members of a set; files that lie beside the configuration by their paths.
+    fn set(&self, name: &str) -> Option<Vec<String>> {
+        let folder = self.path.parent();
+        let member = |member: &String| {
+            // names of scenes have neither dots nor separators
+            let is_path = member.contains(['/', '\\', '.']);
+            let beside = folder.filter(|_| is_path).map(|f| f.join(path_of_name(member)));
+            beside.map_or_else(|| member.clone(), |path| name_of_path(path.as_os_str()))
+        };
+        let (_, members) = self.tables.sets.iter().find(|(key, _)| key.get_ref() == name)?;
+        Some(members.get_ref().iter().map(member).collect())
+    }
+
+    /// The names of the sets.
+    fn set_names(&self) -> impl Iterator<Item = &String> {
+        self.tables.sets.keys().map(|key| key.get_ref())
+    }
+}
+
+impl SceneSource for Configured<'_> {
+    fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
+        let mut expanded = Vec::new();
+        for name in names {
+            self.expand(name, &mut BTreeSet::new(), &mut expanded);
+        }
+        self.source.resolve(&expanded)
+    }
+
+    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
+        self.source.scenes()
+    }
+
+    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
+        let mut sets = self.source.sets()?;
+        if let Some(config) = self.config {
+            sets.retain(|(name, _)| config.set(name).is_none());
+            for name in config.set_names() {
+                sets.push((name.clone(), config.set(name).unwrap_or_default()));
+            }
+        }
+        Ok(sets)
+    }
+}

@@ -1,0 +1,130 @@
+//! The noise score: the same short loop many times over, and how far its times lie apart.
+//!
+//! The loop does nothing but arithmetic in registers, so that neither caches nor memory have a
+//! part in it: what differs is the clock frequency, and what else ran on the core.
+
+use std::hint::black_box;
+
+use serde::Serialize;
+
+use crate::clock::Clock;
+use crate::doctor::{Finding, Level};
+use crate::statistics::median;
+
+/// How often the loop is timed.
+const LOOPS: usize = 100;
+/// Seconds that a loop should take: long against a reading of the clock, short against a slice of
+/// the scheduler.
+const SECONDS: f64 = 2e-3;
+/// Rounds of the loop that calibration begins and ends with.
+const CALIBRATION: [u64; 2] = [1 << 12, 1 << 24];
+/// The largest spread of a quiet machine.
+const QUIET: f64 = 0.01;
+
+/// What the loops gave.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Noise {
+    /// How many loops were timed.
+    pub loops: usize,
+    /// Median time of a loop, seconds.
+    pub loop_s: f64,
+    /// Width of the middle half of the times, over the median: the noise score.
+    pub spread: f64,
+    /// By how much the slowest loop was slower than the median, over the median.
+    pub slowest: f64,
+}
+
+/// Times the loop.
+pub fn measure(clock: &dyn Clock) -> Noise {
+    let timed = |rounds: u64| {
+        let start = clock.now();
+        black_box(work(black_box(rounds)));
+        clock.seconds_since(start)
+    };
+    let [mut rounds, most] = CALIBRATION;
+    while rounds < most && timed(rounds) < SECONDS {
+        rounds *= 2;
+    }
+    let seconds: Vec<f64> = (0..LOOPS).map(|_| timed(rounds)).collect();
+    of_times(seconds)
+}
+
+/// SplitMix64's step, over and over: each waits for the one before.
+fn work(rounds: u64) -> u64 {
+    (0..rounds).fold(1, |x: u64, i| (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb) ^ i)
+}
+
+fn of_times(mut seconds: Vec<f64>) -> Noise {
+    seconds.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let place = share * (seconds.len().max(1) - 1) as f64;
+        seconds.get(place.round() as usize).copied().unwrap_or(0.0)
+    };
+    let loop_s = median(&seconds).unwrap_or(0.0);
+    let part = |x: f64| if loop_s > 0.0 { x / loop_s } else { 0.0 };
+    Noise {
+        loops: seconds.len(),
+        loop_s,
+        spread: part(at(0.75) - at(0.25)),
+        slowest: part(at(1.0) - loop_s),
+    }
+}
+
+impl Noise {
+    /// As a line of the diagnosis.
+    pub fn finding(&self) -> Finding {
+        let is_quiet = self.spread <= QUIET;
+        Finding {
+            name: "noise",
+            level: if is_quiet { Level::Good } else { Level::Warning },
+            value: format!(
+                "{:.2}% (the middle half of {} loops of {:.2} ms), the slowest {:.0}% slower",
+                100.0 * self.spread,
+                self.loops,
+                1e3 * self.loop_s,
+                100.0 * self.slowest
+            ),
+            meaning: "times of the same work differ by so much: differences below it are not seen \
+                      in a few rounds",
+            advice: (!is_quiet).then_some(
+                "end other programs, or take more rounds (--time-budget 10m) and trust ratios and \
+                 counters, not seconds",
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::clock::SteppingClock;
+
+    #[test]
+    fn equal_loops_have_no_noise() {
+        let noise = measure(&SteppingClock::new(Duration::from_millis(2)));
+        assert_eq!((noise.loops, noise.spread, noise.slowest), (LOOPS, 0.0, 0.0));
+        assert!((noise.loop_s - 2e-3).abs() < 1e-12);
+        assert_eq!(noise.finding().level, Level::Good);
+        assert_eq!(noise.finding().advice, None);
+    }
+
+    #[test]
+    fn times_that_lie_apart_are_a_warning() {
+        let times = (0..100).map(|i| if i % 3 == 0 { 1.2 } else { 1.0 }).chain([3.0]).collect();
+        let noise = of_times(times);
+        assert!((noise.spread - 0.2).abs() < 1e-12 && (noise.slowest - 2.0).abs() < 1e-12);
+        let finding = noise.finding();
+        assert_eq!(finding.level, Level::Warning);
+        assert!(finding.value.starts_with("20.00%") && finding.advice.is_some());
+        // one slow loop alone is no reason: medians do not see it
+        let times = std::iter::repeat_n(1.0, 99).chain([9.0]).collect();
+        assert_eq!(of_times(times).finding().level, Level::Good);
+    }
+
+    #[test]
+    fn the_loop_is_not_optimised_away() {
+        assert_ne!(work(10), work(11));
+    }
+}

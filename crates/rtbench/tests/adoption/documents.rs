@@ -1,0 +1,240 @@
+//! What README.md and docs/ci.md say can be typed: every command of theirs is parsed, the cheap
+//! ones are run, the synopsis has no option that is not there, and what they name lies there.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Command, CommandFactory, Parser};
+use rtbench::args::Cli;
+
+use crate::common::run;
+
+const DOCUMENTS: [&str; 3] = ["README.md", "docs/ci.md", ".github/workflows/ci.yml"];
+
+/// Commands that print something and measure nothing: they are run.
+const CHEAP: [&str; 5] = ["list", "schema", "completions", "man", "doctor"];
+
+/// Commands of other branches of the work on CI: checked as soon as they are there.
+const TO_COME: [&str; 2] = ["check", "baseline"];
+
+/// Folders of the repository, as documents name what is in them.
+const FOLDERS: [&str; 7] =
+    ["crates/", "docs/", "fuzz/", "results/", "scenes/", "scripts/", ".github/"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn text_of(document: &str) -> String {
+    std::fs::read_to_string(root().join(document)).unwrap_or_else(|e| panic!("{document}: {e}"))
+}
+
+/// The lines of the fenced blocks of a language; of a workflow, all lines.
+fn blocks(text: &str, language: &str) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut fence: Option<bool> = None;
+    for line in text.lines() {
+        match (line.trim_start().strip_prefix("```"), fence) {
+            (Some(of), None) => fence = Some(of.trim() == language),
+            (Some(_), Some(_)) => fence = None,
+            (None, Some(true)) => lines.push(line.to_owned()),
+            _ => {}
+        }
+    }
+    lines
+}
+
+/// Joins lines that end in a backslash with the next.
+fn joined(lines: &[String]) -> Vec<String> {
+    lines.join("\n").replace("\\\n", " ").lines().map(str::to_owned).collect()
+}
+
+/// The words of a line as a shell sees them, without comments, redirections and what follows a
+/// pipe.
+fn words(line: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut quote = None;
+    for c in line.chars() {
+        let is_new = words.last().is_some_and(String::is_empty);
+        match (c, quote) {
+            ('\'' | '"', None) => quote = Some(c),
+            (c, Some(q)) if c == q => quote = None,
+            ('#', None) if is_new => break,
+            ('|' | '>' | ';' | '&', None) if is_new => break,
+            (' ', None) if is_new => {}
+            (' ', None) => words.push(String::new()),
+            (c, _) => words.last_mut().unwrap().push(c),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// The arguments of this program in a line, its name first; none where the line is about something
+/// else. Variables of shells and workflows stand for 1.
+fn arguments(line: &str) -> Option<Vec<String>> {
+    let mut line = line.trim().trim_start_matches("- ").trim_start_matches("run: ").to_owned();
+    while let Some((start, end)) = line.find("${{").zip(line.find("}}")) {
+        line.replace_range(start..end + 2, "1");
+    }
+    let words: Vec<String> =
+        words(&line).iter().map(|word| word.replace("$SLURM_ARRAY_TASK_ID", "1")).collect();
+    let program = words.first()?;
+    let cargo = ["cargo", "run", "--release", "--"];
+    let is_cargo = words.len() > 4 && words.iter().zip(cargo).all(|(word, of)| word == of);
+    let skipped = match () {
+        () if is_cargo => 4,
+        () if program.rsplit('/').next() == Some("rtbench") => 1,
+        () => return None,
+    };
+    let rest = words.into_iter().skip(skipped);
+    Some(std::iter::once("rtbench".to_owned()).chain(rest).collect())
+}
+
+/// All commands of a document.
+fn commands(document: &str) -> Vec<Vec<String>> {
+    let text = text_of(document);
+    let lines = match document.ends_with(".yml") {
+        // folded texts are one line
+        true => {
+            text.replace(">-\n", "").lines().fold(Vec::new(), |mut lines: Vec<String>, line| {
+                match lines.last_mut() {
+                    Some(last) if line.trim_start().starts_with("--") => {
+                        last.push(' ');
+                        last.push_str(line.trim());
+                    }
+                    _ => lines.push(line.to_owned()),
+                }
+                lines
+            })
+        }
+        false => [blocks(&text, "sh"), blocks(&text, "yaml")].concat(),
+    };
+    joined(&lines).iter().filter_map(|line| arguments(line)).collect()
+}
+
+fn parse(arguments: &[String]) -> Result<(), String> {
+    Cli::try_parse_from(arguments).map(|_| ()).map_err(|e| e.to_string())
+}
+
+#[test]
+fn every_command_can_be_typed() {
+    for document in DOCUMENTS {
+        let commands = commands(document);
+        assert!(commands.len() >= 4, "{document}: {commands:?}");
+        for arguments in commands {
+            let name = arguments[1].as_str();
+            if TO_COME.contains(&name) && Cli::command().find_subcommand(name).is_none() {
+                continue;
+            }
+            let parsed = parse(&arguments);
+            assert!(parsed.is_ok(), "{document}: {}: {parsed:?}", arguments.join(" "));
+            if CHEAP.contains(&name) {
+                let ended = run(&arguments[1..].join(" "));
+                assert_eq!(ended.code, 0, "{document}: {arguments:?}: {}", ended.err);
+                assert!(!ended.out.is_empty(), "{document}: {arguments:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_command_that_is_not_there_is_found_out() {
+    for bad in [
+        "rtbench rnu spd",
+        "./target/release/rtbench run --round 3",
+        "      - run: rtbench list scens",
+        "cargo run --release -- run --shard 9/${{ matrix.shards }}",
+    ] {
+        let arguments = arguments(bad).unwrap_or_else(|| panic!("{bad}: not seen"));
+        assert!(parse(&arguments).is_err(), "{arguments:?}");
+    }
+    for other in ["cargo test --workspace", "# rtbench run --bogus", "cp a rtbench", ""] {
+        assert_eq!(arguments(other), None, "{other}");
+    }
+    let piped = arguments("rtbench run 'a b' --quick | tee log # why").unwrap();
+    assert_eq!(piped, ["rtbench", "run", "a b", "--quick"]);
+    assert_eq!(blocks("```sh\na\n```\nb\n```text\nc\n```\n```sh\nd\n```", "sh"), ["a", "d"]);
+}
+
+/// The options of a command and of those above it.
+fn options(command: &Command, out: &mut Vec<String>) {
+    for argument in command.get_arguments() {
+        out.extend(argument.get_long().map(|long| format!("--{long}")));
+        out.extend(argument.get_short().map(|short| format!("-{short}")));
+    }
+}
+
+/// What a line of a synopsis names that is not there: the command, or options of it. `known` has
+/// the options of the lines before it of the same command.
+fn unknown_in(line: &str) -> Vec<String> {
+    let mut cli = Cli::command();
+    cli.build();
+    let mut known = Vec::new();
+    options(&cli, &mut known);
+    let separators = |c: char| " []()|,".contains(c);
+    let tokens: Vec<&str> = line.split(separators).filter(|t| !t.is_empty()).collect();
+    let mut command = &cli;
+    let mut unknown = Vec::new();
+    for (place, token) in tokens.iter().enumerate().skip(1) {
+        if let Some(below) = command.find_subcommand(token) {
+            command = below;
+            options(command, &mut known);
+        } else if place == 1 {
+            unknown.push((*token).to_owned());
+        } else if token.starts_with('-') && !known.iter().any(|option| option == token) {
+            unknown.push((*token).to_owned());
+        }
+    }
+    unknown
+}
+
+#[test]
+fn the_synopsis_has_no_option_that_is_not_there() {
+    let lines = blocks(&text_of("README.md"), "text");
+    let mut synopses: Vec<String> = Vec::new();
+    for line in lines {
+        match synopses.last_mut() {
+            Some(last) if line.starts_with(' ') => last.push_str(&line),
+            _ => synopses.push(line),
+        }
+    }
+    synopses.retain(|line| line.starts_with("rtbench "));
+    assert!(synopses.len() > 10, "{synopses:?}");
+    for line in &synopses {
+        assert_eq!(unknown_in(line), Vec::<String>::new(), "{line}");
+    }
+    for command in Cli::command().get_subcommands().filter(|c| !c.is_hide_set()) {
+        let start = format!("rtbench {}", command.get_name());
+        let is_there = synopses.iter().any(|line| line.starts_with(&start));
+        assert!(is_there, "the synopsis in README.md lacks `{start}`");
+    }
+    assert_eq!(unknown_in("rtbench run [SCENE]... [--round N] [-o DIR]"), ["--round"]);
+    assert_eq!(unknown_in("rtbench walk [-o DIR]").first().map(String::as_str), Some("walk"));
+    assert!(unknown_in("rtbench scenes info|validate [NAME]").is_empty());
+}
+
+/// The files and folders of the repository that a text names.
+fn named_files(text: &str) -> Vec<String> {
+    let quoted = text.split('`').skip(1).step_by(2);
+    let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let in_folder = |name: &&str| FOLDERS.iter().any(|folder| name.starts_with(folder));
+    let is_local = |link: &&str| !link.contains("://") && !link.starts_with('#');
+    let names = quoted.filter(in_folder).chain(linked.filter(is_local));
+    names.filter(|name| !name.contains([' ', '*', '\n'])).map(str::to_owned).collect()
+}
+
+#[test]
+fn what_is_named_lies_there() {
+    for (document, least) in [("README.md", 10), ("docs/ci.md", 1), ("CONTRIBUTING.md", 5)] {
+        let folder = root().join(document).parent().unwrap().to_owned();
+        let names = named_files(&text_of(document));
+        assert!(names.len() >= least, "{document}: {names:?}");
+        for name in names.iter().filter(|name| !name.contains("NAME")) {
+            let lies_there = root().join(name).exists() || folder.join(name).exists();
+            assert!(lies_there, "{document} names {name}, which is not there");
+        }
+    }
+    let planted =
+        named_files("`scripts/none.sh` [a](docs/none.md) [b](https://x) `run` `scenes/*`");
+    assert_eq!(planted, ["scripts/none.sh", "docs/none.md"]);
+}
