@@ -10,6 +10,7 @@ use crate::journal::JournalError;
 use crate::panics::Panicked;
 use crate::plan::PlanError;
 use crate::record_file::RecordError;
+use crate::report::ReportError;
 use crate::reproduce::ReproduceError;
 use renderer::{GeometryError, ImageError};
 
@@ -118,6 +119,9 @@ pub enum Error {
     /// The record of a run cannot be read.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// What a report is made from cannot be read.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),

@@ -50,6 +50,7 @@ pub mod ray_overrides;
 pub mod record;
 pub mod record_file;
 pub mod reference;
+pub mod report;
 pub mod reproduce;
 pub mod rows;
 pub mod scene_run;
@@ -130,6 +131,7 @@ pub fn run(
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
+        Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
     };
     match ended {

@@ -3,12 +3,14 @@
 mod accuracy;
 mod compare_tracers;
 mod render;
+mod report;
 mod reproduce;
 mod verify;
 
 pub use accuracy::AccuracyArgs;
 pub use compare_tracers::CompareTracersArgs;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
+pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use verify::VerifyArgs;
 
@@ -70,6 +72,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// What accuracy costs in time: variants of tests, walks, offsets, samples
     Accuracy(AccuracyArgs),
+    /// Make a page to read of the results in a folder: tables, plots, break-even counts
+    Report(ReportArgs),
     /// Put published figures beside ours
     Reproduce(ReproduceArgs),
 }

@@ -6,6 +6,7 @@ pub mod cost;
 pub mod list;
 pub mod measuring;
 pub mod render;
+pub mod report;
 pub mod reproduce;
 pub mod run;
 pub mod scenes;

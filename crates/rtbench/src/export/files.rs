@@ -87,6 +87,18 @@ impl<'a> Outputs<'a> {
     }
 }
 
+/// Writes a finished file in one step, or a pipe or a device.
+///
+/// # Errors
+/// [`Error::Write`] naming the file.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
+    let written = match open(path)? {
+        None => replace(path, text.as_bytes()),
+        Some(mut stream) => stream.write_all(text.as_bytes()),
+    };
+    written.map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
 /// Creates the file; what is no file, but a pipe or a device, stays open.
 fn open(path: &Path) -> Result<Option<File>, Error> {
     let error = |source| Error::Write { path: path.to_owned(), source };
