@@ -51,6 +51,13 @@ impl Html {
         self.out.push('>');
     }
 
+    /// A box that scrolls by itself where what it holds is wider than the page.
+    pub fn open_scroll(&mut self, label: &str) {
+        let attributes =
+            [("class", "scroll"), ("tabindex", "0"), ("role", "region"), ("aria-label", label)];
+        self.open("div", &attributes);
+    }
+
     /// A paragraph.
     pub fn paragraph(&mut self, text: &str) {
         self.element("p", &[], text);

@@ -107,9 +107,8 @@ pub struct Page {
 impl Page {
     /// A plot within the page, kept by its name for files of its own, too.
     fn plot(&mut self, name: &str, svg: String) {
-        let scroll = [("class", "scroll"), ("tabindex", "0"), ("role", "region")];
         self.html.open("figure", &[]);
-        self.html.open("div", &[&scroll[..], &[("aria-label", "plot; scrolls")]].concat());
+        self.html.open_scroll(&format!("plot {name}"));
         self.html.markup(&svg);
         self.html.close();
         self.html.close();

@@ -13,7 +13,7 @@ const STEP: f64 = 20.0;
 /// Room above the bars: title, subtitle, names of the columns.
 const HEAD: f64 = 86.0;
 /// Room below the bars: ticks and labels of the axes.
-const FOOT: f64 = 62.0;
+const FOOT: f64 = 34.0;
 /// Room right of a column's bars for their numbers.
 const NUMBERS: f64 = 62.0;
 /// The most that names take of the width.

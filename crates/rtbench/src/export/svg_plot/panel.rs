@@ -3,7 +3,7 @@
 use crate::export::svg_plot::axis::Fitted;
 use crate::export::svg_plot::flags::spread;
 use crate::export::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES};
-use crate::export::svg_plot::pen::{Font, LETTER, PLAIN, Pen};
+use crate::export::svg_plot::pen::{BOLD_LETTER, Font, LETTER, PLAIN, Pen};
 use crate::export::svg_plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
 
 /// Room left of the frame, below it, and its height.
@@ -57,9 +57,13 @@ impl Canvas {
         let heights = points().flat_map(|p| [p.y, p.low, p.high]);
         let levels = plot.levels.iter().map(|l| l.y);
         // Flags lean over by half a right angle, so they need as much room to the right as above.
-        let longest = plot.marks.iter().map(|m| m.label.chars().count()).max().unwrap_or(0);
-        let flag = longest as f64 * LETTER * std::f64::consts::FRAC_1_SQRT_2;
-        let top = HEAD + if longest == 0 { 0.0 } else { flag + BEND + 8.0 };
+        let length = |m: &Mark| {
+            let letter = if m.ring == Ring::Best { BOLD_LETTER } else { LETTER };
+            m.label.chars().count() as f64 * letter
+        };
+        let longest = plot.marks.iter().map(length).fold(0.0, f64::max);
+        let flag = longest * std::f64::consts::FRAC_1_SQRT_2;
+        let top = HEAD + if longest == 0.0 { 0.0 } else { flag + BEND + 8.0 };
         Self {
             pen: Pen::default(),
             x: Fitted::new(&plot.x.scale, points().map(|p| p.x)),
@@ -170,6 +174,9 @@ impl Canvas {
 
     fn error_bar(&mut self, point: &Point, color: &str) {
         let Some((x, _)) = self.place(point) else { return };
+        if point.low == point.high {
+            return;
+        }
         let (low, high) = (self.down_within(point.low), self.down_within(point.high));
         self.pen.path(&[(x, low), (x, high)], color, 1.2, "");
         for y in [low, high] {

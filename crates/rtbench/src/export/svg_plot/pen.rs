@@ -8,6 +8,8 @@ use crate::export::svg_plot::xml::escaped;
 
 /// Width of a letter of a label, about.
 pub const LETTER: f64 = 6.4;
+/// The same of a bold one.
+pub const BOLD_LETTER: f64 = 7.4;
 
 /// How text stands at its place.
 #[derive(Clone, Copy)]

@@ -75,7 +75,7 @@ fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
             names("", &lead.ties).trim().to_owned(),
         ])
     });
-    let header = vec!["rays", "least time, build included", "time", "not told apart from it"];
+    let header = vec!["for rays", "least time, build included", "time", "not told apart from it"];
     words(format!("{scene}: the winner by the number of rays"), header, rows.collect())
 }
 
@@ -88,9 +88,8 @@ fn matrix(html: &mut Html, scene: &str, profiles: &[Profile]) {
          build included. 0: always; < n: up to that many only; -: never. Italic: the rounds do \
          not agree on which of both traces faster, so the count may be anything.",
     );
-    let scroll = [("class", "scroll"), ("tabindex", "0"), ("role", "region")];
     let title = format!("{scene}: break-even counts");
-    html.open("div", &[&scroll[..], &[("aria-label", &title)]].concat());
+    html.open_scroll(&title);
     html.open("table", &[("class", "matrix")]);
     html.element("caption", &[], &title);
     html.open("thead", &[]);

@@ -130,6 +130,6 @@ fn best(rows: &[Reproduced], counter: &str) -> Table {
             row.verdict.clone(),
         ]
     });
-    let header = vec!["scene", "structure", "1999", "ours", "ours / 1999", "verdict"];
+    let header = vec!["scene", "structure", "1999", "ours", "ours / 1999", "judged"];
     words(format!("{counter} with the settings that the paper found best"), header, lines.collect())
 }

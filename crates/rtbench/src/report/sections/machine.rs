@@ -53,11 +53,13 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     html.text("Every sample of every round is in ");
     html.element("a", &[("href", &material.data.name)], &material.data.name);
     html.text(&format!(
-        " beside this page ({} bytes, SHA-256 {}). `rtbench report` made the page from it.",
+        " beside this page ({} bytes, SHA-256 {}). The page was made from it by ",
         material.data.bytes, material.data.sha256
     ));
+    html.element("code", &[], "rtbench report DIR");
+    html.text(".");
     html.close();
-    tables::write(html, &scenes(&run.scenes), Look { is_words: true, ..Look::default() });
+    tables::write(html, &scenes(&run.scenes), Look::default());
     Shown::Yes
 }
 

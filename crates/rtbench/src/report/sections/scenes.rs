@@ -18,7 +18,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     for scene in &material.run.scenes {
         page.html.element("h3", &[], &scene.name);
         page.plot(&format!("bars-{}", scene.name), plots::scene_bars(&material.run, scene));
-        let look = Look { is_numbered: true, ..Look::default() };
+        let look = Look { is_numbered: true };
         tables::write(&mut page.html, &scene_table(&material.run, scene, false), look);
     }
     Shown::Yes

@@ -11,7 +11,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         return Shown::Missing;
     }
     page.plot("all-scenes", plots::summary_bars(&material.run));
-    let look = Look { is_numbered: true, ..Look::default() };
+    let look = Look { is_numbered: true };
     tables::write(&mut page.html, &summary_table(&material.run, false), look);
     Shown::Yes
 }

@@ -46,7 +46,10 @@ struct Row {
 
 impl Row {
     fn label(&self) -> String {
-        let samples = self.samples.map(|n| format!(" {n} samples")).unwrap_or_default();
+        let samples = self
+            .samples
+            .map(|n| format!(" {n} sample{}", if n == 1 { "" } else { "s" }))
+            .unwrap_or_default();
         format!("{} {}", self.tracer, self.settings).trim_end().to_owned() + &samples
     }
 }
