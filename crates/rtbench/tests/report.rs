@@ -211,7 +211,7 @@ fn what_other_commands_left_is_shown() {
     let dir = folder.path();
     for arguments in [
         format!(
-            "accuracy precision --scene tetra:2 --quick --rounds 3 --trials 50 -o {dir}/accuracy"
+            "accuracy precision --scene tetra:2 --quick --rounds 3 --trials 100 -o {dir}/accuracy"
         ),
         format!(
             "compare-tracers effect-plain --tracers whitted --samples 1,4 --size 8 \
