@@ -113,9 +113,17 @@ fn the_same_record_gives_the_same_page_and_its_plots_as_files() {
     let folder = folder();
     let page = page(&folder);
     let plots = format!("{}/plots", folder.path());
-    let ended = run_stepping(&format!("report {} -o - --plots {plots}", folder.path()));
+    let other = format!("{}/other.html", folder.path());
+    let ended = run_stepping(&format!("report {} -o {other} --plots {plots}", folder.path()));
+    assert_eq!((ended.code, ended.out.as_str(), ended.err.as_str()), (0, "", ""));
+    assert!(folder.text("other.html") == page);
+    // elsewhere, a link to the record would lead nowhere
+    let ended = run_stepping(&format!("report {}/results.json -o -", folder.path()));
     assert_eq!((ended.code, ended.err.as_str()), (0, ""));
-    assert!(ended.out == page, "standard output has the page of the file");
+    let link = "<a href=\"results.json\">";
+    assert!(page.contains(link) && !ended.out.contains(link));
+    let lines = |page: &str| page.lines().count();
+    assert_eq!(lines(&ended.out), lines(&page), "the same page but for that");
     let files: Vec<_> = std::fs::read_dir(plots).unwrap().map(|f| f.unwrap().path()).collect();
     assert_eq!(files.len(), by_name(parsed(&page).root(), "svg").count());
     for file in files {

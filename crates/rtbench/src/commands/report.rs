@@ -21,14 +21,15 @@ const NAME: &str = "report.html";
 pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     let record = record_file::path_of(&args.folder);
     let material = Material::read(&record)?;
-    let page = page(&material);
-    match &args.output {
-        Some(path) if path == Path::new("-") => {
-            context.out.write_all(page.html.as_bytes())?;
-            context.out.flush()?;
-        }
-        Some(path) => write_text(path, &page.html)?,
-        None => write_text(&material.folder.join(NAME), &page.html)?,
+    let usual = material.folder.join(NAME);
+    let output = args.output.as_deref().unwrap_or(&usual);
+    let is_stdout = output == Path::new("-");
+    let page = page(&material, !is_stdout && is_within(output, &material.folder));
+    if is_stdout {
+        context.out.write_all(page.html.as_bytes())?;
+        context.out.flush()?;
+    } else {
+        write_text(output, &page.html)?;
     }
     if let Some(folder) = &args.plots {
         fs::create_dir_all(folder)
@@ -38,4 +39,16 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// Whether the file lies in the folder, however both are named.
+fn is_within(file: &Path, folder: &Path) -> bool {
+    let parent = match file.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    match (fs::canonicalize(parent), fs::canonicalize(folder)) {
+        (Ok(parent), Ok(folder)) => parent == folder,
+        _ => false,
+    }
 }

@@ -102,6 +102,7 @@ const fn section(
 pub struct Page {
     html: Html,
     plots: Vec<(String, String)>,
+    is_beside_record: bool,
 }
 
 impl Page {
@@ -130,9 +131,9 @@ pub struct Finished {
     pub plots: Vec<(String, String)>,
 }
 
-/// The page of all sections.
-pub fn page(material: &Material) -> Finished {
-    let mut page = Page::default();
+/// The page of all sections. Where it lies beside the record it links to it.
+pub fn page(material: &Material, is_beside_record: bool) -> Finished {
+    let mut page = Page { is_beside_record, ..Page::default() };
     let title = format!("rtbench: {}", scenes_in_words(material));
     head(&mut page.html, &title);
     page.html.open("body", &[]);
@@ -163,7 +164,7 @@ pub fn page(material: &Material) -> Finished {
         }
         page.html.close();
     }
-    let Page { html, plots } = page;
+    let Page { html, plots, .. } = page;
     Finished { html: format!("<!DOCTYPE html>\n{}", html.finish()), plots }
 }
 
@@ -171,7 +172,7 @@ fn scenes_in_words(material: &Material) -> String {
     let names: Vec<&str> = material.run.scenes.iter().map(|s| s.name.as_str()).collect();
     match &names[..] {
         [] => "no finished scene".to_owned(),
-        [few @ ..] if few.len() <= 3 => few.join(", "),
+        few if few.len() <= 3 => few.join(", "),
         many => format!("{} scenes", many.len()),
     }
 }

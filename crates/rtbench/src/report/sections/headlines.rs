@@ -30,7 +30,11 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     if run.scenes.len() > 1
         && let Some(lead) = lead_over_all(&material.profiles, seed)
     {
-        html.element("p", &[("class", "headline")], &sentence("Over all scenes", &lead));
+        html.element(
+            "p",
+            &[("class", "headline")],
+            &sentence(&format!("Over all {} scenes", run.scenes.len()), &lead),
+        );
     }
     html.open("ul", &[("class", "headlines")]);
     for (scene, profiles) in material.scenes() {

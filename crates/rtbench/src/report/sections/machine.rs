@@ -4,7 +4,7 @@ use crate::export::numbers::mebibytes;
 use crate::record::{RunRecord, SceneRecord};
 use crate::report::date::utc;
 use crate::report::html::Html;
-use crate::report::material::Material;
+use crate::report::material::{DataFile, Material};
 use crate::report::tables::{self, Look, words};
 use crate::report::{Page, Shown};
 
@@ -51,11 +51,14 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     html.element("h3", &[], "Raw data");
     html.open("p", &[]);
     html.text("Every sample of every round is in ");
-    html.element("a", &[("href", &material.data.name)], &material.data.name);
-    html.text(&format!(
-        " beside this page ({} bytes, SHA-256 {}). The page was made from it by ",
-        material.data.bytes, material.data.sha256
-    ));
+    let DataFile { name, bytes, sha256 } = &material.data;
+    if page.is_beside_record {
+        html.element("a", &[("href", name)], name);
+        html.text(" beside this page");
+    } else {
+        html.element("code", &[], &material.folder.join(name).to_string_lossy());
+    }
+    html.text(&format!(" ({bytes} bytes, SHA-256 {sha256}). The page was made from it by "));
     html.element("code", &[], "rtbench report DIR");
     html.text(".");
     html.close();
