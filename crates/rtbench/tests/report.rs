@@ -203,13 +203,13 @@ fn what_is_missing_is_named_with_the_command_that_makes_it() {
     });
     let page = page(&folder);
     let tree = parsed(&page);
-    for id in ["counters", "lecture", "accuracy", "tracers", "heat-maps"] {
+    for id in ["counters", "lecture", "accuracy", "tracers", "sweeps", "heat-maps"] {
         let known = SECTIONS.iter().find(|s| s.id == id).unwrap();
         assert!(known.made_by.starts_with("rtbench "));
         assert!(text(section(&tree, id)).contains(known.made_by), "{id}");
     }
     let missing = tree.descendants().filter(|n| n.attribute("class") == Some("missing")).count();
-    assert_eq!(missing, 5, "and of nothing else");
+    assert_eq!(missing, 6, "and of nothing else");
     assert!(text(section(&tree, "headlines")).contains("not finished: 2 of 3 scenes"));
 }
 
@@ -229,6 +229,11 @@ fn what_other_commands_left_is_shown() {
         let ended = run_stepping(&arguments);
         assert_eq!(ended.code, 0, "{}", ended.err);
     }
+    let ended = run_stepping(&format!(
+        "sweep tetra:1 -s uniform-grid -p density --values 1,4 --size 8 --rounds 2 \
+         --export-svg {dir}/sweep-density.svg"
+    ));
+    assert_eq!(ended.code, 0, "{}", ended.err);
     let png = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x40\0\0\0\x20";
     write(&folder, "heat-maps/tetra:2/tests.png", png);
     write(
@@ -256,6 +261,8 @@ fn what_other_commands_left_is_shown() {
     assert_eq!(size, [Some("64"), Some("32")]);
     assert!(image.attribute("src").unwrap().starts_with("data:image/png;base64,iVBORw0KGgo"));
     assert_eq!(image.attribute("alt"), Some("tetra:2: intersection tests of each pixel"));
+    let sweep = by_name(section(&tree, "sweeps"), "img").next().unwrap();
+    assert!(sweep.attribute("src").unwrap().starts_with("data:image/svg+xml;base64,PHN2Zy"));
     let counters = text(section(&tree, "counters"));
     assert!(counters.contains("22.03") && counters.contains("exact"), "{counters}");
     let lecture = text(section(&tree, "lecture"));
@@ -273,6 +280,7 @@ fn what_cannot_be_read_is_an_error_that_names_the_file() {
         ("tracers/tetra/tracers.json", "[", "rtbench compare-tracers"),
         ("havran1999.csv", "scene,nothing\nballs,1\n", "rtbench reproduce havran1999"),
         ("zachmann2007.csv", "scene\nballs\n", "rtbench reproduce zachmann2007"),
+        ("sweep-density.svg", "<html>", "not an SVG"),
         ("heat-maps/tetra/time.png", "GIF89a", "not a PNG"),
     ] {
         let folder = Folder::new();

@@ -44,6 +44,12 @@ pub enum ReportError {
         /// The command that writes such files.
         written_by: &'static str,
     },
+    /// It is no plot.
+    #[error("{}: not an SVG plot; expected what `rtbench sweep --export-svg` draws", path.display())]
+    NotAPlot {
+        /// The file.
+        path: PathBuf,
+    },
     /// It is no picture.
     #[error("{}: not a PNG image; expected what `rtbench cost --heat-maps` draws", path.display())]
     NotAPicture {
@@ -70,6 +76,8 @@ pub struct Material {
     pub tracers: Vec<TracersRecord>,
     /// Of `rtbench cost`.
     pub heat_maps: Vec<HeatMap>,
+    /// Of `rtbench sweep`.
+    pub sweeps: Vec<SweepPlot>,
     /// Of `rtbench reproduce havran1999`.
     pub counters: Option<Vec<Reproduced>>,
     /// Of `rtbench reproduce zachmann2007`.
@@ -96,6 +104,14 @@ pub struct HeatMap {
     pub size: [u32; 2],
     /// The file.
     pub png: Vec<u8>,
+}
+
+/// A plot that a sweep drew.
+pub struct SweepPlot {
+    /// The file's name without its extension.
+    pub name: String,
+    /// The file.
+    pub svg: Vec<u8>,
 }
 
 impl Material {
@@ -125,6 +141,7 @@ impl Material {
             accuracy: json(&accuracy, "rtbench accuracy -o DIR")?,
             tracers,
             heat_maps: heat_maps(&folder.join("heat-maps"))?,
+            sweeps: sweeps(&folder)?,
             counters: csv(
                 &folder.join("havran1999.csv"),
                 "rtbench reproduce havran1999 --export-csv FILE",
@@ -234,6 +251,22 @@ fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
         }
     }
     Ok(maps)
+}
+
+/// The plots of sweeps in a folder: `sweep-*.svg`.
+fn sweeps(folder: &Path) -> Result<Vec<SweepPlot>, ReportError> {
+    let mut plots = Vec::new();
+    for path in entries(folder)? {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if name.starts_with("sweep-") && path.extension().is_some_and(|e| e == "svg") {
+            let svg = record_file::bytes(&path)?;
+            if !svg.starts_with(b"<svg ") {
+                return Err(ReportError::NotAPlot { path });
+            }
+            plots.push(SweepPlot { name, svg });
+        }
+    }
+    Ok(plots)
 }
 
 /// Width and height, from the header that every PNG file begins with.

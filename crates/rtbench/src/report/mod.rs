@@ -78,6 +78,12 @@ pub static SECTIONS: &[Section] = &[
         sections::tracers::write,
     ),
     section(
+        "sweeps",
+        "Parameters over their values",
+        "rtbench sweep SCENE -s STRUCTURE -p PARAM --from A --to B --export-svg DIR/sweep-PARAM.svg",
+        sections::sweeps::write,
+    ),
+    section(
         "heat-maps",
         "Where in the image the work is",
         "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE",

@@ -10,5 +10,6 @@ pub mod lecture;
 pub mod machine;
 pub mod scenes;
 pub mod summary;
+pub mod sweeps;
 pub mod tracers;
 pub mod warnings;
