@@ -14,6 +14,7 @@ use crate::merge::MergeError;
 use crate::panics::Panicked;
 use crate::plan::PlanError;
 use crate::record_file::RecordError;
+use crate::report::ReportError;
 use crate::reproduce::ReproduceError;
 use renderer::{GeometryError, ImageError};
 
@@ -138,6 +139,9 @@ pub enum Error {
     /// The parts of a run cannot be joined.
     #[error(transparent)]
     Merge(#[from] MergeError),
+    /// What a report is made from cannot be read.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),

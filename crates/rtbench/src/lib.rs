@@ -2,9 +2,9 @@
 //!
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
-//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`]. A [`sweep`] is
-//! such a run whose rows are the values of one parameter; the [`gate`] holds a run against an earlier
-//! one.
+//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`], [`report`]. A
+//! [`sweep`] is such a run whose rows are the values of one parameter; the [`gate`] holds a run
+//! against an earlier one.
 
 // What a command line or a file says can make nothing panic. Modules that index lists of their own
 // making say so.
@@ -62,6 +62,7 @@ pub mod ray_overrides;
 pub mod record;
 pub mod record_file;
 pub mod reference;
+pub mod report;
 pub mod reproduce;
 pub mod rows;
 pub mod scene_run;
@@ -208,6 +209,7 @@ pub fn run_in(
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
+        Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
         Command::Check(args) => {
             let thresholds = config.as_ref().map(Config::thresholds).unwrap_or_default();

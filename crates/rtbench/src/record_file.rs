@@ -5,11 +5,15 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use crate::record::{RunRecord, SCHEMA_VERSION};
 
 /// The record's name in the output folder of a run.
 pub const NAME: &str = "results.json";
+
+/// What writes it.
+const WRITTEN_BY: &str = "rtbench run --export-json";
 
 /// The most bytes that are read: a full run writes about 3 MB.
 const MAX_BYTES: u64 = 1 << 30;
@@ -26,14 +30,14 @@ pub enum RecordError {
         source: io::Error,
     },
     /// It is too large to be one.
-    #[error("{}: more than {MAX_BYTES} bytes, too large for the record of a run", path.display())]
+    #[error("{}: more than {MAX_BYTES} bytes, too large for a record", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
     },
     /// It is no JSON, or not of this form.
-    #[error("{}: line {line}, column {column}: {message}; expected what `rtbench run \
-             --export-json` writes", path.display())]
+    #[error("{}: line {line}, column {column}: {message}; expected what `{written_by}` writes",
+            path.display())]
     Syntax {
         /// The file.
         path: PathBuf,
@@ -43,6 +47,8 @@ pub enum RecordError {
         column: usize,
         /// What is wrong with it.
         message: String,
+        /// The command that writes such files.
+        written_by: &'static str,
     },
     /// Another version of the program wrote it.
     #[error("{}: written with schema {found}, expected {SCHEMA_VERSION}", path.display())]
@@ -65,25 +71,51 @@ struct Version {
 /// # Errors
 /// [`RecordError`], naming the file.
 pub fn read(path: &Path) -> Result<RunRecord, RecordError> {
-    let path = if path.is_dir() { path.join(NAME) } else { path.to_owned() };
-    let io = |source| RecordError::Io { path: path.clone(), source };
-    let mut text = Vec::new();
-    let file = File::open(&path).map_err(io)?;
-    let length = file.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(io)?;
-    if length as u64 > MAX_BYTES {
-        return Err(RecordError::TooLarge { path });
-    }
-    let syntax = |e: serde_json::Error| {
-        let message = e.to_string();
-        // the library says the place once more at the end
-        let message = message.rsplit_once(" at line ").map_or(&*message, |(m, _)| m).to_owned();
-        RecordError::Syntax { path: path.clone(), line: e.line(), column: e.column(), message }
-    };
-    let Version { schema_version: found } = serde_json::from_slice(&text).map_err(syntax)?;
+    let path = path_of(path);
+    let text = bytes(&path)?;
+    let Version { schema_version: found } = parsed(&path, &text, WRITTEN_BY)?;
     if found != SCHEMA_VERSION {
         return Err(RecordError::Schema { path, found });
     }
-    serde_json::from_slice(&text).map_err(syntax)
+    parsed(&path, &text, WRITTEN_BY)
+}
+
+/// The record's file: of the output folder of a run, the one within.
+pub fn path_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(NAME) } else { path.to_owned() }
+}
+
+/// A file of results, unless it is too large to be one.
+///
+/// # Errors
+/// [`RecordError`], naming the file.
+pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
+    let io = |source| RecordError::Io { path: path.to_owned(), source };
+    let mut text = Vec::new();
+    let file = File::open(path).map_err(io)?;
+    let length = file.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(io)?;
+    if length as u64 > MAX_BYTES {
+        return Err(RecordError::TooLarge { path: path.to_owned() });
+    }
+    Ok(text)
+}
+
+/// What a file of JSON says.
+///
+/// # Errors
+/// [`RecordError::Syntax`], naming the file, the place in it and the command that writes such files.
+pub fn parsed<T: DeserializeOwned>(
+    path: &Path,
+    text: &[u8],
+    written_by: &'static str,
+) -> Result<T, RecordError> {
+    serde_json::from_slice(text).map_err(|e: serde_json::Error| {
+        let message = e.to_string();
+        // the library says the place once more at the end
+        let message = message.rsplit_once(" at line ").map_or(&*message, |(m, _)| m).to_owned();
+        let (line, column) = (e.line(), e.column());
+        RecordError::Syntax { path: path.to_owned(), line, column, message, written_by }
+    })
 }
 
 #[cfg(test)]

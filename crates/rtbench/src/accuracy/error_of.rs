@@ -1,9 +1,9 @@
 //! The error of a variant: a rate of wrong answers, or a distance between images.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How wrong a variant is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum ErrorOf {
     /// Answers, of which some are wrong.

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::statistics::Estimate;
 
 /// Where a variant stands among those of its axis on a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
     /// No other is as accurate and as fast, and better in one of both.
@@ -31,7 +31,7 @@ impl Standing {
 }
 
 /// A variant on a scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariantRecord {
     /// Its name.
     pub variant: String,
@@ -58,7 +58,7 @@ pub struct VariantRecord {
 }
 
 /// An axis on a scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneOutcome {
     /// Scene.
     pub scene: String,
@@ -94,7 +94,7 @@ impl SceneOutcome {
 }
 
 /// An axis on all its scenes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisRecord {
     /// Name.
     pub axis: String,
@@ -107,7 +107,7 @@ pub struct AxisRecord {
 }
 
 /// A whole run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyRecord {
     /// As typed.
     pub command_line: Vec<String>,

@@ -10,6 +10,7 @@ mod exports;
 mod merge;
 mod printed;
 mod render;
+mod report;
 mod reproduce;
 mod verify;
 
@@ -23,6 +24,7 @@ pub use exports::ExportArgs;
 pub use merge::MergeArgs;
 pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
+pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use verify::VerifyArgs;
 
@@ -90,6 +92,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// What accuracy costs in time: variants of tests, walks, offsets, samples
     Accuracy(AccuracyArgs),
+    /// Make a page to read of the results in a folder: tables, plots, break-even counts
+    Report(ReportArgs),
     /// Put published figures beside ours
     Reproduce(ReproduceArgs),
     /// Hold this program against a baseline or against an older binary: the gate of a CI job

@@ -13,6 +13,7 @@ pub mod measuring;
 pub mod merge;
 pub mod printed;
 pub mod render;
+pub mod report;
 pub mod reproduce;
 pub mod run;
 pub mod scenes;

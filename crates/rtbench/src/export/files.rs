@@ -122,7 +122,19 @@ pub fn write_file(
     text: impl FnOnce() -> Result<String, Error>,
 ) -> Result<(), Error> {
     let Some(path) = path else { return Ok(()) };
-    fs::write(path, text()?).map_err(|source| Error::Write { path: path.to_owned(), source })
+    write_text(path, &text()?)
+}
+
+/// Writes a finished file in one step, or a pipe or a device.
+///
+/// # Errors
+/// [`Error::Write`] naming the file.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
+    let written = match open(path)? {
+        None => replace(path, text.as_bytes()),
+        Some(mut stream) => stream.write_all(text.as_bytes()),
+    };
+    written.map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 /// Creates the file; what is no file, but a pipe or a device, stays open.

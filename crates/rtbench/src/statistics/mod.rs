@@ -59,7 +59,7 @@ pub fn estimate(samples: &[f64], seed: u64) -> Option<Estimate> {
 }
 
 /// The ends of the 95% interval of resampled values, each resampled from `samples`.
-fn interval(resampled: &mut [f64], samples: usize) -> [f64; 2] {
+pub(crate) fn interval(resampled: &mut [f64], samples: usize) -> [f64; 2] {
     resampled.sort_by(f64::total_cmp);
     let last = (resampled.len().max(1) - 1) as f64;
     let at = |place: f64| resampled.get(place as usize).copied().unwrap_or(f64::NAN);

@@ -6,6 +6,7 @@
 //! the fastest structure, as their users would; cones and beams in f64, where areas need it.
 
 pub mod equal_error;
+pub mod plot;
 pub mod queries;
 pub mod reference;
 pub mod report;

@@ -6,6 +6,7 @@ use accel_core::region::Work;
 use serde_json::{Value, json};
 
 use super::equal_error::AtError;
+use super::plot::{Placed, error_over_time};
 use super::queries::QueryRow;
 use super::{Measured, Row};
 use crate::accuracy::record::Standing;
@@ -13,7 +14,7 @@ use crate::error::Error;
 use crate::export::csv::{number, written};
 use crate::export::markdown::push_table;
 use crate::export::numbers::{milliseconds, ratio, short};
-use crate::export::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
+use crate::export::svg_plot::figure;
 use crate::export::table::{Cell, Style, Table};
 use crate::image_error::Converged;
 use crate::record::Machine;
@@ -332,48 +333,18 @@ impl Report {
 
     /// Error over time, both logarithmic.
     pub fn to_svg(&self) -> String {
-        let point = |m: &Measured| {
-            let times = self.seconds(m)?;
-            // error bars are those of the vertical axis, and errors have none
-            Some(Point { x: times.median, y: m.error, low: m.error, high: m.error })
-        };
-        let sampled = self.measured().filter(|(row, _)| row.samples.is_some());
-        let points = sampled.filter_map(|(_, m)| point(m)).collect();
-        let marks = self.measured().filter_map(|(row, m)| {
-            let (point, is_in_series) = (point(m)?, row.samples.is_some());
-            let label = match row.samples {
-                Some(n) => n.to_string(),
-                None => row.label(),
-            };
-            let ring = match m.standing {
-                Standing::OnFront => Ring::Best,
-                Standing::NotToldApart => Ring::AsGood,
-                Standing::Dominated => Ring::None,
-            };
-            Some(Mark { point, label, ring, is_in_series })
+        let images = self.measured().filter_map(|(row, m)| {
+            Some(Placed {
+                seconds: self.seconds(m)?.median,
+                error: m.error,
+                samples: row.samples,
+                label: row.label(),
+                standing: m.standing,
+            })
         });
-        let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
-        let [w, h] = self.resolution;
-        figure(&[Plot {
-            title: format!("{}: samples, cones and beams", self.scene),
-            subtitle: format!(
-                "{w} x {h} pixels, {} thread(s); ringed: nothing is faster and nearer",
-                self.threads
-            ),
-            x: axis("time of the image (seconds)"),
-            y: axis("root mean square error"),
-            series: vec![Series {
-                name: "whitted, by samples a pixel".to_owned(),
-                points,
-                is_joined: true,
-            }],
-            marks: marks.collect(),
-            marks_name: "cones and beams".to_owned(),
-            levels: vec![Level {
-                y: self.reference.own_error,
-                label: "the reference's own error".to_owned(),
-            }],
-        }])
+        let own_error = self.reference.own_error;
+        let images = images.collect();
+        figure(&[error_over_time(&self.scene, self.resolution, self.threads, own_error, images)])
     }
 }
 

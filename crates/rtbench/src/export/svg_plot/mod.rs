@@ -5,11 +5,16 @@
 //! keep clear of each other, and saw its last release in 2024.)
 
 mod axis;
+pub mod bars;
 mod flags;
+pub mod palette;
 mod panel;
-mod xml;
+mod pen;
+pub mod xml;
 
 use std::fmt::Write;
+
+use palette::PAPER;
 
 /// Width of a figure, in pixels.
 const WIDTH: f64 = 900.0;
@@ -123,11 +128,19 @@ pub fn figure(plots: &[Plot]) -> String {
         let _ = write!(body, "<g transform=\"translate(0 {top:.1})\">\n{}</g>\n", drawn.elements);
         top += drawn.height;
     }
-    let height = f64::max(top, 1.0);
+    let titles: Vec<&str> = plots.iter().map(|plot| plot.title.as_str()).collect();
+    document(&body, top, &titles.join("; "))
+}
+
+/// A picture of that height, and what it is for those who cannot see it.
+fn document(body: &str, height: f64, alternative: &str) -> String {
+    let height = f64::max(height, 1.0);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH:.0}\" height=\"{height:.0}\" \
-         viewBox=\"0 0 {WIDTH:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n"
+         viewBox=\"0 0 {WIDTH:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" \
+         role=\"img\" aria-label=\"{}\">\n<rect width=\"100%\" height=\"100%\" \
+         fill=\"{PAPER}\"/>\n{body}</svg>\n",
+        xml::escaped(alternative)
     )
 }
 

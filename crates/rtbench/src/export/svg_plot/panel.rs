@@ -1,10 +1,9 @@
 //! One panel: frame, ticks, curves, marks with their flags, legend.
 
-use std::fmt::Write;
-
 use crate::export::svg_plot::axis::Fitted;
 use crate::export::svg_plot::flags::spread;
-use crate::export::svg_plot::xml::escaped;
+use crate::export::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES};
+use crate::export::svg_plot::pen::{BOLD_LETTER, Font, LETTER, PLAIN, Pen};
 use crate::export::svg_plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
 
 /// Room left of the frame, below it, and its height.
@@ -13,20 +12,10 @@ const BOTTOM: f64 = 86.0;
 const HEIGHT: f64 = 380.0;
 /// Room above the flags: title and subtitle.
 const HEAD: f64 = 62.0;
-/// Width of a letter of a label, about.
-const LETTER: f64 = 6.4;
 /// Distance of the flags' labels along the frame.
 const FLAG_GAP: f64 = 18.0;
 /// Height of the bend between a flag's line and its label.
 const BEND: f64 = 14.0;
-
-const INK: &str = "#222222";
-const GREY: &str = "#707070";
-const GRID: &str = "#e4e4e4";
-const BEST: &str = "#137a3a";
-const MARK: &str = "#b4560a";
-/// Colours of series, used in turn; told apart by colour-blind readers too.
-const SERIES: [&str; 5] = ["#1f5fa8", "#8c3f97", "#4d8f8b", "#a3842c", "#555555"];
 
 /// A drawn panel.
 pub struct Drawn {
@@ -46,31 +35,18 @@ pub fn draw(plot: &Plot) -> Drawn {
     canvas.series(plot);
     canvas.marks(plot);
     canvas.legend(plot);
-    Drawn { height: canvas.bottom + BOTTOM, elements: canvas.out }
+    Drawn { height: canvas.bottom + BOTTOM, elements: canvas.pen.out }
 }
 
 /// The frame's place and axes, and what is drawn so far.
 struct Canvas {
-    out: String,
+    pen: Pen,
     x: Fitted,
     y: Fitted,
     top: f64,
     right: f64,
     bottom: f64,
 }
-
-/// How text stands at its place.
-#[derive(Clone, Copy)]
-struct Font {
-    size: f64,
-    anchor: &'static str,
-    color: &'static str,
-    is_bold: bool,
-    /// Degrees, clockwise.
-    turned: f64,
-}
-
-const PLAIN: Font = Font { size: 12.0, anchor: "start", color: INK, is_bold: false, turned: 0.0 };
 
 impl Canvas {
     fn new(plot: &Plot) -> Self {
@@ -81,11 +57,15 @@ impl Canvas {
         let heights = points().flat_map(|p| [p.y, p.low, p.high]);
         let levels = plot.levels.iter().map(|l| l.y);
         // Flags lean over by half a right angle, so they need as much room to the right as above.
-        let longest = plot.marks.iter().map(|m| m.label.chars().count()).max().unwrap_or(0);
-        let flag = longest as f64 * LETTER * std::f64::consts::FRAC_1_SQRT_2;
-        let top = HEAD + if longest == 0 { 0.0 } else { flag + BEND + 8.0 };
+        let length = |m: &Mark| {
+            let letter = if m.ring == Ring::Best { BOLD_LETTER } else { LETTER };
+            m.label.chars().count() as f64 * letter
+        };
+        let longest = plot.marks.iter().map(length).fold(0.0, f64::max);
+        let flag = longest * std::f64::consts::FRAC_1_SQRT_2;
+        let top = HEAD + if longest == 0.0 { 0.0 } else { flag + BEND + 8.0 };
         Self {
-            out: String::new(),
+            pen: Pen::default(),
             x: Fitted::new(&plot.x.scale, points().map(|p| p.x)),
             y: Fitted::new(&plot.y.scale, heights.chain(levels)),
             top,
@@ -113,34 +93,9 @@ impl Canvas {
         Some((self.across(point.x)?, self.down(point.y)?))
     }
 
-    fn text(&mut self, x: f64, y: f64, font: Font, text: &str) {
-        let Font { size, anchor, color, is_bold, turned } = font;
-        let weight = if is_bold { " font-weight=\"bold\"" } else { "" };
-        let turn = match turned {
-            0.0 => String::new(),
-            degrees => format!(" transform=\"rotate({degrees} {x:.1} {y:.1})\""),
-        };
-        let _ = writeln!(
-            self.out,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\" \
-             fill=\"{color}\"{weight}{turn}>{}</text>",
-            escaped(text)
-        );
-    }
-
-    fn path(&mut self, points: &[(f64, f64)], color: &str, width: f64, more: &str) {
-        let places: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        let _ = writeln!(
-            self.out,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"\
-             {more}/>",
-            places.join(" ")
-        );
-    }
-
     fn head(&mut self, plot: &Plot) {
-        self.text(LEFT, 28.0, Font { size: 17.0, is_bold: true, ..PLAIN }, &plot.title);
-        self.text(LEFT, 47.0, Font { color: GREY, ..PLAIN }, &plot.subtitle);
+        self.pen.text(LEFT, 28.0, Font { size: 17.0, is_bold: true, ..PLAIN }, &plot.title);
+        self.pen.text(LEFT, 47.0, Font { color: GREY, ..PLAIN }, &plot.subtitle);
     }
 
     fn grid(&mut self, plot: &Plot) {
@@ -149,35 +104,35 @@ impl Canvas {
             let Some(x) = self.across(tick.at) else { continue };
             if let Some(label) = &tick.label {
                 if !matches!(plot.x.scale, Scale::Words(_)) {
-                    self.path(&[(x, top), (x, bottom)], GRID, 1.0, "");
+                    self.pen.path(&[(x, top), (x, bottom)], GRID, 1.0, "");
                 }
-                self.text(x, bottom + 20.0, Font { anchor: "middle", ..PLAIN }, label);
+                self.pen.text(x, bottom + 20.0, Font { anchor: "middle", ..PLAIN }, label);
             }
             let length = if tick.label.is_some() { 6.0 } else { 3.0 };
-            self.path(&[(x, bottom), (x, bottom + length)], INK, 1.0, "");
+            self.pen.path(&[(x, bottom), (x, bottom + length)], INK, 1.0, "");
         }
         for tick in self.y.ticks.clone() {
             let Some(y) = self.down(tick.at) else { continue };
             if let Some(label) = &tick.label {
-                self.path(&[(LEFT, y), (right, y)], GRID, 1.0, "");
-                self.text(LEFT - 10.0, y + 4.0, Font { anchor: "end", ..PLAIN }, label);
+                self.pen.path(&[(LEFT, y), (right, y)], GRID, 1.0, "");
+                self.pen.text(LEFT - 10.0, y + 4.0, Font { anchor: "end", ..PLAIN }, label);
             }
             let length = if tick.label.is_some() { 6.0 } else { 3.0 };
-            self.path(&[(LEFT - length, y), (LEFT, y)], INK, 1.0, "");
+            self.pen.path(&[(LEFT - length, y), (LEFT, y)], INK, 1.0, "");
         }
-        self.path(&[(LEFT, top), (LEFT, bottom), (right, bottom)], INK, 1.0, "");
+        self.pen.path(&[(LEFT, top), (LEFT, bottom), (right, bottom)], INK, 1.0, "");
         let (middle, centre) = ((LEFT + right) / 2.0, (top + bottom) / 2.0);
         let axis = Font { size: 13.0, anchor: "middle", ..PLAIN };
-        self.text(middle, bottom + 44.0, axis, &plot.x.label);
-        self.text(24.0, centre, Font { turned: -90.0, ..axis }, &plot.y.label);
+        self.pen.text(middle, bottom + 44.0, axis, &plot.x.label);
+        self.pen.text(24.0, centre, Font { turned: -90.0, ..axis }, &plot.y.label);
     }
 
     fn levels(&mut self, plot: &Plot) {
         for level in &plot.levels {
             let Some(y) = self.down(level.y) else { continue };
-            self.path(&[(LEFT, y), (self.right, y)], GREY, 1.0, " stroke-dasharray=\"6 4\"");
+            self.pen.path(&[(LEFT, y), (self.right, y)], GREY, 1.0, " stroke-dasharray=\"6 4\"");
             let font = Font { size: 11.0, color: GREY, ..PLAIN };
-            self.text(LEFT + 8.0, y - 5.0, font, &level.label);
+            self.pen.text(LEFT + 8.0, y - 5.0, font, &level.label);
         }
     }
 
@@ -195,9 +150,9 @@ impl Canvas {
         for ((x, y, mark), place) in flags.into_iter().zip(places) {
             let color = color_of(mark);
             let line = [(x, y), (x, self.top), (place, self.top - BEND)];
-            self.path(&line, color, 0.8, " stroke-opacity=\"0.55\"");
+            self.pen.path(&line, color, 0.8, " stroke-opacity=\"0.55\"");
             let font = Font { color, is_bold: mark.ring == Ring::Best, turned: -45.0, ..PLAIN };
-            self.text(place + 4.0, self.top - BEND - 3.0, font, &mark.label);
+            self.pen.text(place + 4.0, self.top - BEND - 3.0, font, &mark.label);
         }
     }
 
@@ -206,37 +161,27 @@ impl Canvas {
             let places: Vec<(f64, f64)> =
                 series.points.iter().filter_map(|p| self.place(p)).collect();
             if series.is_joined && places.len() > 1 {
-                self.path(&places, color, 1.8, "");
+                self.pen.path(&places, color, 1.8, "");
             }
             for point in &series.points {
                 self.error_bar(point, color);
             }
             for (x, y) in places {
-                self.circle(x, y, color);
+                self.pen.circle(x, y, color);
             }
         }
     }
 
     fn error_bar(&mut self, point: &Point, color: &str) {
         let Some((x, _)) = self.place(point) else { return };
-        let (low, high) = (self.down_within(point.low), self.down_within(point.high));
-        self.path(&[(x, low), (x, high)], color, 1.2, "");
-        for y in [low, high] {
-            self.path(&[(x - 4.0, y), (x + 4.0, y)], color, 1.2, "");
+        if point.low == point.high {
+            return;
         }
-    }
-
-    fn circle(&mut self, x: f64, y: f64, color: &str) {
-        let _ =
-            writeln!(self.out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{color}\"/>");
-    }
-
-    fn diamond(&mut self, x: f64, y: f64, color: &str) {
-        let _ = writeln!(
-            self.out,
-            "<path d=\"M{x:.1} {:.1}l5.5 5.5l-5.5 5.5l-5.5 -5.5z\" fill=\"{color}\"/>",
-            y - 5.5
-        );
+        let (low, high) = (self.down_within(point.low), self.down_within(point.high));
+        self.pen.path(&[(x, low), (x, high)], color, 1.2, "");
+        for y in [low, high] {
+            self.pen.path(&[(x - 4.0, y), (x + 4.0, y)], color, 1.2, "");
+        }
     }
 
     fn marks(&mut self, plot: &Plot) {
@@ -244,38 +189,24 @@ impl Canvas {
             let Some((x, y)) = self.place(&mark.point) else { continue };
             if !mark.is_in_series {
                 self.error_bar(&mark.point, MARK);
-                self.diamond(x, y, MARK);
+                self.pen.diamond(x, y, MARK);
             }
-            self.ring(x, y, mark.ring);
+            self.pen.ring(x, y, mark.ring);
         }
-    }
-
-    fn ring(&mut self, x: f64, y: f64, ring: Ring) {
-        let style = match ring {
-            Ring::None => return,
-            Ring::Best => "stroke-width=\"2\"",
-            Ring::AsGood => "stroke-width=\"1.2\" stroke-dasharray=\"3 2\"",
-        };
-        let left = x - 8.0;
-        let _ = writeln!(
-            self.out,
-            "<path d=\"M{left:.1} {y:.1}a8 8 0 1 0 16 0a8 8 0 1 0 -16 0z\" fill=\"none\" \
-             stroke=\"{BEST}\" {style}/>"
-        );
     }
 
     fn legend(&mut self, plot: &Plot) {
         let y = self.bottom + 68.0;
         let mut x = LEFT + 6.0;
         for (series, color) in plot.series.iter().zip(SERIES.iter().cycle()) {
-            self.circle(x, y - 4.0, color);
-            self.text(x + 12.0, y, PLAIN, &series.name);
+            self.pen.circle(x, y - 4.0, color);
+            self.pen.text(x + 12.0, y, PLAIN, &series.name);
             x += 44.0 + series.name.chars().count() as f64 * LETTER;
         }
         let is_drawn = |m: &Mark| !m.is_in_series && self.place(&m.point).is_some();
         if plot.marks.iter().any(is_drawn) {
-            self.diamond(x, y - 4.0, MARK);
-            self.text(x + 12.0, y, PLAIN, &plot.marks_name);
+            self.pen.diamond(x, y - 4.0, MARK);
+            self.pen.text(x + 12.0, y, PLAIN, &plot.marks_name);
         }
     }
 }

@@ -1,0 +1,19 @@
+//! `rtbench report`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// `rtbench report`.
+#[derive(Debug, Clone, Args)]
+pub struct ReportArgs {
+    /// The folder that `rtbench run -o DIR` wrote; what other commands left there is shown too
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Where the page goes, `-` for stdout [default: DIR/report.html]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Write each plot of the page as an SVG file, too
+    #[arg(long, value_name = "DIR")]
+    pub plots: Option<PathBuf>,
+}

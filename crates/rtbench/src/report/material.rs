@@ -1,0 +1,303 @@
+//! What a page is made from: the record of a run, and what other commands left beside it.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use scene_loading::source_hash::sha256_of_bytes;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::accuracy::record::AccuracyRecord;
+use crate::record::{RunRecord, SceneRecord};
+use crate::record_file::{self, RecordError};
+use crate::report::costs::{Profile, profiles};
+use crate::report::sections::counters::Reproduced;
+use crate::report::sections::lecture::LectureRow;
+use crate::report::sections::tracers::TracersRecord;
+
+/// What every PNG file begins with.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Why a page cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A record cannot be read.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// A folder cannot be looked into.
+    #[error("cannot read {}: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// It is no CSV, or has other columns.
+    #[error("{}: {message}; expected what `{written_by}` writes", path.display())]
+    Csv {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, and in which line.
+        message: String,
+        /// The command that writes such files.
+        written_by: &'static str,
+    },
+    /// It is no plot.
+    #[error("{}: not an SVG plot; expected what `rtbench sweep --export-svg` draws", path.display())]
+    NotAPlot {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is no picture.
+    #[error("{}: not a PNG image; expected what `rtbench cost --heat-maps` draws", path.display())]
+    NotAPicture {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// Everything that a folder has.
+pub struct Material {
+    /// The folder.
+    pub folder: PathBuf,
+    /// The record's file.
+    pub data: DataFile,
+    /// The run.
+    pub run: RunRecord,
+    /// What the run warned of, beyond its scenes.
+    pub warnings: Vec<String>,
+    /// By scene: what its rows cost.
+    pub profiles: Vec<Vec<Profile>>,
+    /// Of `rtbench accuracy`.
+    pub accuracy: Option<AccuracyRecord>,
+    /// Of `rtbench compare-tracers`, by scene.
+    pub tracers: Vec<TracersRecord>,
+    /// Of `rtbench cost`.
+    pub heat_maps: Vec<HeatMap>,
+    /// Of `rtbench sweep`.
+    pub sweeps: Vec<SweepPlot>,
+    /// Of `rtbench reproduce havran1999`.
+    pub counters: Option<Vec<Reproduced>>,
+    /// Of `rtbench reproduce zachmann2007`.
+    pub lecture: Option<Vec<LectureRow>>,
+}
+
+/// A file that a page was made from.
+pub struct DataFile {
+    /// Its name within the folder.
+    pub name: String,
+    /// Its size.
+    pub bytes: usize,
+    /// Its hash.
+    pub sha256: String,
+}
+
+/// A picture of the work of each pixel.
+pub struct HeatMap {
+    /// The scene: the name of its folder.
+    pub scene: String,
+    /// What it shows: `tests`, `steps`, `time`.
+    pub name: String,
+    /// Width and height.
+    pub size: [u32; 2],
+    /// The file.
+    pub png: Vec<u8>,
+}
+
+/// A plot that a sweep drew.
+pub struct SweepPlot {
+    /// The file's name without its extension.
+    pub name: String,
+    /// The file.
+    pub svg: Vec<u8>,
+}
+
+impl Material {
+    /// Reads a record and what lies beside it.
+    ///
+    /// # Errors
+    /// [`ReportError`], naming the file. What is not there is no error.
+    pub fn read(record: &Path) -> Result<Self, ReportError> {
+        let run = record_file::read(record)?;
+        let text = record_file::bytes(record)?;
+        let folder = match record.parent() {
+            Some(folder) if folder != Path::new("") => folder.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        let data = DataFile {
+            name: record.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            bytes: text.len(),
+            sha256: sha256_of_bytes(&text),
+        };
+        let warnings = warnings(record, &text)?;
+        let accuracy = folder.join("accuracy").join("accuracy.json");
+        let mut tracers = Vec::new();
+        for scene in folders(&folder.join("tracers"))? {
+            tracers.extend(json(&scene.join("tracers.json"), "rtbench compare-tracers -o DIR")?);
+        }
+        Ok(Self {
+            accuracy: json(&accuracy, "rtbench accuracy -o DIR")?,
+            tracers,
+            heat_maps: heat_maps(&folder.join("heat-maps"))?,
+            sweeps: sweeps(&folder)?,
+            counters: csv(
+                &folder.join("havran1999.csv"),
+                "rtbench reproduce havran1999 --export-csv FILE",
+            )?,
+            lecture: csv(
+                &folder.join("zachmann2007.csv"),
+                "rtbench reproduce zachmann2007 --export-csv FILE",
+            )?,
+            profiles: run.scenes.iter().map(profiles).collect(),
+            folder,
+            data,
+            warnings,
+            run,
+        })
+    }
+
+    /// Each scene with what its rows cost.
+    pub fn scenes(&self) -> impl Iterator<Item = (&SceneRecord, &[Profile])> {
+        self.run.scenes.iter().zip(self.profiles.iter().map(Vec::as_slice))
+    }
+}
+
+/// What a run warned of; texts as they are, anything else as JSON.
+fn warnings(path: &Path, text: &[u8]) -> Result<Vec<String>, ReportError> {
+    #[derive(Deserialize)]
+    struct Warned {
+        #[serde(default)]
+        warnings: Vec<Value>,
+    }
+    let Warned { warnings } = record_file::parsed(path, text, "rtbench run --export-json")?;
+    Ok(warnings.iter().map(in_words).collect())
+}
+
+/// A text as it is; the values of an object in their order; else JSON.
+fn in_words(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Object(fields) => {
+            let fields: Vec<String> =
+                fields.iter().map(|(name, value)| format!("{name}: {}", in_words(value))).collect();
+            fields.join("; ")
+        }
+        other => other.to_string(),
+    }
+}
+
+/// A JSON file, where there is one.
+fn json<T: DeserializeOwned>(
+    path: &Path,
+    written_by: &'static str,
+) -> Result<Option<T>, ReportError> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    Ok(Some(record_file::parsed(path, &record_file::bytes(path)?, written_by)?))
+}
+
+/// A CSV file, where there is one.
+fn csv<T: DeserializeOwned>(
+    path: &Path,
+    written_by: &'static str,
+) -> Result<Option<Vec<T>>, ReportError> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = record_file::bytes(path)?;
+    let rows: Result<Vec<T>, csv::Error> =
+        csv::Reader::from_reader(&text[..]).deserialize().collect();
+    rows.map(Some).map_err(|e| ReportError::Csv {
+        path: path.to_owned(),
+        message: e.to_string(),
+        written_by,
+    })
+}
+
+/// What lies in a folder, sorted; nothing where there is no such folder.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    let error = |source| ReportError::Folder { path: folder.to_owned(), source };
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(source) => return Err(error(source)),
+    };
+    let paths = entries.map(|entry| entry.map(|e| e.path()));
+    let mut paths = paths.collect::<Result<Vec<_>, _>>().map_err(error)?;
+    paths.sort();
+    Ok(paths)
+}
+
+fn folders(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
+    Ok(entries(folder)?.into_iter().filter(|path| path.is_dir()).collect())
+}
+
+/// The pictures in the folders of scenes.
+fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
+    let mut maps = Vec::new();
+    let name =
+        |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    for scene in folders(folder)? {
+        let is_picture = |path: &PathBuf| path.extension().is_some_and(|e| e == "png");
+        for path in entries(&scene)?.into_iter().filter(is_picture) {
+            let png = record_file::bytes(&path)?;
+            let size = size_of_png(&png);
+            let size = size.ok_or_else(|| ReportError::NotAPicture { path: path.clone() })?;
+            let (scene, name) = (name(scene.file_name()), name(path.file_stem()));
+            maps.push(HeatMap { scene, name, size, png });
+        }
+    }
+    Ok(maps)
+}
+
+/// The plots of sweeps in a folder: `sweep-*.svg`.
+fn sweeps(folder: &Path) -> Result<Vec<SweepPlot>, ReportError> {
+    let mut plots = Vec::new();
+    for path in entries(folder)? {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if name.starts_with("sweep-") && path.extension().is_some_and(|e| e == "svg") {
+            let svg = record_file::bytes(&path)?;
+            if !svg.starts_with(b"<svg ") {
+                return Err(ReportError::NotAPlot { path });
+            }
+            plots.push(SweepPlot { name, svg });
+        }
+    }
+    Ok(plots)
+}
+
+/// Width and height, from the header that every PNG file begins with.
+fn size_of_png(bytes: &[u8]) -> Option<[u32; 2]> {
+    let header = bytes.strip_prefix(PNG)?;
+    let number =
+        |from: usize| Some(u32::from_be_bytes(header.get(from..from + 4)?.try_into().ok()?));
+    (header.get(4..8)? == b"IHDR").then_some(())?;
+    Some([number(8)?, number(12)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_of_pictures() {
+        let mut png = PNG.to_vec();
+        png.extend(b"\0\0\0\x0dIHDR\0\0\x01\x00\0\0\0\x40");
+        assert_eq!(size_of_png(&png), Some([256, 64]));
+        assert_eq!(size_of_png(&png[..20]), None);
+        assert_eq!(size_of_png(b"GIF89a"), None);
+    }
+
+    #[test]
+    fn warnings_of_any_form_are_read() {
+        let read = |text: &str| warnings(Path::new("x"), text.as_bytes()).unwrap();
+        assert!(read("{}").is_empty());
+        assert_eq!(
+            read(r#"{"warnings": ["a", {"kind": "load", "advice": "wait"}, 3]}"#),
+            ["a", "advice: wait; kind: load", "3"]
+        );
+    }
+}

@@ -1,0 +1,148 @@
+//! The plots of a run: bars with intervals, and builds against rays.
+
+use crate::export::numbers::short;
+use crate::export::svg_plot::bars::{Bar, BarChart, BarRow, Column, chart};
+use crate::export::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series, figure};
+use crate::record::{Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
+use crate::report::costs::Profile;
+use crate::statistics::Estimate;
+
+/// What a bar chart needs of a row, of a scene or of all.
+struct Ratios {
+    name: String,
+    verdict: Verdict,
+    answers: Answered,
+    trace: Option<Estimate>,
+    build: Option<Estimate>,
+}
+
+impl From<&RowRecord> for Ratios {
+    fn from(row: &RowRecord) -> Self {
+        let RowRecord { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
+        Self { name: row.label(), verdict, answers, trace, build }
+    }
+}
+
+impl From<&SummaryRow> for Ratios {
+    fn from(row: &SummaryRow) -> Self {
+        let SummaryRow { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
+        let name = format!("{} {}", row.structure, row.settings).trim_end().to_owned();
+        Self { name, verdict, answers, trace, build }
+    }
+}
+
+/// Trace and build time of each row of a scene over the reference's.
+pub fn scene_bars(run: &RunRecord, scene: &SceneRecord) -> String {
+    bars(format!("{}: times over those of {}", scene.name, run.settings.reference), &scene.rows)
+}
+
+/// The same over all scenes.
+pub fn summary_bars(run: &RunRecord) -> String {
+    let title = format!(
+        "Times over those of {}, geometric means over {} scene(s)",
+        run.settings.reference,
+        run.scenes.len()
+    );
+    bars(title, &run.summary)
+}
+
+fn bars<'a, R>(title: String, rows: &'a [R]) -> String
+where
+    Ratios: From<&'a R>,
+{
+    let mut rows: Vec<Ratios> = rows.iter().map(Ratios::from).collect();
+    // what is wrong, and what answers shadow rays only, comes last
+    let key = |r: &Ratios| (!is_comparable(r), r.trace.map_or(f64::INFINITY, |e| e.median));
+    rows.sort_by(|a, b| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let best = rows.first().filter(|r| is_comparable(r)).and_then(|r| r.trace);
+    let column = |label: &str| Column {
+        axis: Axis { label: label.to_owned(), scale: Scale::Log },
+        base: 1.0,
+    };
+    chart(&BarChart {
+        title,
+        subtitle:
+            "medians with 95% intervals; shorter to the left is faster; ringed: the fastest, \
+                   dashed: its interval overlaps"
+                .to_owned(),
+        columns: vec![column("trace time, ratio"), column("build time, ratio")],
+        rows: rows
+            .iter()
+            .map(|row| BarRow {
+                name: match row.answers {
+                    Answered::AllRays => row.name.clone(),
+                    Answered::ShadowRays => format!("{} (shadow rays)", row.name),
+                },
+                bars: vec![bar(row, row.trace, best), bar(row, row.build, None)],
+            })
+            .collect(),
+    })
+}
+
+fn is_comparable(row: &Ratios) -> bool {
+    row.verdict == Verdict::Ok && row.answers == Answered::AllRays && row.trace.is_some()
+}
+
+fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
+    match value {
+        _ if !row.verdict.is_timed() => Bar::Words(row.verdict.name().to_owned()),
+        None => Bar::Words("-".to_owned()),
+        Some(e) => {
+            let ring = match best {
+                Some(best) if is_comparable(row) && e == best => Ring::Best,
+                Some(best) if is_comparable(row) && e.low <= best.high => Ring::AsGood,
+                _ => Ring::None,
+            };
+            // what is wrong by design says so
+            let mark = if row.verdict == Verdict::Ok { "" } else { " wrong" };
+            Bar::Of(e, format!("{}{mark}", short(e.median)), ring)
+        }
+    }
+}
+
+/// Build time against time per ray: what is not dominated is ringed and named, the others have
+/// their numbers in the scene's table.
+pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> String {
+    let marks = profiles.iter().filter_map(|profile| {
+        let ray = profile.ray_s(run.settings.seed)?;
+        let is_on_front = !profiles.iter().any(|other| dominates(other, profile));
+        Some(Mark {
+            point: Point { x: profile.cost.build_s, y: ray.median, low: ray.low, high: ray.high },
+            label: match is_on_front {
+                true => profile.label.clone(),
+                false => profile.number.to_string(),
+            },
+            ring: if is_on_front { Ring::Best } else { Ring::None },
+            is_in_series: is_on_front,
+        })
+    });
+    let marks: Vec<Mark> = marks.collect();
+    let mut front: Vec<Point> = marks.iter().filter(|m| m.is_in_series).map(|m| m.point).collect();
+    front.sort_by(|a, b| a.x.total_cmp(&b.x));
+    figure(&[Plot {
+        title: format!("{}: build against rays", scene.name),
+        subtitle:
+            "medians, 95% intervals of the time per ray; numbers are those of the scene's table"
+                .to_owned(),
+        x: Axis { label: "build (seconds)".to_owned(), scale: Scale::Log },
+        y: Axis { label: "time per ray (seconds)".to_owned(), scale: Scale::Log },
+        series: vec![Series {
+            name: "Pareto front: nothing builds and traces faster".to_owned(),
+            points: front,
+            is_joined: true,
+        }],
+        marks,
+        marks_name: "dominated".to_owned(),
+        levels: Vec::new(),
+    }])
+}
+
+/// As fast in both, and faster in one of them.
+fn dominates(one: &Profile, other: &Profile) -> bool {
+    let (a, b) = (one.cost, other.cost);
+    let is_no_worse = a.build_s <= b.build_s && a.ray_s <= b.ray_s;
+    is_no_worse && (a.build_s < b.build_s || a.ray_s < b.ray_s)
+}

@@ -1,0 +1,30 @@
+//! What accuracy costs in time: each axis with its front.
+
+use crate::accuracy::{plot, summary, tables as axis_tables};
+use crate::report::material::Material;
+use crate::report::tables::{self, Look};
+use crate::report::{Page, Shown};
+
+/// Axis by axis: in words, as a plot, as tables.
+pub fn write(material: &Material, page: &mut Page) -> Shown {
+    let Some(run) = &material.accuracy else { return Shown::Missing };
+    page.html.list(axis_tables::facts(run).lines().filter_map(|line| {
+        let fact = line.strip_prefix("- ")?;
+        Some(fact.replace('`', ""))
+    }));
+    for axis in &run.axes {
+        page.html.element("h3", &[], &axis.axis);
+        if let Some(cost) = summary::cost(axis, run.seed) {
+            page.html.paragraph(&summary::line(axis, &cost).replace("**", ""));
+        }
+        page.plot(&format!("accuracy-{}", axis.axis), plot::to_svg(axis));
+        page.html.open("details", &[]);
+        page.html.element("summary", &[], &format!("{}: all variants", axis.axis));
+        for scene in &axis.scenes {
+            tables::write(&mut page.html, &axis_tables::table(axis, scene), Look::default());
+        }
+        page.html.close();
+    }
+    page.html.list(axis_tables::GLOSSARY.iter().map(|line| (*line).to_owned()));
+    Shown::Yes
+}

@@ -1,0 +1,188 @@
+//! Build against trace: who wins for how many rays, and from how many rays on each structure is
+//! worth it against each other.
+
+use crate::export::numbers::{milliseconds, short};
+use crate::export::table::{Cell, Style, Table};
+use crate::report::break_even::{BreakEven, break_even, count_interval, envelope};
+use crate::report::costs::{Cost, Profile, lead_for};
+use crate::report::html::Html;
+use crate::report::material::Material;
+use crate::report::sections::headlines::names;
+use crate::report::tables::{self, Look, words};
+use crate::report::{Page, Shown, plots};
+
+/// Powers of ten that are asked about.
+const DECADES: std::ops::RangeInclusive<i32> = 0..=9;
+
+/// Scene by scene.
+pub fn write(material: &Material, page: &mut Page) -> Shown {
+    if material.profiles.iter().all(|p| p.len() < 2) {
+        return Shown::Missing;
+    }
+    page.html.paragraph(
+        "The time for n rays is the build and n times the time per ray, on the mix of rays of this \
+         run. A structure that builds slowly is worth it from its break-even count on. Counts whose \
+         interval is wide are not known well.",
+    );
+    let seed = material.run.settings.seed;
+    for (scene, profiles) in material.scenes() {
+        if profiles.len() < 2 {
+            continue;
+        }
+        page.html.element("h3", &[], &scene.name);
+        page.plot(
+            &format!("build-against-rays-{}", scene.name),
+            plots::scatter(&material.run, scene, profiles),
+        );
+        tables::write(&mut page.html, &reigns(&scene.name, profiles, seed), Look::default());
+        tables::write(&mut page.html, &decades(&scene.name, profiles, seed), Look::default());
+        matrix(&mut page.html, &scene.name, profiles);
+    }
+    Shown::Yes
+}
+
+/// Who takes the least time, from how many rays on.
+fn reigns(scene: &str, profiles: &[Profile], seed: u64) -> Table {
+    let costs: Vec<Cost> = profiles.iter().map(|p| p.cost).collect();
+    let mut rows = Vec::new();
+    let mut before: Option<&Profile> = None;
+    for reign in envelope(&costs) {
+        let Some(profile) = profiles.get(reign.index) else { continue };
+        let interval = before.and_then(|other| count_interval(profile, other, seed));
+        rows.push(vec![
+            profile.label.clone(),
+            count(reign.from),
+            interval.map_or("-".into(), |[low, high]| format!("[{}, {}]", count(low), count(high))),
+            milliseconds(profile.cost.build_s),
+            short(profile.cost.ray_s * 1e9),
+        ]);
+        before = Some(profile);
+    }
+    let header = vec!["least time", "from rays", "95%", "build ms", "ns per ray"];
+    words(format!("{scene}: who takes the least time, by medians"), header, rows)
+}
+
+/// Who wins for 1, 10, 100... rays, and who is not told apart from it.
+fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
+    let rows = DECADES.filter_map(|decade| {
+        let rays = 10f64.powi(decade);
+        let lead = lead_for(profiles, rays, seed)?;
+        let winner = profiles.iter().find(|p| p.label == lead.first)?;
+        Some(vec![
+            count(rays),
+            lead.first.clone(),
+            duration(winner.cost.total_s(rays)),
+            names("", &lead.ties).trim().to_owned(),
+        ])
+    });
+    let header = vec!["for rays", "least time, build included", "time", "not told apart from it"];
+    words(format!("{scene}: the winner by the number of rays"), header, rows.collect())
+}
+
+/// From how many rays on the row beats the column.
+fn matrix(html: &mut Html, scene: &str, profiles: &[Profile]) {
+    html.open("details", &[]);
+    html.element("summary", &[], &format!("{scene}: the break-even count of every pair"));
+    html.paragraph(
+        "From how many rays on the structure of the row takes less time than that of the column, \
+         build included. 0: always; < n: up to that many only; -: never. Italic: the rounds do \
+         not agree on which of both traces faster, so the count may be anything.",
+    );
+    let title = format!("{scene}: break-even counts");
+    html.open_scroll(&title);
+    html.open("table", &[("class", "matrix")]);
+    html.element("caption", &[], &title);
+    html.open("thead", &[]);
+    html.open("tr", &[]);
+    html.element("th", &[("scope", "col")], "row beats column from");
+    for profile in profiles {
+        let number = profile.number.to_string();
+        html.open("th", &[("scope", "col")]);
+        html.element("abbr", &[("title", &profile.label)], &number);
+        html.close();
+    }
+    html.close();
+    html.close();
+    html.open("tbody", &[]);
+    for row in profiles {
+        html.open("tr", &[]);
+        html.element("th", &[("scope", "row")], &format!("{} {}", row.number, row.label));
+        for column in profiles {
+            let Cell { text, style } = pair(row, column);
+            match style {
+                Style::Dim => {
+                    html.open("td", &[("class", "unsure")]);
+                    html.element("i", &[], &text);
+                    html.close();
+                }
+                _ => html.element("td", &[], &text),
+            }
+        }
+        html.close();
+    }
+    html.close();
+    html.close();
+    html.close();
+    html.close();
+}
+
+/// A cell of the matrix; dim where nothing is sure.
+fn pair(row: &Profile, column: &Profile) -> Cell {
+    if row.number == column.number {
+        return String::new().into();
+    }
+    let text = match break_even(row.cost, column.cost) {
+        BreakEven::Always => "0".to_owned(),
+        BreakEven::Never => "-".to_owned(),
+        BreakEven::Same => "=".to_owned(),
+        BreakEven::From(n) => count(n),
+        BreakEven::Until(n) => format!("< {}", count(n)),
+    };
+    let quotients = row.ray_quotients(column);
+    // all rounds agree which of both traces faster
+    let is_sure = quotients.iter().all(|q| *q < 1.0) || quotients.iter().all(|q| *q > 1.0);
+    Cell { text, style: if is_sure { Style::Plain } else { Style::Dim } }
+}
+
+/// A number of rays, three digits and a letter.
+fn count(rays: f64) -> String {
+    match rays {
+        n if n.is_infinite() => "never".to_owned(),
+        n if n >= 999.5e9 => format!("{n:.1e}"),
+        n if n >= 999.5e6 => format!("{} G", short(n / 1e9)),
+        n if n >= 999.5e3 => format!("{} M", short(n / 1e6)),
+        n if n >= 999.5 => format!("{} k", short(n / 1e3)),
+        n => n.ceil().to_string(),
+    }
+}
+
+/// Seconds with the unit that suits them.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{} us", short(s * 1e6)),
+        s if s < 1.0 => format!("{} ms", short(s * 1e3)),
+        s => format!("{} s", short(s)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_and_durations_are_short() {
+        for (n, text) in [
+            (0.0, "0"),
+            (0.2, "1"),
+            (999.0, "999"),
+            (12_345.0, "12.3 k"),
+            (2e6, "2.00 M"),
+            (3e9, "3.00 G"),
+        ] {
+            assert_eq!(count(n), text);
+        }
+        assert_eq!(count(f64::INFINITY), "never");
+        assert_eq!(duration(0.0123), "12.3 ms");
+        assert_eq!(duration(2e-6), "2.00 us");
+    }
+}

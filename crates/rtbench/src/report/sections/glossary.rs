@@ -1,0 +1,77 @@
+//! What the symbols mean: those of Havran and Sixta (1999), and those of the times.
+
+use crate::report::html::Html;
+use crate::report::material::Material;
+use crate::report::{Page, Shown};
+
+/// Symbols and words of the tables' heads.
+static MEANINGS: &[(&str, &str)] = &[
+    ("N_IN", "inner cells: nodes of a hierarchy, grids within grids"),
+    ("N_V", "elementary cells: voxels, leaves"),
+    ("N_EV", "elementary cells that are empty"),
+    ("N_OIV", "references to primitives in elementary cells"),
+    ("N_IT", "ray-primitive intersection tests per ray"),
+    ("N_TS", "traversal steps per ray, those in the hierarchy included"),
+    ("N_ETS", "steps per ray into elementary cells"),
+    ("N_EETS", "steps per ray into empty elementary cells"),
+    ("MiB", "memory of the structure, 2^20 bytes"),
+    ("rays", "rays that a row was timed on: rows that are slow are timed on every k-th"),
+    ("build ms", "median time to build the structure from the primitives, milliseconds"),
+    ("trace ms", "median time for the rays of the column `rays`, milliseconds"),
+    ("image ms", "the whole image through the renderer, once, milliseconds"),
+    (
+        "ratio [95%]",
+        "trace time over the reference's for the same rays in the same round: the median with its \
+         95% bootstrap interval; below 1 is faster; = where the interval holds 1: no difference was \
+         measured",
+    ),
+    ("trace ratio [95%]", "geometric mean over the scenes of the ratio of trace times"),
+    ("build ratio [95%]", "geometric mean over the scenes of the ratio of build times"),
+    ("primary", "millions of primary rays a second"),
+    ("shadow", "millions of shadow rays a second"),
+    ("second.", "millions of reflected and refracted rays a second"),
+    ("diffuse", "millions of rays a second in random directions from surfaces"),
+    ("verdict", "whether every answer was right, and on how many rays that rests where not on all"),
+    ("break-even", "the number of rays from which on the slower build is worth it"),
+    ("not told apart", "the 95% interval of the ratio of both times holds 1"),
+    ("k, M, G", "thousand, million, thousand million"),
+];
+
+/// What a column's head means.
+pub fn meaning(name: &str) -> Option<&'static str> {
+    MEANINGS.iter().find(|(symbol, _)| *symbol == name).map(|(_, meaning)| *meaning)
+}
+
+/// The list, and the papers.
+pub fn write(_: &Material, page: &mut Page) -> Shown {
+    let html = &mut page.html;
+    html.open("dl", &[]);
+    for (symbol, meaning) in MEANINGS {
+        html.element("dt", &[], symbol);
+        html.element("dd", &[], meaning);
+    }
+    html.close();
+    html.paragraph(
+        "Times are medians over rounds; each round visits every row once, in seeded random order, \
+         so that what disturbs a round disturbs all rows alike. Intervals are 95% bootstrap \
+         percentile intervals (expanded, Hesterberg 2015); of fewer than six rounds they reach from \
+         the least to the largest value. Each interval holds by itself: of many comparisons some \
+         differ by chance. All answers are compared, and a wrong row shows no time.",
+    );
+    papers(html);
+    Shown::Yes
+}
+
+fn papers(html: &mut Html) {
+    html.list(
+        [
+            "V. Havran, F. Sixta, Comparison of Hierarchical Grids, Ray Tracing News 12(1), 1999: \
+             counters and tables.",
+            "G. Zachmann, lecture on ray tracing acceleration, 2007: the two tables of times.",
+            "T. Hesterberg, What Teachers Should Know About the Bootstrap, The American Statistician \
+             69(4), 2015: intervals.",
+            "J. W. Tukey, Exploratory Data Analysis, 1977: outliers.",
+        ]
+        .map(str::to_owned),
+    );
+}

@@ -1,0 +1,121 @@
+//! What is needed to repeat the run: machine, compiler, settings, commands, scenes, raw data.
+
+use crate::export::numbers::mebibytes;
+use crate::record::{RunRecord, SceneRecord};
+use crate::report::date::utc;
+use crate::report::html::Html;
+use crate::report::material::{DataFile, Material};
+use crate::report::tables::{self, Look, words};
+use crate::report::{Page, Shown};
+
+const UNKNOWN: &str = "unknown";
+
+/// When, on what and with what: below the title.
+pub fn one_line(material: &Material, html: &mut Html) {
+    let run = &material.run;
+    let rows = run.scenes.iter().map(|s| s.rows.len()).max().unwrap_or(0);
+    let rounds = |scene: &SceneRecord| scene.rows.iter().map(|r| r.samples.len()).max();
+    let rounds = run.scenes.iter().filter_map(rounds).min().unwrap_or(0);
+    html.paragraph(&format!(
+        "{rows} structures and settings, {} scene(s), {rounds} rounds at least; {} thread(s) of {}; {}. \
+         Ratios are to {}.{}",
+        run.scenes.len(),
+        run.settings.threads,
+        run.machine.cpu.as_deref().unwrap_or("an unknown processor"),
+        utc(run.started_unix_s),
+        run.settings.reference,
+        if run.settings.quick { " A quick first look, not a measurement." } else { "" },
+    ));
+}
+
+/// All of it.
+pub fn write(material: &Material, page: &mut Page) -> Shown {
+    let (run, html) = (&material.run, &mut page.html);
+    html.open("dl", &[]);
+    for (name, value) in facts(run) {
+        html.element("dt", &[], name);
+        html.element("dd", &[], &value);
+    }
+    html.close();
+    html.element("h3", &[], "Commands");
+    let mut commands = vec![run.command_line.join(" ")];
+    commands.extend(material.accuracy.iter().map(|a| a.command_line.join(" ")));
+    commands.extend(material.tracers.iter().map(|t| t.command_line.join(" ")));
+    html.open("ul", &[]);
+    for command in commands {
+        html.open("li", &[]);
+        html.element("code", &[], &command);
+        html.close();
+    }
+    html.close();
+    html.element("h3", &[], "Raw data");
+    html.open("p", &[]);
+    html.text("Every sample of every round is in ");
+    let DataFile { name, bytes, sha256 } = &material.data;
+    if page.is_beside_record {
+        html.element("a", &[("href", name)], name);
+        html.text(" beside this page");
+    } else {
+        html.element("code", &[], &material.folder.join(name).to_string_lossy());
+    }
+    html.text(&format!(" ({bytes} bytes, SHA-256 {sha256}). The page was made from it by "));
+    html.element("code", &[], "rtbench report DIR");
+    html.text(".");
+    html.close();
+    tables::write(html, &scenes(&run.scenes), Look::default());
+    Shown::Yes
+}
+
+fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
+    let unknown = |text: &Option<String>| text.clone().unwrap_or_else(|| UNKNOWN.to_owned());
+    let memory = |bytes: Option<u64>| bytes.map_or(UNKNOWN.to_owned(), |n| mebibytes(n) + " MiB");
+    let [width, height] = run.settings.resolution;
+    vec![
+        ("started", utc(run.started_unix_s)),
+        (
+            "program",
+            format!(
+                "{} {} at {}",
+                run.tool.name,
+                run.tool.version,
+                unknown(&run.tool.git_revision)
+            ),
+        ),
+        ("processor", unknown(&run.machine.cpu)),
+        ("threads there", run.machine.threads.to_string()),
+        ("memory", memory(run.machine.memory_bytes)),
+        ("system", run.machine.os.clone()),
+        ("compiler", unknown(&run.compiler.rustc)),
+        ("target", unknown(&run.compiler.target)),
+        ("target features", run.compiler.target_features.join(" ")),
+        (
+            "profile",
+            format!(
+                "{}, optimisation {}",
+                unknown(&run.compiler.profile),
+                unknown(&run.compiler.opt_level)
+            ),
+        ),
+        ("threads used", run.settings.threads.to_string()),
+        ("precision", run.settings.precision.clone()),
+        ("seed", run.settings.seed.to_string()),
+        ("image", format!("{width} x {height}, chains of {} rays", run.settings.max_depth)),
+        ("kinds of rays", run.settings.rays.join(", ")),
+        ("reference", run.settings.reference.clone()),
+        ("largest resident set", memory(run.peak_rss_bytes)),
+    ]
+}
+
+fn scenes(scenes: &[SceneRecord]) -> crate::export::table::Table {
+    let rows = scenes.iter().map(|scene| {
+        vec![
+            scene.name.clone(),
+            scene.primitives.to_string(),
+            scene.source.clone(),
+            scene.licence.clone().unwrap_or_else(|| UNKNOWN.to_owned()),
+            scene.sha256.clone(),
+        ]
+    });
+    let header = vec!["scene", "primitives", "source", "licence", "SHA-256"];
+    words("Scenes".to_owned(), header, rows.collect())
+}

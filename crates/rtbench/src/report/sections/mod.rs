@@ -1,0 +1,15 @@
+//! The parts of the page, one a file; their order is that of [`crate::report::SECTIONS`].
+
+pub mod accuracy;
+pub mod break_even;
+pub mod counters;
+pub mod glossary;
+pub mod headlines;
+pub mod heat_maps;
+pub mod lecture;
+pub mod machine;
+pub mod scenes;
+pub mod summary;
+pub mod sweeps;
+pub mod tracers;
+pub mod warnings;

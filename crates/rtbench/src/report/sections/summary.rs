@@ -1,0 +1,17 @@
+//! All scenes together: the table and the bars.
+
+use crate::export::table::summary_table;
+use crate::report::material::Material;
+use crate::report::tables::{self, Look};
+use crate::report::{Page, Shown, plots};
+
+/// The geometric means.
+pub fn write(material: &Material, page: &mut Page) -> Shown {
+    if material.run.summary.is_empty() {
+        return Shown::Missing;
+    }
+    page.plot("all-scenes", plots::summary_bars(&material.run));
+    let look = Look { is_numbered: true };
+    tables::write(&mut page.html, &summary_table(&material.run, false), look);
+    Shown::Yes
+}

@@ -1,0 +1,133 @@
+//! Samples, cones and beams on a scene: time against error, as `rtbench compare-tracers` found it.
+
+use serde::Deserialize;
+
+use crate::accuracy::record::Standing;
+use crate::export::numbers::{milliseconds, short};
+use crate::export::svg_plot::figure;
+use crate::export::table::Table;
+use crate::report::material::Material;
+use crate::report::tables::{self, Look, words};
+use crate::report::{Page, Shown};
+use crate::statistics::{Estimate, estimate};
+use crate::tracer_comparison::plot::{Placed, error_over_time};
+
+/// A comparison as `rtbench compare-tracers -o` writes it; candidate queries are left out.
+#[derive(Debug, Clone, Deserialize)]
+pub struct TracersRecord {
+    /// The command line, program first.
+    pub command_line: Vec<String>,
+    scene: String,
+    resolution: [u32; 2],
+    threads: usize,
+    seed: u64,
+    reference: Reference,
+    images: Vec<Image>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct Reference {
+    own_error: f64,
+    samples: u32,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct Image {
+    row: Row,
+    outcome: Outcome,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct Row {
+    tracer: String,
+    settings: String,
+    samples: Option<u32>,
+}
+
+impl Row {
+    fn label(&self) -> String {
+        let samples = self
+            .samples
+            .map(|n| format!(" {n} sample{}", if n == 1 { "" } else { "s" }))
+            .unwrap_or_default();
+        format!("{} {}", self.tracer, self.settings).trim_end().to_owned() + &samples
+    }
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+enum Outcome {
+    Refused { refused: String },
+    Made { seconds: Vec<f64>, rmse: f64, below_reference: bool, standing: Standing },
+}
+
+/// Scene by scene.
+pub fn write(material: &Material, page: &mut Page) -> Shown {
+    if material.tracers.is_empty() {
+        return Shown::Missing;
+    }
+    for record in &material.tracers {
+        page.html.element("h3", &[], &record.scene);
+        page.plot(&format!("tracers-{}", record.scene), figure(&[record.plot()]));
+        tables::write(&mut page.html, &record.table(), Look::default());
+    }
+    Shown::Yes
+}
+
+impl TracersRecord {
+    fn time(&self, seconds: &[f64]) -> Option<Estimate> {
+        estimate(seconds, self.seed)
+    }
+
+    fn table(&self) -> Table {
+        let rows = self.images.iter().map(|image| {
+            let mut cells = vec![image.row.label()];
+            match &image.outcome {
+                Outcome::Refused { refused } => {
+                    cells.extend(["-", "-", "-"].map(str::to_owned));
+                    cells.push(format!("refused: {refused}"));
+                }
+                Outcome::Made { seconds, rmse, below_reference, standing } => {
+                    let below = if *below_reference { "< " } else { "" };
+                    let time = self.time(seconds);
+                    cells.push(time.map_or("-".to_owned(), |t| milliseconds(t.median)));
+                    cells.push(time.map_or("-".to_owned(), |t| {
+                        format!("[{}, {}]", milliseconds(t.low), milliseconds(t.high))
+                    }));
+                    cells.push(format!("{below}{}", short(*rmse)));
+                    cells.push(standing.name().to_owned());
+                }
+            }
+            cells
+        });
+        let header = vec!["tracer", "image, milliseconds", "95%", "RMSE", "stands"];
+        let mut table = words(format!("{}: images", self.scene), header, rows.collect());
+        table.notes.push(format!(
+            "Reference: the mean of two images of {} samples a pixel; its own error is {}; errors \
+             below ten times that are marked <.",
+            self.reference.samples,
+            short(self.reference.own_error)
+        ));
+        table
+    }
+
+    fn plot(&self) -> crate::export::svg_plot::Plot {
+        let placed = self.images.iter().filter_map(|image| {
+            let Outcome::Made { seconds, rmse, standing, .. } = &image.outcome else { return None };
+            Some(Placed {
+                seconds: self.time(seconds)?.median,
+                error: *rmse,
+                samples: image.row.samples,
+                label: image.row.label(),
+                standing: *standing,
+            })
+        });
+        error_over_time(
+            &self.scene,
+            self.resolution,
+            self.threads,
+            self.reference.own_error,
+            placed.collect(),
+        )
+    }
+}

@@ -1,0 +1,63 @@
+//! What a reader of the times must know: warnings of the run and of its scenes, and outliers, which
+//! are counted and never dropped.
+
+use crate::export::table::Table;
+use crate::metrics::METRICS;
+use crate::record::SceneRecord;
+use crate::report::material::Material;
+use crate::report::tables::{self, Look, words};
+use crate::report::{Page, Shown};
+use crate::statistics::outliers::outliers;
+
+/// The metrics whose outliers are counted.
+const COUNTED: [&str; 2] = ["build", "trace"];
+
+/// Warnings, then outliers.
+pub fn write(material: &Material, page: &mut Page) -> Shown {
+    let scenes = &material.run.scenes;
+    let mut all = material.warnings.clone();
+    for scene in scenes {
+        all.extend(scene.warnings.iter().map(|w| format!("{}: {w}", scene.name)));
+        let refused = scene.oracle.refused.iter();
+        all.extend(refused.map(|r| format!("{}: refused as reference: {r}", scene.name)));
+    }
+    if all.is_empty() {
+        page.html.paragraph("The run warned of nothing.");
+    }
+    page.html.list(all);
+    let table = outlier_table(scenes);
+    let (rows, with) = (scenes.iter().map(|s| s.rows.len()).sum::<usize>(), table.rows.len());
+    page.html.paragraph(&format!(
+        "Outliers lie more than 1.5 interquartile ranges beyond the quartiles (Tukey 1977): {with} of \
+         {rows} rows have some. They are counted and shown here, and none is left out of any figure."
+    ));
+    if with > 0 {
+        page.html.open("details", &[]);
+        page.html.element("summary", &[], "Rows with outliers");
+        tables::write(&mut page.html, &table, Look::default());
+        page.html.close();
+    }
+    Shown::Yes
+}
+
+/// Rows that have some: how many of how many samples, below and above.
+fn outlier_table(scenes: &[SceneRecord]) -> Table {
+    let mut rows = Vec::new();
+    for scene in scenes {
+        for row in &scene.rows {
+            let counted = COUNTED.map(|name| {
+                let metric = METRICS.iter().find(|m| m.name == name);
+                let values = metric.map(|m| m.values(scene, row)).unwrap_or_default();
+                (outliers(&values), values.len())
+            });
+            if counted.iter().any(|([below, above], _)| below + above > 0) {
+                let cell = |([below, above], samples): ([usize; 2], usize)| {
+                    format!("{below} below, {above} above, of {samples}")
+                };
+                let [build, trace] = counted.map(cell);
+                rows.push(vec![scene.name.clone(), row.label(), build, trace]);
+            }
+        }
+    }
+    words("Outliers".to_owned(), vec!["scene", "structure", "build", "trace"], rows)
+}

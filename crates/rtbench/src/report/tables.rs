@@ -1,0 +1,88 @@
+//! Tables of the other formats as HTML.
+
+use crate::export::table::{Cell, Style, Table};
+use crate::report::html::{Attribute, Html};
+use crate::report::sections::glossary::meaning;
+
+/// How a table is written.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Look {
+    /// Rows have their numbers before them.
+    pub is_numbered: bool,
+}
+
+/// A table within a box of its own, so that it scrolls and not the page; its notes below.
+pub fn write(html: &mut Html, table: &Table, look: Look) {
+    let is_words: Vec<bool> = (0..table.header.len()).map(|i| is_words(table, i)).collect();
+    let class = |column: usize| match is_words.get(column) {
+        Some(true) => &[("class", "words")][..],
+        _ => &[],
+    };
+    html.open_scroll(&table.title);
+    html.open("table", &[]);
+    html.element("caption", &[], &table.title);
+    html.open("thead", &[]);
+    html.open("tr", &[]);
+    if look.is_numbered {
+        html.element("th", &[("scope", "col"), ("class", "number")], "#");
+    }
+    for (column, name) in table.header.iter().enumerate() {
+        html.open("th", &[&[("scope", "col")], class(column)].concat());
+        match meaning(name) {
+            Some(meaning) => html.element("abbr", &[("title", meaning)], name),
+            None => html.text(name),
+        }
+        html.close();
+    }
+    html.close();
+    html.close();
+    html.open("tbody", &[]);
+    for (i, row) in table.rows.iter().enumerate() {
+        html.open("tr", &[]);
+        if look.is_numbered {
+            html.element("td", &[("class", "number")], &(i + 1).to_string());
+        }
+        for (column, cell) in row.iter().enumerate() {
+            write_cell(html, column, cell, class(column));
+        }
+        html.close();
+    }
+    html.close();
+    html.close();
+    html.close();
+    if !table.notes.is_empty() {
+        html.open("div", &[("class", "notes")]);
+        html.list(table.notes.iter().cloned());
+        html.close();
+    }
+}
+
+/// The first column names the rows; of the others, those most of whose cells begin with a letter.
+fn is_words(table: &Table, column: usize) -> bool {
+    let begins_with_letter =
+        |cell: &&Cell| cell.text.trim().chars().next().is_some_and(char::is_alphabetic);
+    // cells that say that something is wrong stand among numbers
+    let cells =
+        || table.rows.iter().filter_map(|r| r.get(column)).filter(|c| c.style != Style::Bad);
+    column == 0 || 2 * cells().filter(begins_with_letter).count() > cells().count()
+}
+
+fn write_cell(html: &mut Html, column: usize, cell: &Cell, plain: &[Attribute<'_>]) {
+    let text = cell.text.trim();
+    let attributes = match cell.style {
+        Style::Plain => plain,
+        Style::Bad => &[("class", "bad")],
+        Style::Best => &[("class", "best")],
+        Style::Dim => &[("class", "dim")],
+    };
+    match column {
+        0 => html.element("th", &[&[("scope", "row")], attributes].concat(), text),
+        _ => html.element("td", attributes, text),
+    }
+}
+
+/// A table of texts.
+pub fn words(title: String, header: Vec<&'static str>, rows: Vec<Vec<String>>) -> Table {
+    let rows = rows.into_iter().map(|row| row.into_iter().map(Cell::from).collect()).collect();
+    Table { title, header, rows, notes: Vec::new() }
+}

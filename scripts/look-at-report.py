@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Looks at a page of `rtbench report` in a real browser, and fails where it is not fit to be read.
+
+    scripts/look-at-report.py PAGE OUT_DIR [BROWSER]
+
+Checks, on a phone (360 pixels wide) and on a desk (1280), light and dark: the page is not wider than
+the window, nothing was asked of the network, nothing was said on the console, all text stands out
+from its ground at least 4.5 to 1. Writes a picture of each section in each of the four ways, and the
+page as printed (A4) as a PDF. Needs Python and Chromium only: it speaks the DevTools protocol
+through a pipe.
+"""
+import base64, json, os, subprocess, sys, tempfile
+
+WAYS = [("phone", 360, 800, 2), ("desk", 1280, 900, 1)]
+TALLEST = 4000  # pixels of a picture
+
+CONTRAST = """
+(() => {
+  const light = c => { const f = c.map(v => (v /= 255) <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+                       return 0.2126 * f[0] + 0.7152 * f[1] + 0.0722 * f[2]; };
+  const parse = s => (s.match(/[\\d.]+/g) || []).map(Number);
+  const ground = e => { for (; e; e = e.parentElement) {
+      if (e.tagName === 'svg') { const r = e.querySelector('rect'); return parse(getComputedStyle(r).fill); }
+      const c = parse(getComputedStyle(e).backgroundColor);
+      if (c.length === 3 || c[3] === 1) return c; }
+    return [255, 255, 255]; };
+  const bad = {};
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const e = walker.currentNode.parentElement;
+    if (!walker.currentNode.data.trim() || !e.checkVisibility()) continue;
+    const style = getComputedStyle(e);
+    const ink = light(parse(e instanceof SVGElement ? style.fill : style.color)), paper = light(ground(e));
+    const ratio = (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
+    if (ratio < 4.5) bad[`${e.tagName}.${e.getAttribute('class')} ${ratio.toFixed(2)}`] = walker.currentNode.data.trim();
+  }
+  return bad;
+})()
+"""
+
+
+class Browser:
+    def __init__(self, program):
+        self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        to_browser, self.to = os.pipe()
+        self.back, from_browser = os.pipe()
+
+        def pipes():  # the protocol's pipes are file descriptors 3 and 4
+            a, b = os.dup(to_browser), os.dup(from_browser)
+            os.dup2(a, 3), os.dup2(b, 4)
+
+        self.process = subprocess.Popen(
+            [program, "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+             "--disable-background-networking", "--disable-component-update", "--disable-sync",
+             "--remote-debugging-pipe", f"--user-data-dir={self.folder.name}", "about:blank"],
+            preexec_fn=pipes, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(to_browser), os.close(from_browser)
+        self.count, self.rest, self.events, self.session = 0, b"", [], None
+        target = self.ask("Target.getTargets")["targetInfos"]
+        target = next(t["targetId"] for t in target if t["type"] == "page")
+        self.session = self.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+
+    def receive(self):
+        while b"\0" not in self.rest:
+            more = os.read(self.back, 1 << 20)
+            if not more:
+                sys.exit("the browser went away")
+            self.rest += more
+        message, self.rest = self.rest.split(b"\0", 1)
+        return json.loads(message)
+
+    def ask(self, method, **parameters):
+        self.count += 1
+        message = {"id": self.count, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.to, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self.receive()
+            if answer.get("id") == self.count:
+                if "error" in answer:
+                    sys.exit(f"{method}: {answer['error']}")
+                return answer["result"]
+            self.events.append(answer)
+
+    def value(self, expression):
+        answer = self.ask("Runtime.evaluate", expression=expression, returnByValue=True)
+        if "exceptionDetails" in answer:
+            sys.exit(answer["exceptionDetails"])
+        return answer["result"].get("value")
+
+    def open(self, url):
+        self.ask("Page.navigate", url=url)
+        while not any(e.get("method") == "Page.loadEventFired" for e in self.events):
+            self.events.append(self.receive())
+        self.events = [e for e in self.events if e.get("method") != "Page.loadEventFired"]
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+
+
+def look(browser, url, out):
+    faults = []
+    for domain in ["Page", "Network", "Runtime", "Log"]:
+        browser.ask(f"{domain}.enable")
+    # pictures are taken without scroll bars; these must not move anything
+    browser.ask("Emulation.setScrollbarsHidden", hidden=True)
+    for name, width, height, scale in WAYS:
+        browser.ask("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                    deviceScaleFactor=scale, mobile=name == "phone")
+        for theme in ["light", "dark"]:
+            browser.ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": theme}])
+            browser.open(url)
+            way = f"{name}-{theme}"
+            wide = browser.value("document.documentElement.scrollWidth")
+            print(f"{way}: window {width}, page {wide}")
+            if wide > width:
+                faults.append(f"{way}: the page is {wide} pixels wide in a window of {width}")
+            for where, text in browser.value(CONTRAST).items():
+                faults.append(f"{way}: contrast of {where}: {text[:60]}")
+            parts = browser.value("[...document.querySelectorAll('header, section')].map(e => {"
+                                  "const r = e.getBoundingClientRect();"
+                                  "return [e.id || 'top', r.top + scrollY, r.height]; })")
+            for part, top, tall in parts:
+                clip = {"x": 0, "y": top, "width": width, "height": min(tall, TALLEST) + 1, "scale": 1}
+                picture = browser.ask("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)
+                with open(os.path.join(out, f"{way}-{part}.png"), "wb") as file:
+                    file.write(base64.b64decode(picture["data"]))
+    browser.ask("Emulation.clearDeviceMetricsOverride")
+    printed = browser.ask("Page.printToPDF", preferCSSPageSize=True, printBackground=False)
+    with open(os.path.join(out, "printed.pdf"), "wb") as file:
+        file.write(base64.b64decode(printed["data"]))
+    for event in browser.events:
+        parameters = event.get("params", {})
+        if event["method"] == "Network.requestWillBeSent":
+            asked = parameters["request"]["url"]
+            if not asked.startswith(("file://", "data:")):
+                faults.append(f"asked the network for {asked}")
+        if event["method"] in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"):
+            faults.append(f"console: {json.dumps(parameters)[:200]}")
+    return faults
+
+
+def main():
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    page, out = sys.argv[1:3]
+    os.makedirs(out, exist_ok=True)
+    browser = Browser(sys.argv[3] if len(sys.argv) > 3 else "chromium")
+    try:
+        faults = look(browser, "file://" + os.path.abspath(page), out)
+    finally:
+        browser.close()
+    for fault in faults:
+        print("FAULT:", fault)
+    sys.exit(1 if faults else 0)
+
+
+main()
