@@ -2,6 +2,7 @@
 //! kept the machine busy. Injected like the clock, so that all that is printed can be tested.
 
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -28,6 +29,8 @@ pub trait World: Sync {
     fn reset_peak_rss(&self);
     /// How busy the machine has been until now.
     fn load(&self) -> Load;
+    /// The folder that has the system's `proc` and `sys`.
+    fn system_root(&self) -> PathBuf;
 }
 
 /// How busy the machine has been; what counts up does so since its start.
@@ -93,6 +96,10 @@ impl World for SystemWorld {
 
     fn load(&self) -> Load {
         machine::load()
+    }
+
+    fn system_root(&self) -> PathBuf {
+        "/".into()
     }
 }
 
@@ -160,5 +167,9 @@ impl World for FixedWorld {
     fn load(&self) -> Load {
         let mut loads = self.loads.lock().unwrap_or_else(PoisonError::into_inner);
         if loads.len() > 1 { loads.pop_front() } else { loads.front().copied() }.unwrap_or_default()
+    }
+
+    fn system_root(&self) -> PathBuf {
+        "/nowhere".into()
     }
 }

@@ -43,6 +43,18 @@ const RUNS: &[(u64, &str)] = &[
     ),
 ];
 
+/// A baseline that nothing has changed since.
+const CHECKED: &[(u64, &str)] = &[(
+    1,
+    "baseline save main tetra:2 --size 8 --rays primary -s uniform-grid,obvhs-cwbvh --baselines DIR",
+)];
+
+/// A run in two parts.
+const PARTS: &[(u64, &str)] = &[
+    (1, "run tetra:2 --size 8 --rays primary -s uniform-grid,hug,obvhs-cwbvh --shard 1/2 -o DIR/1"),
+    (1, "run tetra:2 --size 8 --rays primary -s uniform-grid,hug,obvhs-cwbvh --shard 2/2 -o DIR/2"),
+];
+
 /// All of them: a line each. Those named `planted-...` have a structure that gives wrong answers.
 const SNAPSHOTS: &[Snapshot] = &[
     Snapshot {
@@ -84,6 +96,16 @@ const SNAPSHOTS: &[Snapshot] = &[
     of("cost", "cost tetra:2 --size 8"),
     of("reproduce-havran", "reproduce havran1999 --scenes tetra --structures uniform"),
     of("reproduce-zachmann", "reproduce zachmann2007 --scenes tetra --quick --size 8"),
+    Snapshot { before: CHECKED, ..of("baseline-list", "baseline list --baselines DIR") },
+    Snapshot { before: CHECKED, ..of("baseline-show", "baseline show main --baselines DIR") },
+    Snapshot { before: CHECKED, ..of("check", "check --baseline main --baselines DIR") },
+    of("check-unknown", "check --baseline main --baselines DIR"),
+    Snapshot { before: PARTS, ..of("merge", "merge DIR/1 DIR/2") },
+    Snapshot { before: PARTS, ..of("merge-missing", "merge DIR/1") },
+    Snapshot { before: RUNS, ..of("report", "report DIR/a -o - -q") },
+    of("doctor", "doctor"),
+    of("schema", "schema bencher-metric-format"),
+    of("man", "man doctor"),
     of("usage-error", "run tetra:2 -s unifrom-grid"),
     of("help", "--help"),
 ];

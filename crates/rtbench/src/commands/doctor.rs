@@ -16,7 +16,7 @@ use crate::export::text::painted;
 /// # Errors
 /// [`Error::Output`].
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
-    let diagnosis = diagnose(&System::this(), context.clock);
+    let diagnosis = diagnose(&System::of(context.world), context.clock);
     match args.format {
         Format::Json => context.out.write_all(json::written(&diagnosis)?.as_bytes())?,
         Format::Text => write(context.out, &diagnosis, context.terminal.colors(color))?,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use crate::doctor::{Finding, Level};
 use crate::machine::{kibibytes, value};
+use crate::world::World;
 
 /// A file system root to look at: `/`, or a test's own.
 #[derive(Debug, Clone)]
@@ -20,9 +21,9 @@ pub struct System {
 const CPUS: &str = "sys/devices/system/cpu";
 
 impl System {
-    /// This machine.
-    pub fn this() -> Self {
-        Self { root: "/".into(), threads: crate::machine::threads() }
+    /// The machine of a world.
+    pub fn of(world: &dyn World) -> Self {
+        Self { root: world.system_root(), threads: world.machine().threads }
     }
 
     /// One finding for each thing looked at.

@@ -5,9 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use scene_loading::source_hash::sha256_of_bytes;
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
 
 use crate::accuracy::record::AccuracyRecord;
 use crate::record::{RunRecord, SceneRecord};
@@ -66,8 +64,6 @@ pub struct Material {
     pub data: DataFile,
     /// The run.
     pub run: RunRecord,
-    /// What the run warned of, beyond its scenes.
-    pub warnings: Vec<String>,
     /// By scene: what its rows cost.
     pub profiles: Vec<Vec<Profile>>,
     /// Of `rtbench accuracy`.
@@ -131,7 +127,6 @@ impl Material {
             bytes: text.len(),
             sha256: sha256_of_bytes(&text),
         };
-        let warnings = warnings(record, &text)?;
         let accuracy = folder.join("accuracy").join("accuracy.json");
         let mut tracers = Vec::new();
         for scene in folders(&folder.join("tracers"))? {
@@ -153,7 +148,6 @@ impl Material {
             profiles: run.scenes.iter().map(profiles).collect(),
             folder,
             data,
-            warnings,
             run,
         })
     }
@@ -161,30 +155,6 @@ impl Material {
     /// Each scene with what its rows cost.
     pub fn scenes(&self) -> impl Iterator<Item = (&SceneRecord, &[Profile])> {
         self.run.scenes.iter().zip(self.profiles.iter().map(Vec::as_slice))
-    }
-}
-
-/// What a run warned of; texts as they are, anything else as JSON.
-fn warnings(path: &Path, text: &[u8]) -> Result<Vec<String>, ReportError> {
-    #[derive(Deserialize)]
-    struct Warned {
-        #[serde(default)]
-        warnings: Vec<Value>,
-    }
-    let Warned { warnings } = record_file::parsed(path, text, "rtbench run --export-json")?;
-    Ok(warnings.iter().map(in_words).collect())
-}
-
-/// A text as it is; the values of an object in their order; else JSON.
-fn in_words(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Object(fields) => {
-            let fields: Vec<String> =
-                fields.iter().map(|(name, value)| format!("{name}: {}", in_words(value))).collect();
-            fields.join("; ")
-        }
-        other => other.to_string(),
     }
 }
 
@@ -289,15 +259,5 @@ mod tests {
         assert_eq!(size_of_png(&png), Some([256, 64]));
         assert_eq!(size_of_png(&png[..20]), None);
         assert_eq!(size_of_png(b"GIF89a"), None);
-    }
-
-    #[test]
-    fn warnings_of_any_form_are_read() {
-        let read = |text: &str| warnings(Path::new("x"), text.as_bytes()).unwrap();
-        assert!(read("{}").is_empty());
-        assert_eq!(
-            read(r#"{"warnings": ["a", {"kind": "load", "advice": "wait"}, 3]}"#),
-            ["a", "advice: wait; kind: load", "3"]
-        );
     }
 }

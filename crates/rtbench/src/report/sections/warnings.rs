@@ -2,20 +2,15 @@
 //! are counted and never dropped.
 
 use crate::export::table::Table;
-use crate::metrics::METRICS;
-use crate::record::SceneRecord;
+use crate::record::{Outliers, SceneRecord};
 use crate::report::material::Material;
 use crate::report::tables::{self, Look, words};
 use crate::report::{Page, Shown};
-use crate::statistics::outliers::outliers;
-
-/// The metrics whose outliers are counted.
-const COUNTED: [&str; 2] = ["build", "trace"];
 
 /// Warnings, then outliers.
 pub fn write(material: &Material, page: &mut Page) -> Shown {
     let scenes = &material.run.scenes;
-    let mut all = material.warnings.clone();
+    let mut all: Vec<String> = material.run.warnings.iter().map(ToString::to_string).collect();
     for scene in scenes {
         all.extend(scene.warnings.iter().map(|w| format!("{}: {w}", scene.name)));
         let refused = scene.oracle.refused.iter();
@@ -45,17 +40,13 @@ fn outlier_table(scenes: &[SceneRecord]) -> Table {
     let mut rows = Vec::new();
     for scene in scenes {
         for row in &scene.rows {
-            let counted = COUNTED.map(|name| {
-                let metric = METRICS.iter().find(|m| m.name == name);
-                let values = metric.map(|m| m.values(scene, row)).unwrap_or_default();
-                (outliers(&values), values.len())
-            });
-            if counted.iter().any(|([below, above], _)| below + above > 0) {
-                let cell = |([below, above], samples): ([usize; 2], usize)| {
-                    format!("{below} below, {above} above, of {samples}")
+            // counted anew: records from before have no counts
+            let Outliers { build, trace } = Outliers::of(&row.samples);
+            if [build, trace].as_flattened().iter().sum::<u64>() > 0 {
+                let cell = |[below, above]: [u64; 2]| {
+                    format!("{below} below, {above} above, of {}", row.samples.len())
                 };
-                let [build, trace] = counted.map(cell);
-                rows.push(vec![scene.name.clone(), row.label(), build, trace]);
+                rows.push(vec![scene.name.clone(), row.label(), cell(build), cell(trace)]);
             }
         }
     }
