@@ -161,7 +161,6 @@ fn nothing_is_lost_without_a_word() {
     new.scenes[1].rows[1].verdict = Verdict::Wrong;
     new.scenes[1].rows[2].rays = 128;
     new.scenes.push(SceneRecord { name: "rings".into(), ..new.scenes[0].clone() });
-    new.complete = false;
     new.planned = vec!["x".into(); 8];
     new.warnings = vec![crate::warnings::Warning::NoisyMachine { spread: 0.5 }];
     let comparison = compared(&old, &new, &choice()).unwrap();
@@ -195,6 +194,9 @@ fn changed_answers_are_said_and_samples_of_other_rays_are_none() {
     new.scenes[1].rows[1].answers_sha256 = Some("ba".into());
     let comparison = compared(&old, &new, &choice()).unwrap();
     assert_eq!(comparison.answers_changed, ["tetra: uniform-grid"]);
+    new.scenes[0].rows[1].verdict = Verdict::WrongAsShipped;
+    let comparison = compared(&old, &new, &choice()).unwrap();
+    assert_eq!(comparison.scenes[0].left_out[0].why, "ok in A, wrong (as shipped) in B, compared");
     new.scenes[1].rows[1].checked_rays = 128;
     assert!(compared(&old, &new, &choice()).unwrap().answers_changed.is_empty());
 }
