@@ -3,8 +3,9 @@
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
 //! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`], [`report`]. A
-//! [`sweep`] is such a run whose rows are the values of one parameter; the [`gate`] holds a run
-//! against an earlier one.
+//! [`sweep`] is such a run whose rows are the values of one parameter. [`warnings`] says what is wrong
+//! with a run as a whole; [`record_file`] reads records back, [`comparison`] puts them side by side,
+//! the [`gate`] holds a run against an earlier one.
 
 // What a command line or a file says can make nothing panic. Modules that index lists of their own
 // making say so.

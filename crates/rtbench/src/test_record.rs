@@ -5,9 +5,12 @@ use serde_json::json;
 use crate::record::{RowRecord, RunRecord, SCHEMA_VERSION, Sample, SceneRecord, Settings};
 use crate::world::{FixedWorld, World};
 
+/// Rows of a scene: a label and times.
+pub type Rows<'a> = &'a [(&'a str, &'a [f64])];
+
 /// A run over scenes whose rows, the reference first, took those times in their rounds. A build
 /// takes a tenth of the time.
-pub fn run(scenes: &[(&str, &[(&str, &[f64])])]) -> RunRecord {
+pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
     let world = FixedWorld::default();
     RunRecord {
         schema_version: SCHEMA_VERSION,
@@ -43,7 +46,7 @@ pub fn run(scenes: &[(&str, &[(&str, &[f64])])]) -> RunRecord {
     }
 }
 
-fn scene(name: &str, rows: &[(&str, &[f64])]) -> SceneRecord {
+fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
     let reference = rows.first().map_or(&[][..], |row| row.1);
     let row = |(i, (label, times)): (usize, &(&str, &[f64]))| -> RowRecord {
         let (structure, settings) = label.split_once(' ').unwrap_or((label, ""));

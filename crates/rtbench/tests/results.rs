@@ -281,7 +281,8 @@ fn outliers_are_counted_and_shown_and_a_noisy_machine_is_warned_of() {
     impl Clock for Jumping {
         fn now(&self) -> Duration {
             let reading = self.1.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
-            (0..if reading % 50 == 0 { 40 } else { 1 }).fold(Duration::ZERO, |_, _| self.0.now())
+            (0..if reading.is_multiple_of(50) { 40 } else { 1 })
+                .fold(Duration::ZERO, |_, _| self.0.now())
         }
     }
     let clock = Jumping(SteppingClock::new(Duration::from_micros(10)), Default::default());

@@ -24,7 +24,7 @@ pub fn cautions(
         said.push(format!("{what}{consequence}"));
     }
     for Named { letter, run, .. } in [old, new] {
-        if !run.complete {
+        if !run.complete || run.scenes.len() < run.planned.len() {
             let (finished, all) = (run.scenes.len(), run.planned.len());
             said.push(format!("{letter} is incomplete: {finished} of {all} scenes"));
         }

@@ -8,6 +8,9 @@ use crate::statistics::mann_whitney::p_value;
 use crate::statistics::ratio_of_medians::ratio_of_medians;
 use crate::statistics::{Estimate, median};
 
+/// Probability of chance from which a difference is not called one.
+const SIGNIFICANT: f64 = 0.05;
+
 /// What comes of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -24,6 +27,9 @@ pub enum Outcome {
     Faster,
     /// Measured: the whole interval is above 1.
     Slower,
+    /// Measured: the interval leaves out 1, but the test does not reject chance. So it is of rounds
+    /// that lie in two heaps, as beside other programs, and of fewer than four, which reject nothing.
+    Unclear,
     /// Measured: too few rounds for an interval.
     TooFewRounds,
 }
@@ -38,11 +44,12 @@ impl Outcome {
         }
     }
 
-    /// Of a measured one.
-    pub fn of_measured(ratio: Option<Estimate>) -> Self {
+    /// Of a measured one, with the probability of chance where it was tested.
+    pub fn of_measured(ratio: Option<Estimate>, p: Option<f64>) -> Self {
         match ratio {
             None => Self::TooFewRounds,
             Some(ratio) if ratio.holds(1.0) => Self::NoDifference,
+            Some(_) if p.is_some_and(|p| p >= SIGNIFICANT) => Self::Unclear,
             Some(ratio) if ratio.median < 1.0 => Self::Faster,
             Some(_) => Self::Slower,
         }
@@ -57,6 +64,7 @@ impl Outcome {
             Self::NoDifference => "no difference",
             Self::Faster => "faster",
             Self::Slower => "slower",
+            Self::Unclear => "unclear",
             Self::TooFewRounds => "too few rounds",
         }
     }
@@ -104,7 +112,8 @@ impl Entry {
             (exact_ratio(old, new), None, Outcome::of_exact(old, new))
         } else {
             let ratio = ratio_of_medians(&after, &before);
-            (ratio, p_value(&before, &after), Outcome::of_measured(ratio))
+            let p = p_value(&before, &after);
+            (ratio, p, Outcome::of_measured(ratio, p))
         };
         Some(Self {
             structure: new_row.structure.clone(),
@@ -150,13 +159,18 @@ mod tests {
     #[test]
     fn outcomes_say_what_the_interval_says() {
         let of = |low, high| {
-            Outcome::of_measured(Some(Estimate { median: f64::midpoint(low, high), low, high }))
+            let ratio = Estimate { median: f64::midpoint(low, high), low, high };
+            let untested = Outcome::of_measured(Some(ratio), None);
+            assert_eq!(untested, Outcome::of_measured(Some(ratio), Some(0.04)));
+            let unclear = Outcome::of_measured(Some(ratio), Some(0.06));
+            assert_eq!(unclear == Outcome::Unclear, untested != Outcome::NoDifference);
+            untested
         };
         assert_eq!(of(0.9, 1.1), Outcome::NoDifference);
         assert_eq!(of(1.0, 1.1), Outcome::NoDifference);
         assert_eq!(of(1.01, 1.1), Outcome::Slower);
         assert_eq!(of(0.8, 0.99), Outcome::Faster);
-        assert_eq!(Outcome::of_measured(None), Outcome::TooFewRounds);
+        assert_eq!(Outcome::of_measured(None, None), Outcome::TooFewRounds);
         assert_eq!(Outcome::of_exact(2.0, 1.0), Outcome::Less);
         assert_eq!(Outcome::of_exact(1.0, 2.0), Outcome::More);
         assert_eq!(Outcome::of_exact(1.0, 1.0), Outcome::Equal);

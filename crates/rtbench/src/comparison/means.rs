@@ -84,7 +84,7 @@ fn mean<'p, 'r: 'p>(
         let groups: Vec<(&[f64], &[f64])> =
             values.iter().map(|[old, new]| (&new[..], &old[..])).collect();
         let ratio = geometric_mean_of_ratios(&groups);
-        (ratio, Outcome::of_measured(ratio))
+        (ratio, Outcome::of_measured(ratio, None))
     };
     let (structure, settings) = (row.structure.clone(), row.settings.clone());
     (scenes > 0).then_some(Mean {

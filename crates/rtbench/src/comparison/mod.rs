@@ -142,7 +142,7 @@ pub struct SceneComparison {
     pub left_out: Vec<LeftOut>,
 }
 
-/// A row that is not compared, or not in all its metrics.
+/// A row that is not compared, or not in all its metrics, or not without a word.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
     /// Structure.
@@ -276,6 +276,11 @@ impl Comparison {
             }
             if answers_changed([before, after]) {
                 self.answers_changed.push(format!("{name}: {}", row.label()));
+            }
+            if before.verdict != after.verdict {
+                let [a, b] = [before, after].map(|row| row.verdict.name());
+                let why = format!("{a} in {}, {b} in {}, compared", letters[0], letters[1]);
+                out.leave_out(row, why);
             }
             let mut other_rays = Vec::new();
             let mut is_paired = false;

@@ -161,7 +161,6 @@ fn nothing_is_lost_without_a_word() {
     new.scenes[1].rows[1].verdict = Verdict::Wrong;
     new.scenes[1].rows[2].rays = 128;
     new.scenes.push(SceneRecord { name: "rings".into(), ..new.scenes[0].clone() });
-    new.complete = false;
     new.planned = vec!["x".into(); 8];
     new.warnings = vec![crate::warnings::Warning::NoisyMachine { spread: 0.5 }];
     let comparison = compared(&old, &new, &choice()).unwrap();
@@ -195,8 +194,24 @@ fn changed_answers_are_said_and_samples_of_other_rays_are_none() {
     new.scenes[1].rows[1].answers_sha256 = Some("ba".into());
     let comparison = compared(&old, &new, &choice()).unwrap();
     assert_eq!(comparison.answers_changed, ["tetra: uniform-grid"]);
+    new.scenes[0].rows[1].verdict = Verdict::WrongAsShipped;
+    let comparison = compared(&old, &new, &choice()).unwrap();
+    assert_eq!(comparison.scenes[0].left_out[0].why, "ok in A, wrong (as shipped) in B, compared");
     new.scenes[1].rows[1].checked_rays = 128;
     assert!(compared(&old, &new, &choice()).unwrap().answers_changed.is_empty());
+}
+
+#[test]
+fn an_interval_that_the_test_does_not_bear_out_is_unclear() {
+    // the later rounds lie in two heaps
+    let heaps = [1.0, 1.0, 1.01, 1.01, 2.0, 2.01, 2.0, 2.01, 2.0];
+    let level = [1.0, 1.01, 1.02, 1.0, 1.01, 1.02, 1.0, 1.01, 1.02];
+    let of = |times: &[f64]| run(&[("tetra", &[("obvhs-cwbvh", &level), ("hug", times)])]);
+    let two = of(&[1.5, 1.5, 1.5]);
+    let comparison = compared(&of(&[1.0, 1.0, 1.0]), &two, &choice()).unwrap();
+    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Outcome::Unclear, "three rounds");
+    let comparison = compared(&of(&level), &of(&heaps), &choice()).unwrap();
+    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Outcome::Unclear, "two heaps");
 }
 
 #[test]
