@@ -14,11 +14,12 @@ use crate::clock::Clock;
 use crate::gate::{MatchedRow, ROUNDS};
 use crate::progress::Progress;
 use crate::random::Random;
-use crate::record::{RowRecord, RunRecord, Sample};
+use crate::record::{RowRecord, RunRecord};
 
 /// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The least
-/// of their times counts: other programs only add to it.
-const VISITS: (u32, u32) = (3, 9);
+/// of their times counts, of each kind of rays by itself: other programs only add to it, and a
+/// short time has the better chance of passing between them.
+const VISITS: (u32, u32) = (5, 9);
 /// Seconds of a process that are worth their time: starting it takes about as long.
 const VISIT_SECONDS: f64 = 0.5;
 /// Pairs within a time budget, at the least: fewer could not be significant.
@@ -182,12 +183,20 @@ fn add(rows: &mut Vec<PairedRow>, old: &RunRecord, new: &RunRecord) {
     }
 }
 
+/// The least times of the row on both sides: build, trace.
 fn pair(old: &RowRecord, new: &RowRecord) -> Option<([f64; 2], [f64; 2])> {
-    let least =
-        |row: &RowRecord, of: fn(&Sample) -> f64| row.samples.iter().map(of).min_by(f64::total_cmp);
-    let build = [least(old, |s| s.build_s)?, least(new, |s| s.build_s)?];
-    let trace = [least(old, Sample::total_trace_s)?, least(new, Sample::total_trace_s)?];
-    Some((build, trace))
+    let build = |row: &RowRecord| row.samples.iter().map(|s| s.build_s).min_by(f64::total_cmp);
+    Some(([build(old)?, build(new)?], [trace(old)?, trace(new)?]))
+}
+
+/// The least trace times of all kinds of rays together.
+fn trace(row: &RowRecord) -> Option<f64> {
+    let kinds = row.samples.first()?.trace_s.keys();
+    let least = |kind| {
+        let seconds = row.samples.iter().filter_map(|s| s.trace_s.get(kind));
+        seconds.copied().min_by(f64::total_cmp)
+    };
+    kinds.map(least).sum()
 }
 
 /// The file of this program, as the environment has it.

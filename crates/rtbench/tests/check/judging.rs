@@ -179,7 +179,8 @@ fn a_regression_of_times_must_be_seen_twice() {
 
 #[test]
 fn each_difference_that_forbids_comparing_is_named() {
-    let faults: [(&str, fn(&mut RunRecord)); 9] = [
+    type Fault = fn(&mut RunRecord);
+    let faults: [(&str, Fault); 9] = [
         ("threads: 1, then 2", |r| r.settings.threads = 2),
         ("precision", |r| r.settings.precision = "f64".into()),
         ("resolution", |r| r.settings.resolution = [8; 2]),
