@@ -55,6 +55,7 @@ pub mod metrics;
 pub mod oracle;
 pub mod panics;
 pub mod plan;
+pub mod plan_part;
 pub mod pools;
 pub mod progress;
 pub mod quantity;

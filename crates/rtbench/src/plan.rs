@@ -11,10 +11,11 @@ use accel_core::structures::Entry;
 
 use crate::args::{MeasuringArgs, Precision, RunArgs};
 use crate::measured_row::{self, MeasuredRow};
+use crate::plan_part::PlannedPart;
 use crate::ray_overrides;
 use crate::rows::Row;
 use crate::scene_source::{KnownScene, LoadError, SceneSource};
-use crate::shard::{Matrix, Shard, ShardRecord};
+use crate::shard::Shard;
 use crate::strides::FixedStrides;
 use crate::suggest;
 use crate::sweep::SweepError;
@@ -139,6 +140,12 @@ pub enum PlanError {
         /// What there is to divide.
         cells: usize,
     },
+    /// Parts could not be joined again.
+    #[error("--shard: two scenes have the name {name}; parts are joined by names")]
+    SameName {
+        /// Of both.
+        name: String,
+    },
     /// Two outputs would be mixed up.
     #[error("more than one output is to go to standard output (-); name files for the others")]
     OneStdout,
@@ -239,15 +246,6 @@ pub struct Plan<'r> {
     pub part: Option<PlannedPart>,
 }
 
-/// A part of a run; the scenes of its plan are those in which it has rows to measure.
-#[derive(Debug, Clone)]
-pub struct PlannedPart {
-    /// Of which whole.
-    pub record: ShardRecord,
-    /// The places of its rows, for each of its scenes.
-    pub rows: Vec<Vec<usize>>,
-}
-
 impl<'r> Plan<'r> {
     /// Validates the command line of a run.
     ///
@@ -286,51 +284,6 @@ impl<'r> Plan<'r> {
             Some(shard) => plan.part_of(shard),
             None => Ok(plan),
         }
-    }
-
-    /// The part of the plan that a shard measures.
-    fn part_of(mut self, shard: Shard) -> Result<Self, PlanError> {
-        let matrix =
-            Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.baseline };
-        if shard.count as usize > matrix.cells() {
-            return Err(PlanError::TooManyShards { shard, cells: matrix.cells() });
-        }
-        let record = ShardRecord {
-            index: shard.index,
-            count: shard.count,
-            scenes: self.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
-            rows: self.rows.iter().map(MeasuredRow::label).collect(),
-            reference: self.baseline,
-            rounds: format!("{:?}", self.rounds),
-        };
-        let mut rows: Vec<Vec<usize>> =
-            (0..matrix.scenes).map(|scene| matrix.rows_of(shard, scene)).collect();
-        let mut of_scenes = rows.iter();
-        self.scenes.retain(|_| of_scenes.next().is_some_and(|rows| !rows.is_empty()));
-        rows.retain(|rows| !rows.is_empty());
-        self.part = Some(PlannedPart { record, rows });
-        Ok(self)
-    }
-
-    /// How many rows are measured in the scene at that place.
-    pub fn rows_in(&self, scene: usize) -> usize {
-        let part = self.part.as_ref().and_then(|part| part.rows.get(scene));
-        part.map_or(self.rows.len(), Vec::len)
-    }
-
-    /// The plan of the scene at that place alone, where it has not all rows.
-    pub fn of_scene(&self, scene: usize) -> Option<Plan<'r>> {
-        let places = self.part.as_ref()?.rows.get(scene)?;
-        Some(Plan {
-            scenes: Vec::new(),
-            rows: places.iter().filter_map(|&row| self.rows.get(row).cloned()).collect(),
-            baseline: places.iter().position(|&row| row == self.baseline).unwrap_or(0),
-            answers: self.answers.clone(),
-            kinds: self.kinds.clone(),
-            strides: self.strides.clone(),
-            part: None,
-            ..*self
-        })
     }
 
     /// A plan over those scenes and rows; ratios are taken to the row at the index `baseline`.

@@ -1,6 +1,7 @@
 //! `rtbench.toml`: its sets and defaults in whole runs.
 
 use std::fs;
+use std::process::Command;
 
 use crate::common::{Folder, run_stepping};
 
@@ -34,7 +35,29 @@ fn sets_and_defaults_are_those_of_the_file() {
     let sets = run_stepping(&format!("list sets --config {path}"));
     assert!(sets.out.contains("both") && sets.out.contains("small, tetra:2"), "{}", sets.out);
     let info = run_stepping(&format!("scenes validate small --config {path}"));
-    assert!(info.code == 0 && info.out.contains("tri: ok"), "{}{}", info.out, info.err);
+    assert!(info.out.contains("tri: can be used"), "{}{}", info.out, info.err);
+}
+
+#[test]
+fn the_program_finds_the_file_of_its_folder() {
+    let folder = Folder::new();
+    let below = format!("{}/below", folder.path());
+    fs::create_dir(&below).unwrap();
+    let path = format!("{}/rtbench.toml", folder.path());
+    let list = || {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_rtbench"));
+        program.args(["list", "sets"]).current_dir(&below).output().unwrap()
+    };
+    fs::write(&path, "[sets]\nmine = [\"tetra\"]\n").unwrap();
+    let listed = list();
+    let text = String::from_utf8_lossy(&listed.stdout);
+    assert!(text.lines().any(|line| line.starts_with("mine ")), "{listed:?}");
+    fs::write(&path, "[stes]\n").unwrap();
+    let refused = list();
+    let text = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{text}");
+    assert!(text.contains("line 1: unknown field `stes`"), "{text}");
+    assert!(text.contains("(did you mean 'sets'?)"), "{text}");
 }
 
 #[test]

@@ -179,9 +179,10 @@ fn unknown_in(line: &str) -> Vec<String> {
         if let Some(below) = command.find_subcommand(token) {
             command = below;
             options(command, &mut known);
-        } else if place == 1 {
-            unknown.push((*token).to_owned());
-        } else if token.starts_with('-') && !known.iter().any(|option| option == token) {
+            continue;
+        }
+        let is_unknown = token.starts_with('-') && !known.iter().any(|option| option == token);
+        if place == 1 || is_unknown {
             unknown.push((*token).to_owned());
         }
     }

@@ -164,6 +164,25 @@ fn a_folder_with_a_part_is_not_written_over() {
 }
 
 #[test]
+fn scenes_of_the_same_name_are_not_divided() {
+    let folder = Folder::new();
+    let mut paths = Vec::new();
+    for (name, x) in [("a", 1), ("b", 2)] {
+        let path = format!("{}/{name}", folder.path());
+        std::fs::create_dir(&path).unwrap();
+        std::fs::write(
+            format!("{path}/same.obj"),
+            format!("v 0 0 0\nv {x} 0 0\nv 0 1 0\nf 1 2 3\n"),
+        )
+        .unwrap();
+        paths.push(format!("{path}/same.obj"));
+    }
+    let ended = run_stepping(&format!("run {} -s obvhs-cwbvh --shard 1/2", paths.join(" ")));
+    assert_eq!(ended.code, 2, "{}", ended.err);
+    assert!(ended.err.contains("two scenes have the name same"), "{}", ended.err);
+}
+
+#[test]
 fn shards_that_make_no_sense_are_usage_errors() {
     for (arguments, said) in [
         ("run tetra:1 --shard 0/2", "1 to N"),
