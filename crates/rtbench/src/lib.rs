@@ -50,6 +50,7 @@ pub mod oracle;
 pub mod panics;
 pub mod plan;
 pub mod pools;
+pub mod pressure;
 pub mod progress;
 pub mod random;
 pub mod ray_overrides;
