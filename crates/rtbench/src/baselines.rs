@@ -94,6 +94,9 @@ pub struct Baseline {
     /// Instruction counts of its rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instructions: Option<Counts>,
+    /// The share of the time in which some thread waited for a processor, where that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cpu_pressure: Option<f64>,
 }
 
 /// What a file has beside a record.
@@ -101,6 +104,8 @@ pub struct Baseline {
 struct Beside {
     #[serde(default)]
     instructions: Option<Counts>,
+    #[serde(default)]
+    cpu_pressure: Option<f64>,
 }
 
 /// The folder of baselines.
@@ -232,9 +237,9 @@ pub fn read(path: &Path) -> Result<Baseline, BaselineError> {
     let path = if path.is_dir() { path.join(record_file::NAME) } else { path.to_owned() };
     let text = fs::read(&path);
     let text = text.map_err(|source| BaselineError::Io { path: path.clone(), source })?;
-    let Beside { instructions } = serde_json::from_slice(&text)
+    let Beside { instructions, cpu_pressure } = serde_json::from_slice(&text)
         .map_err(|e| BaselineError::Counts { path, message: e.to_string() })?;
-    Ok(Baseline { record, instructions })
+    Ok(Baseline { record, instructions, cpu_pressure })
 }
 
 fn is_name(text: &str) -> bool {

@@ -8,6 +8,7 @@ use accel_core::structures::Entry;
 
 use crate::args::Color;
 use crate::clock::Clock;
+use crate::pressure;
 use crate::progress::Progress;
 use crate::scene_source::{KnownScene, LoadError, LoadedScene, SceneSource};
 use crate::world::World;
@@ -47,6 +48,8 @@ pub struct Environment {
     pub github_actions: bool,
     /// GITHUB_STEP_SUMMARY: the file that Markdown is appended to.
     pub github_step_summary: Option<PathBuf>,
+    /// The file in which Linux says how long threads waited for a processor.
+    pub cpu_pressure: Option<PathBuf>,
     /// RTBENCH_BASELINES: the folder of baselines.
     pub baselines: Option<PathBuf>,
 }
@@ -59,6 +62,7 @@ impl Environment {
             program: std::env::current_exe().ok(),
             github_actions: std::env::var_os("GITHUB_ACTIONS").is_some_and(|v| v == "true"),
             github_step_summary: path("GITHUB_STEP_SUMMARY"),
+            cpu_pressure: Some(pressure::CPU.into()),
             baselines: path("RTBENCH_BASELINES"),
         }
     }

@@ -57,6 +57,7 @@ pub mod panics;
 pub mod plan;
 pub mod plan_part;
 pub mod pools;
+pub mod pressure;
 pub mod progress;
 pub mod quantity;
 pub mod random;

@@ -75,6 +75,10 @@ pub struct ThresholdArgs {
     /// Probability of one false alarm in all times of a check [default: 0.05]
     #[arg(long, value_name = "P")]
     pub significance: Option<f64>,
+    /// Ratios within a run are not trusted where some thread waited for a processor for a longer
+    /// part of it, percent [default: 20]
+    #[arg(long, value_name = "PCT", value_parser = percent)]
+    pub busiest: Option<f64>,
     /// Times shorter than that are not judged [default: 200us]
     #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
     pub shortest: Option<Duration>,

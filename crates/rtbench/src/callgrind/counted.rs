@@ -3,6 +3,7 @@
 
 use accel_core::occluders::OccluderScalar;
 use accel_core::structures::Buildable;
+use rayon::ThreadPool;
 use renderer::{Geometry, generate_rays};
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +13,7 @@ use crate::error::Error;
 use crate::measured_row::MeasuredRow;
 use crate::panics::caught;
 use crate::plan::Plan;
-use crate::pools::{Pools, pool};
+use crate::pools::pool;
 use crate::scene_run::light_positions;
 use crate::scene_source::LoadedScene;
 
@@ -55,11 +56,13 @@ pub fn counted_phase(work: &mut dyn FnMut()) {
 pub fn count_all(plan: &Plan<'_>) -> Result<Vec<Counted>, Error> {
     let mut counted = Vec::new();
     let mut calls = 0;
+    // one pool for all scenes: threads that end while others begin change what allocating costs
+    let pool = pool(1)?;
     for known in &plan.scenes {
         let loaded = known.load()?;
         match plan.precision {
-            Precision::F32 => count_scene::<f32>(plan, &loaded, &mut calls, &mut counted)?,
-            Precision::F64 => count_scene::<f64>(plan, &loaded, &mut calls, &mut counted)?,
+            Precision::F32 => count_scene::<f32>(plan, &loaded, &pool, &mut calls, &mut counted)?,
+            Precision::F64 => count_scene::<f64>(plan, &loaded, &pool, &mut calls, &mut counted)?,
         }
     }
     Ok(counted)
@@ -68,12 +71,12 @@ pub fn count_all(plan: &Plan<'_>) -> Result<Vec<Counted>, Error> {
 fn count_scene<S: Buildable + OccluderScalar>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
+    pool: &ThreadPool,
     calls: &mut usize,
     counted: &mut Vec<Counted>,
 ) -> Result<(), Error> {
     let scene = &loaded.scene;
     let geometry = Geometry::<S>::of(scene)?;
-    let pools = Pools { measured: pool(1)?, helper: pool(1)? };
     let mut settings = plan.settings;
     settings.resolution = settings.resolution.map(|n| n.min(SIZE));
     let mut refused = Vec::new();
@@ -85,8 +88,8 @@ fn count_scene<S: Buildable + OccluderScalar>(
         scene: scene.name.clone(),
         reasons: refused.join("; "),
     })?;
-    let rays = pools.helper.install(|| generate_rays(scene, &*tracer, &settings));
-    let answers = pools.helper.install(|| answer(&rays, &plan.kinds, &*tracer));
+    let rays = pool.install(|| generate_rays(scene, &*tracer, &settings));
+    let answers = pool.install(|| answer(&rays, &plan.kinds, &*tracer));
     let lights = light_positions(scene);
     let all = BatchSet::new(&rays, answers, &lights);
     for row in &plan.rows {
@@ -96,7 +99,7 @@ fn count_scene<S: Buildable + OccluderScalar>(
         let set = BatchSet { stride: 1, batches: thinned.collect() };
         let phases = caught(|| {
             // within the pool: what is called from outside would run beside the counted function
-            pools.measured.install(|| phases(row, &geometry, &lights, &set))
+            pool.install(|| phases(row, &geometry, &lights, &set))
         });
         let [is_built, is_asked] = phases.unwrap_or([true, false]);
         let mut next = |happened: bool| {

@@ -14,6 +14,7 @@ use crate::export::text;
 use crate::gate::{GateError, ROUNDS};
 use crate::machine;
 use crate::plan::Plan;
+use crate::pressure::Watch;
 use crate::record::RunRecord;
 
 /// Does what was asked and returns the exit code.
@@ -86,12 +87,14 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     }
     let plan = Plan::new(&run, context.registry, context.occluders, context.scenes)?;
     let mut outputs = Outputs::of_run(&run.exports)?;
+    let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
         Ok(())
     })?;
     let code = exit_code(&measured);
-    Ok((Baseline { record: measured.record, instructions: None }, code))
+    let cpu_pressure = watch.share();
+    Ok((Baseline { record: measured.record, instructions: None, cpu_pressure }, code))
 }
 
 /// Refuses results of another commit: instructions of this one say nothing of it.
@@ -117,7 +120,7 @@ fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Er
     let header = vec!["baseline", "scenes", "rows", "rounds", "instructions", "commit"];
     let mut table = Table { title: "Baselines".into(), header, ..Table::default() };
     for name in store.names().map_err(gate)? {
-        let Baseline { record, instructions } =
+        let Baseline { record, instructions, .. } =
             read(&store.existing(&name).map_err(gate)?).map_err(gate)?;
         let rows = record.scenes.iter().map(|s| s.rows.len()).max().unwrap_or(0);
         let commit = record.tool.git_revision.as_deref().and_then(|r| r.get(..12));
@@ -142,7 +145,7 @@ pub(super) fn rounds(record: &RunRecord) -> usize {
 }
 
 fn show(context: &mut Context<'_>, store: &Store, name: &str, colors: bool) -> Result<(), Error> {
-    let Baseline { record, instructions } =
+    let Baseline { record, instructions, .. } =
         read(&store.existing(name).map_err(gate)?).map_err(gate)?;
     for scene in &record.scenes {
         text::write_scene(context.out, &record, scene, colors)?;

@@ -23,6 +23,7 @@ use crate::gate::{
 use crate::interrupt::undisturbed;
 use crate::like::{self, LikeError, Narrowed};
 use crate::plan::{Plan, Rounds};
+use crate::pressure::Watch;
 use crate::progress::Progress;
 use crate::record::{RunRecord, Verdict};
 use clap::Parser;
@@ -121,7 +122,10 @@ impl Check<'_> {
         };
         let mut plan = like::plan(&base, &wanted, context)?;
         plan.limits.render_pass = 0.0;
+        let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
         let (now, failures) = measured(context, &plan)?;
+        let cpu_pressure = [watch.share(), baseline.cpu_pressure].into_iter().flatten();
+        let times = Times::InRun { cpu_pressure: cpu_pressure.max_by(f64::total_cmp) };
         refuse(&base, &now)?;
         let counts = match self.wants_counts {
             true => Some(self.counts(context, &base)?),
@@ -134,8 +138,7 @@ impl Check<'_> {
             _ => Instructions::NotAsked,
         };
         let thresholds = &self.thresholds;
-        let first =
-            Evidence { thresholds, base: &base, now: &now, instructions, times: Times::InRun };
+        let first = Evidence { thresholds, base: &base, now: &now, instructions, times };
         let mut findings = judge(&first);
         let suspects = suspects(&findings);
         if !suspects.is_empty() {

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
+use crate::check::stride_for;
 use crate::child_process::{ChildError, answer, without_samples};
 use crate::clock::Clock;
 use crate::gate::{MatchedRow, ROUNDS};
@@ -19,9 +20,12 @@ use crate::record::{RowRecord, RunRecord};
 /// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The least
 /// of their times counts, of each kind of rays by itself: other programs only add to it, and a
 /// short time has the better chance of passing between them.
-const VISITS: (u32, u32) = (5, 9);
+const VISITS: (u32, u32) = (5, 25);
 /// Seconds of a process that are worth their time: starting it takes about as long.
 const VISIT_SECONDS: f64 = 0.5;
+/// Seconds that the rays of a kind may take in a process, about; more are thinned. On a busy machine
+/// a thread is interrupted every few milliseconds: what is shorter is often spared.
+const PASS_SECONDS: f64 = 0.001;
 /// Pairs within a time budget, at the least: fewer could not be significant.
 const FEWEST: u32 = 9;
 
@@ -70,7 +74,7 @@ pub struct Contest<'a> {
     pub old: &'a Path,
     /// The newer: this one.
     pub new: &'a Path,
-    /// The record that says what to measure.
+    /// The record that says what to measure, with one round at least.
     pub like: RunRecord,
     /// Pairs; none asks for the default.
     pub rounds: Option<u32>,
@@ -84,7 +88,7 @@ impl Contest<'_> {
     /// # Errors
     /// [`AgainstError`].
     pub fn record_of_old(&self) -> Result<RunRecord, AgainstError> {
-        self.measured(self.old, 1, false).map_err(AgainstError::Old)
+        self.measured(self.old, &self.like, 1, false).map_err(AgainstError::Old)
     }
 
     /// Pairs of processes, until there are as many as asked for.
@@ -97,15 +101,16 @@ impl Contest<'_> {
         progress: &Progress,
     ) -> Result<Vec<PairedRow>, AgainstError> {
         let mut rows: Vec<PairedRow> = Vec::new();
-        let visits = self.visits();
+        let like = thinned(&self.like);
+        let visits = visits(&like);
         let start = clock.now();
         let mut round = 0;
         while self.goes_on(round, clock.now().saturating_sub(start)) {
             progress.message(format!("pair {}", round + 1));
             let purpose = format!("pairs/{round}");
             let old_first = Random::new(self.like.settings.seed, &purpose).below(2) == 0;
-            let old = || self.measured(self.old, visits, true).map_err(AgainstError::Old);
-            let new = || self.measured(self.new, visits, true).map_err(AgainstError::New);
+            let old = || self.measured(self.old, &like, visits, true).map_err(AgainstError::Old);
+            let new = || self.measured(self.new, &like, visits, true).map_err(AgainstError::New);
             let (old, new) = if old_first {
                 let old = old()?;
                 (old, new()?)
@@ -125,14 +130,6 @@ impl Contest<'_> {
         self.rounds.unwrap_or(ROUNDS)
     }
 
-    /// Visits of each row in a process.
-    fn visits(&self) -> u32 {
-        let samples = || self.like.scenes.iter().flat_map(|s| &s.rows).flat_map(|r| &r.samples);
-        let seconds: f64 = samples().map(|s| s.build_s + s.total_trace_s()).sum();
-        let visits = (VISIT_SECONDS / seconds.max(1e-6)).ceil().min(f64::from(VISITS.1));
-        (visits as u32).max(VISITS.0)
-    }
-
     fn goes_on(&self, round: u32, elapsed: Duration) -> bool {
         match self.time_budget {
             Some(budget) => round < FEWEST || elapsed < budget,
@@ -143,6 +140,7 @@ impl Contest<'_> {
     fn measured(
         &self,
         program: &Path,
+        like: &RunRecord,
         rounds: u32,
         lightly: bool,
     ) -> Result<RunRecord, ChildError> {
@@ -151,8 +149,31 @@ impl Contest<'_> {
         if lightly {
             command.arg("--lightly");
         }
-        answer(&mut command, &without_samples(&self.like))
+        answer(&mut command, &without_samples(like))
     }
+}
+
+/// The record with the rays of slow rows thinned, by powers of two, so that a pass over a kind is
+/// short. Its samples are made shorter likewise, for [`visits`].
+fn thinned(like: &RunRecord) -> RunRecord {
+    let mut like = like.clone();
+    for row in like.scenes.iter_mut().flat_map(|s| &mut s.rows) {
+        let kinds = row.samples.iter().flat_map(|s| s.trace_s.values());
+        let longest = kinds.copied().max_by(f64::total_cmp).unwrap_or(0.0);
+        let times = stride_for(longest, PASS_SECONDS);
+        row.stride = row.stride.saturating_mul(times as u64);
+        let seconds = row.samples.iter_mut().flat_map(|s| s.trace_s.values_mut());
+        seconds.for_each(|s| *s /= times as f64);
+    }
+    like
+}
+
+/// Visits of each row in a process.
+fn visits(like: &RunRecord) -> u32 {
+    let samples = || like.scenes.iter().flat_map(|s| &s.rows).flat_map(|r| &r.samples);
+    let seconds: f64 = samples().map(|s| s.build_s + s.total_trace_s()).sum();
+    let visits = (VISIT_SECONDS / seconds.max(1e-6)).ceil().min(f64::from(VISITS.1));
+    (visits as u32).max(VISITS.0)
 }
 
 /// Adds the pair of times of each row that both have.

@@ -171,7 +171,11 @@ pub enum Instructions<'a> {
 #[derive(Debug, Clone, Copy)]
 pub enum Times<'a> {
     /// The samples of both records: ratios to the reference within each run.
-    InRun,
+    InRun {
+        /// The share of the time in which some thread waited for a processor, of the busier of both
+        /// runs; none where that is not known.
+        cpu_pressure: Option<f64>,
+    },
     /// Two binaries measured in turns: ratios within each pair.
     Paired(&'a [PairedRow]),
 }

@@ -24,11 +24,14 @@ pub struct Thresholds {
     pub significance: f64,
     /// Seconds; shorter times are not judged.
     pub shortest: f64,
+    /// The share of a run in which some thread may wait for a processor. Beyond it ratios within
+    /// the run say little: a long time is interrupted more often than a short one.
+    pub busiest: f64,
 }
 
 impl Default for Thresholds {
     fn default() -> Self {
-        Self { instructions: 0.01, time: 0.10, significance: 0.05, shortest: 200e-6 }
+        Self { instructions: 0.01, time: 0.10, significance: 0.05, shortest: 200e-6, busiest: 0.2 }
     }
 }
 
@@ -49,6 +52,7 @@ impl Thresholds {
     pub fn with(mut self, args: &ThresholdArgs) -> Result<Self, ThresholdError> {
         self.instructions = args.instruction_threshold.unwrap_or(self.instructions);
         self.time = args.time_threshold.unwrap_or(self.time);
+        self.busiest = args.busiest.unwrap_or(self.busiest);
         self.significance = args.significance.unwrap_or(self.significance);
         self.shortest = args.shortest.map_or(self.shortest, |t: Duration| t.as_secs_f64());
         self.checked()
@@ -61,6 +65,7 @@ impl Thresholds {
         for (name, value, is_valid, expected) in [
             ("instructions", self.instructions, is_share(self.instructions), share),
             ("time", self.time, is_share(self.time), share),
+            ("busiest", self.busiest, is_share(self.busiest), share),
             (
                 "significance",
                 self.significance,

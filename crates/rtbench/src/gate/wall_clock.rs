@@ -1,8 +1,10 @@
 //! Rung: times, by ratios that were measured side by side.
 //!
-//! Against a record these are ratios to the reference row within each run: whatever the machines
-//! are, and however busy, both sides of a ratio had it alike. Against a binary they are ratios
-//! within each pair of processes.
+//! Against a record these are ratios to the reference row within each run, so that it does not
+//! matter how fast the machines are. It does matter how busy they are: a build of 40 ms is
+//! interrupted in most rounds and one of 1 ms in few, so that their ratio follows the load; where
+//! threads had to wait for processors, such ratios prove nothing. Against a binary they are ratios
+//! within each pair of processes, of the same row, which the load moves both ways alike.
 //!
 //! A regression needs both: the whole 95% interval beyond the threshold, which says that the
 //! change is large, and a test, corrected for all that are tested, which says that it is no
@@ -38,7 +40,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     for row in &rows {
         for (what, ratio, time) in QUANTITIES {
             let found = match evidence.times {
-                Times::InRun => in_run(row, ratio, time, evidence.thresholds.shortest),
+                Times::InRun { .. } => in_run(row, ratio, time, evidence.thresholds.shortest),
                 Times::Paired(pairs) => {
                     let own = pairs.iter().find(|p| p.is_of(row));
                     paired(own, what, evidence.thresholds.shortest, evidence.now.settings.seed)
@@ -151,12 +153,32 @@ fn judged(
         () if high < least && is_significant => (Outcome::Improved, ""),
         () => (Outcome::Unchanged, ""),
     };
+    let (outcome, note) = match evidence.times {
+        Times::InRun { cpu_pressure: Some(share) } if share > thresholds.busiest => {
+            (if_busy(outcome), format!("{BUSY} {:.0}% of the time", share * 100.0))
+        }
+        _ => (outcome, note.to_owned()),
+    };
+    let note = if outcome == Outcome::Unchanged { String::new() } else { note };
     Finding {
         baseline: Some(tested.before),
         now: Some(tested.now),
         change: Some(tested.change),
         p: Some(p),
         ..Finding::of(RUNG.name, row, what, outcome, note)
+    }
+}
+
+/// What is said where the machine was too busy for ratios within a run.
+const BUSY: &str = "the machine was too busy (try --against): threads waited";
+
+/// What is left of a judgement by ratios within a run on a busy machine: a row that takes longer
+/// than the reference is interrupted more often, so that its ratio grows with the load.
+fn if_busy(outcome: Outcome) -> Outcome {
+    match outcome {
+        Outcome::Regression => Outcome::Inconclusive,
+        Outcome::Improved => Outcome::NotJudged,
+        other => other,
     }
 }
 

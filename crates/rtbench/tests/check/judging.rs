@@ -13,7 +13,13 @@ use crate::planted::{REFERENCE, ROW, record, row, timed};
 
 fn of(base: &RunRecord, now: &RunRecord, instructions: Instructions<'_>) -> Vec<Finding> {
     let thresholds = &Thresholds::default();
-    judge(&Evidence { thresholds, base, now, instructions, times: Times::InRun })
+    judge(&Evidence {
+        thresholds,
+        base,
+        now,
+        instructions,
+        times: Times::InRun { cpu_pressure: None },
+    })
 }
 
 /// What a rung says of a quantity of [`ROW`].
@@ -130,6 +136,21 @@ fn times_regress_where_the_interval_and_the_test_say_so() {
         sample.trace_s.values_mut().for_each(|s| *s *= 1e-3);
     }
     assert_eq!(time(&base, &short), Outcome::NotJudged);
+}
+
+#[test]
+fn ratios_within_a_run_prove_nothing_on_a_busy_machine() {
+    let (base, thresholds) = (timed(15, 2.0, 0.05, 1), &Thresholds::default());
+    let of = |times: f64, share: f64| {
+        let now = &timed(15, times, 0.05, 2);
+        let times = Times::InRun { cpu_pressure: Some(share) };
+        let instructions = Instructions::NotAsked;
+        let findings = judge(&Evidence { thresholds, base: &base, now, instructions, times });
+        outcome(&findings, "times", "trace")
+    };
+    assert_eq!([of(2.6, 0.1), of(2.6, 0.5)], [Outcome::Regression, Outcome::Inconclusive]);
+    assert_eq!([of(1.0, 0.1), of(1.0, 0.5)], [Outcome::Improved, Outcome::NotJudged]);
+    assert_eq!([of(2.0, 0.1), of(2.0, 0.5)], [Outcome::Unchanged; 2]);
 }
 
 #[test]
