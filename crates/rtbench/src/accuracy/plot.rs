@@ -13,7 +13,8 @@ pub fn to_svg(axis: &AxisRecord) -> String {
     figure(&panels)
 }
 
-fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
+/// The panel of a scene.
+pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
     let floor = floor(scene);
     let error = |row: &VariantRecord| match row.error.value() {
         e if e > 0.0 => e,

@@ -1,6 +1,7 @@
 //! What accuracy costs in time: each axis with its front.
 
 use crate::accuracy::{plot, summary, tables as axis_tables};
+use crate::export::svg_plot::figure;
 use crate::report::material::Material;
 use crate::report::tables::{self, Look};
 use crate::report::{Page, Shown};
@@ -17,7 +18,10 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         if let Some(cost) = summary::cost(axis, run.seed) {
             page.html.paragraph(&summary::line(axis, &cost).replace("**", ""));
         }
-        page.plot(&format!("accuracy-{}", axis.axis), plot::to_svg(axis));
+        for scene in &axis.scenes {
+            let name = format!("accuracy-{}-{}", axis.axis, scene.scene);
+            page.plot(&name, figure(&[plot::panel(axis, scene)]));
+        }
         page.html.open("details", &[]);
         page.html.element("summary", &[], &format!("{}: all variants", axis.axis));
         for scene in &axis.scenes {
