@@ -8,6 +8,8 @@ pub mod bounding_volumes;
 pub mod bricked_grid;
 pub mod brute_force;
 mod cluster_bvh;
+#[cfg(feature = "embree")]
+pub mod embree;
 pub mod hashed_grid;
 pub mod hug;
 pub mod kay_kajiya;
@@ -50,6 +52,8 @@ pub static REGISTRY: &[Entry] = &[
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    #[cfg(feature = "embree")]
+    entry!(embree::Embree, embree::INFO),
 ];
 
 /// An acceleration structure over primitive ids.
@@ -138,6 +142,14 @@ pub enum BuildError {
         needed: u128,
         /// The limit.
         limit: u128,
+    },
+    /// A library that builds the structure refuses to.
+    #[error("{structure}: the library reports an error: {message}")]
+    Library {
+        /// Structure.
+        structure: &'static str,
+        /// What it says.
+        message: String,
     },
     /// A setting is wrong.
     #[error(transparent)]
