@@ -97,27 +97,21 @@ impl<S: Scalar> TriangleBlock<S> {
     /// Lanes that are hit, lanes that the scalar test must judge, and parameters.
     #[inline(always)]
     fn test(&self, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> (u32, u32, [S; LANES]) {
-        let [kx, ky, kz] = shear.axes.map(|k| k.min(2));
-        let sheared = |corner: &[[S; LANES]; 3]| {
-            let (mut x, mut y, mut z) = (corner[kx], corner[ky], corner[kz]);
-            for l in 0..LANES {
-                z[l] = z[l] - shear.origin[2];
-                x[l] = (x[l] - shear.origin[0]) - shear.shear[0] * z[l];
-                y[l] = (y[l] - shear.origin[1]) - shear.shear[1] * z[l];
-            }
-            (x, y, z)
-        };
-        let [a, b, c] = [0, 1, 2].map(|i| sheared(&self.corners[i]));
+        let (a, b, c) = (
+            sheared(&self.corners[0], shear),
+            sheared(&self.corners[1], shear),
+            sheared(&self.corners[2], shear),
+        );
         let (mut hits, mut doubts, mut ts) = (0, 0, [S::ZERO; LANES]);
         for l in 0..LANES {
-            let u = c.0[l] * b.1[l] - c.1[l] * b.0[l];
-            let v = a.0[l] * c.1[l] - a.1[l] * c.0[l];
-            let w = b.0[l] * a.1[l] - b.1[l] * a.0[l];
+            let u = c[0][l] * b[1][l] - c[1][l] * b[0][l];
+            let v = a[0][l] * c[1][l] - a[1][l] * c[0][l];
+            let w = b[0][l] * a[1][l] - b[1][l] * a[0][l];
             let doubtful = (u == S::ZERO) | (v == S::ZERO) | (w == S::ZERO);
             let below = (u < S::ZERO) | (v < S::ZERO) | (w < S::ZERO);
             let above = (u > S::ZERO) | (v > S::ZERO) | (w > S::ZERO);
             let det = u + v + w;
-            let t = (u * a.2[l] + v * b.2[l] + w * c.2[l]) * shear.shear[2] / det;
+            let t = (u * a[2][l] + v * b[2][l] + w * c[2][l]) * shear.shear[2] / det;
             // NaN fails both comparisons with the interval; a zero determinant is no hit
             let hit = !(below & above) & (det != S::ZERO) & (t >= ray.t_min) & (t <= t_max);
             ts[l] = t;
@@ -148,6 +142,20 @@ impl<S: Scalar> TriangleBlock<S> {
         }
         hits
     }
+}
+
+/// The corners of all lanes in the sheared space, as `Shear::apply` has them. A function with this
+/// attribute: what is called for each block must not be a call.
+#[inline(always)]
+fn sheared<S: Scalar>(corner: &[[S; LANES]; 3], shear: &Shear<S>) -> [[S; LANES]; 3] {
+    let [kx, ky, kz] = shear.axes;
+    let (mut x, mut y, mut z) = (corner[kx.min(2)], corner[ky.min(2)], corner[kz.min(2)]);
+    for l in 0..LANES {
+        z[l] = z[l] - shear.origin[2];
+        x[l] = (x[l] - shear.origin[0]) - shear.shear[0] * z[l];
+        y[l] = (y[l] - shear.origin[1]) - shear.shear[1] * z[l];
+    }
+    [x, y, z]
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! steps of a ray are those of the walk of one ray, its triangles are tested eight at a time by the
 //! same arithmetic, so that answers are the same to the last bit.
 
-use super::course::Course;
+use super::course::{Course, nearest};
 use super::subdivide::{Cell, Cells};
 use super::{IrregularGrid, Point};
 use crate::far_ray::{self, Place};
@@ -91,9 +91,10 @@ impl<S: Scalar> IrregularGrid<S> {
             Place::Nowhere => return None,
         };
         let (start, _) = self.bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max)?;
-        let course = Course::of(&ray, self.bounds.min, self.a_length);
+        let resolution = self.finder.resolution();
+        let (course, at) = Course::of(&ray, start, self.bounds.min, self.a_length, resolution);
         Some(Lane {
-            at: course.point(start, self.finder.resolution()),
+            at,
             course,
             shear: Shear::of(&ray),
             moved_by,
@@ -142,9 +143,10 @@ impl<S: Scalar> IrregularGrid<S> {
                 over |= u32::from(is_over) << i;
             }
             for (i, (lane, cell)) in lanes.iter_mut().zip(&cells).enumerate() {
-                let exit = lane.course.exit(cell);
-                let ends = exit.1 == 3 || lane.best.t < exit.0;
-                let goes_on = lane.course.advance(&mut lane.at, cell, exit, resolution);
+                let exits = lane.course.exits(cell);
+                let exit = nearest(exits);
+                let ends = (lane.best.t < exit) | !exit.is_finite();
+                let goes_on = lane.course.advance(&mut lane.at, cell, exits, exit, resolution);
                 over |= u32::from(ends | !goes_on) << i;
             }
             // from the last: a lane that is not refilled is replaced by one already looked at

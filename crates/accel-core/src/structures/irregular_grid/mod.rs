@@ -33,7 +33,7 @@ use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;
 use batch::Gathered;
-use course::Course;
+use course::{Course, nearest};
 use lattice::Lattice;
 use subdivide::{Cells, DIVIDED, FIRST_PART, Settings, Source, TooLarge, subdivide};
 
@@ -46,7 +46,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec {
             name: "build",
-            summary: "quality divides further and grows boxes as far as they go",
+            summary: "quality divides further and lets boxes grow over more neighbours",
             default: "quality",
             kind: ParamKind::Choice(&["fast", "quality"]),
         },
@@ -59,7 +59,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "step-cost",
             summary: "what a step costs, in tests of a primitive",
-            default: "1.5",
+            default: "3",
             kind: ParamKind::Real { min: 0.0, max: 1e3 },
         },
         ParamSpec {
@@ -73,8 +73,10 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &["", "build=fast", "query=batch"],
+    variants: &[""],
     also_tested: &[
+        "build=fast",
+        "query=batch",
         "top-density=4",
         "top-density=0.001 step-cost=0",
         "build=fast step-cost=0",
@@ -93,8 +95,8 @@ struct Effort {
     most_neighbours: usize,
 }
 
-const FAST: Effort = Effort { longest_list: 16, density: 0.5, most_neighbours: 4 };
-const QUALITY: Effort = Effort { longest_list: 8, density: 1.0, most_neighbours: 128 };
+const FAST: Effort = Effort { longest_list: 32, density: 0.125, most_neighbours: 4 };
+const QUALITY: Effort = Effort { longest_list: 32, density: 0.25, most_neighbours: 64 };
 
 /// A lattice point.
 type Point = [u32; 3];
@@ -191,20 +193,20 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             return;
         };
         let resolution = self.finder.resolution();
-        let course = Course::of(ray, self.bounds.min, self.a_length);
-        let mut at = course.point(start, resolution);
+        let (course, mut at) = Course::of(ray, start, self.bounds.min, self.a_length, resolution);
         loop {
             let cell = self.cells.cells[self.finder.cell_at(&self.cells.entries, at) as usize];
             sink.elementary_step(cell.list == 0);
             if cell.list != 0 && sink.test(self.cells.list(cell.list)).is_break() {
                 return;
             }
-            let exit = course.exit(&cell);
-            // no axis: all exits overflow
-            if exit.1 == 3 || sink.t_max() < exit.0 {
-                return;
-            }
-            if !course.advance(&mut at, &cell, exit, resolution) {
+            let exits = course.exits(&cell);
+            let exit = nearest(exits);
+            // not finite: it leaves through no face, or the planes' parameters overflow
+            if sink.t_max() < exit
+                || !exit.is_finite()
+                || !course.advance(&mut at, &cell, exits, exit, resolution)
+            {
                 return;
             }
         }
