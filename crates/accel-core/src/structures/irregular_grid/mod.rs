@@ -57,6 +57,12 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Real { min: 1e-6, max: 1e3 },
         },
         ParamSpec {
+            name: "longest-list",
+            summary: "cells with no more primitives are not divided",
+            default: "16",
+            kind: ParamKind::Integer { min: 1, max: 1 << 20 },
+        },
+        ParamSpec {
             name: "step-cost",
             summary: "what a step costs, in tests of a primitive",
             default: "3",
@@ -78,11 +84,11 @@ pub static INFO: StructureInfo = StructureInfo {
         "build=fast",
         "query=batch",
         "top-density=4",
-        "top-density=0.001 step-cost=0",
-        "build=fast step-cost=0",
+        "top-density=0.001 step-cost=0 longest-list=4",
+        "build=fast longest-list=8 step-cost=1",
         "mailbox=hash",
         "mailbox=hash query=batch",
-        "build=fast query=batch top-density=0.01",
+        "build=fast query=batch top-density=0.01 longest-list=5",
     ],
     known_defect: no_defect,
     sampled: false,
@@ -90,13 +96,12 @@ pub static INFO: StructureInfo = StructureInfo {
 
 /// What the two builds differ in.
 struct Effort {
-    longest_list: usize,
     density: f64,
     most_neighbours: usize,
 }
 
-const FAST: Effort = Effort { longest_list: 32, density: 0.125, most_neighbours: 4 };
-const QUALITY: Effort = Effort { longest_list: 32, density: 0.25, most_neighbours: 64 };
+const FAST: Effort = Effort { density: 0.125, most_neighbours: 4 };
+const QUALITY: Effort = Effort { density: 0.25, most_neighbours: 64 };
 
 /// A lattice point.
 type Point = [u32; 3];
@@ -168,7 +173,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             .map_err(|needed| too_large("number of cells", needed, input.max_cells.into()))?;
         let lattice = Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
         let settings = Settings {
-            longest_list: effort.longest_list,
+            longest_list: params.integer("longest-list") as usize,
             density: effort.density,
             step_cost: params.real("step-cost"),
             max_references: params.integer("max-references"),
