@@ -31,7 +31,7 @@ impl<S: Scalar> TriangleBlock<S> {
     /// Of no more than [`LANES`] triangles; further ones are left out. `more`: another block
     /// of the same list follows.
     pub fn new(triangles: impl Iterator<Item = (u32, [[S; 3]; 3])>, more: bool) -> Self {
-        let nan = S::INFINITY - S::INFINITY;
+        let nan = S::from_f64(f64::NAN);
         let mut this = Self { corners: [[[nan; LANES]; 3]; 3], ids: [MISS; LANES] };
         for (lane, (id, corners)) in triangles.take(LANES).enumerate() {
             this.ids[lane] = id;

@@ -196,8 +196,7 @@ impl Subdivision<'_> {
             *at += 1;
         }
         let mut start = 0;
-        for part in 0..count {
-            let end = ends[part];
+        for (part, &end) in ends.iter().enumerate().take(count) {
             let entry =
                 self.entry(base + start..base + end, division.part(part), division.shift)?;
             self.cells.entries[first_entry + part] = entry;
