@@ -1,6 +1,6 @@
 //! Boxes of cells, grown over neighbours whose primitives they have.
 //!
-//! As in Perard-Gayot et al. 2017 (section 3.4, "cell expansion"): a face moves outward over the
+//! As in Perard-Gayot et al. 2017 (cell expansion): a face moves outward over the
 //! cells beyond it if each of their lists is part of the cell's own, as far as the nearest of them
 //! reaches. Boxes may then overlap; a ray that leaves one has met all that lies in it.
 //!
