@@ -203,14 +203,24 @@ where
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         if self.has_no_mailbox() {
-            return self.timed_closest(rays, hits, NoMailbox);
+            let n = rays.len().min(hits.len());
+            let (rays, hits) = (&rays[..n], &mut hits[..n]);
+            if !self.structure.closest_batch(&*self.prims, rays, self.reach, hits) {
+                self.timed_closest(rays, hits, NoMailbox);
+            }
+            return;
         }
         self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
         if self.has_no_mailbox() {
-            return self.timed_occlusions(rays, blocked, NoMailbox);
+            let n = rays.len().min(blocked.len());
+            let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
+            if !self.structure.occlusion_batch(&*self.prims, rays, self.reach, blocked) {
+                self.timed_occlusions(rays, blocked, NoMailbox);
+            }
+            return;
         }
         self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
     }

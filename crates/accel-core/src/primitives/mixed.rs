@@ -291,6 +291,13 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         }
     }
 
+    fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
+        match self.shape(id) {
+            ShapeRef::Triangle(v) if !self.moves(id) => Some(v.map(Vec3::<S>::from_array)),
+            _ => None,
+        }
+    }
+
     fn moves(&self, id: u32) -> bool {
         self.motion.way(id) != DVec3::ZERO
     }

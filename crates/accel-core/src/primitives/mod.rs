@@ -14,6 +14,7 @@ mod sphere;
 mod sphere_tests;
 mod support;
 mod triangle;
+mod triangle_block;
 mod triangle_tests;
 
 pub use cone::Cone;
@@ -22,13 +23,14 @@ pub use moving::InMotion;
 pub use polygon::{Polygon, newell_normal};
 pub use sphere::Sphere;
 pub use support::Ball;
-pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
+pub use triangle::{MoellerTrumbore, Shear, TriangleSet, TriangleTest, Watertight};
+pub use triangle_block::TriangleBlock;
 
 use glam::DVec3;
 
 use crate::aabb::Aabb;
 use crate::ray::Ray;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Vec3};
 
 /// Why a primitive cannot be part of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -79,6 +81,15 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// polygon in the order of its outline, the sphere itself, the two ends of a cone; and, for
     /// one that moves, the same where it ends.
     fn hull(&self, id: u32, balls: &mut Vec<Ball>);
+    /// The corners of a primitive that is a triangle at rest, for structures that cut it up.
+    fn corners(&self, _id: u32) -> Option<[Vec3<S>; 3]> {
+        None
+    }
+    /// Whether all are triangles that [`Watertight`] tests: another way to compute that test gives
+    /// the set's own answers.
+    fn is_watertight(&self) -> bool {
+        false
+    }
     /// Whether rays of different times meet it in different places.
     fn moves(&self, _id: u32) -> bool {
         false

@@ -38,9 +38,9 @@ pub struct Watertight;
 #[derive(Debug, Clone, Copy)]
 pub struct Shear<S: Scalar> {
     /// Axes in the order x, y, z of the sheared space; a permutation of 0, 1, 2.
-    axes: [usize; 3],
-    origin: [S; 3],
-    shear: [S; 3],
+    pub(super) axes: [usize; 3],
+    pub(super) origin: [S; 3],
+    pub(super) shear: [S; 3],
 }
 
 impl<S: Scalar> Shear<S> {
@@ -84,7 +84,7 @@ impl<S: Scalar> Shear<S> {
     pub(super) fn apply(&self, v: &[S; 3]) -> [S; 3] {
         let [kx, ky, kz] = self.axes;
         debug_assert!(kx < 3 && ky < 3 && kz < 3);
-        // SAFETY: `axes` is private and only ever set by `of`, to a permutation of 0, 1, 2.
+        // SAFETY: `axes` is only ever set by `of`, though other tests read it, to a permutation of 0, 1, 2.
         let (x, y, z) = unsafe {
             (
                 *v.get_unchecked(kx) - self.origin[0],
@@ -255,6 +255,12 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     }
     fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
         balls_around(&self.triangles[id as usize], 0.0, balls);
+    }
+    fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
+        Some(self.triangles[id as usize].map(Vec3::<S>::from_array))
+    }
+    fn is_watertight(&self) -> bool {
+        T::NAME == <Watertight as TriangleTest<S>>::NAME
     }
     fn kind(&self, _: u32) -> PrimitiveKind {
         PrimitiveKind::Triangle

@@ -19,6 +19,7 @@ impl<'a, S: Scalar> ErasedSink<'a, S> {
 /// The methods of [`Sink`] as an object has them.
 trait SinkObject<S: Scalar> {
     fn t_max_of(&self) -> S;
+    fn is_any_hit_of(&self) -> bool;
     fn test_of(&mut self, ids: &[u32], t_exit: Option<S>) -> ControlFlow<()>;
     fn elementary_step_of(&mut self, empty: bool);
     fn inner_step_of(&mut self);
@@ -27,6 +28,10 @@ trait SinkObject<S: Scalar> {
 impl<S: Scalar, K: Sink<S>> SinkObject<S> for K {
     fn t_max_of(&self) -> S {
         self.t_max()
+    }
+
+    fn is_any_hit_of(&self) -> bool {
+        self.is_any_hit()
     }
 
     fn test_of(&mut self, ids: &[u32], t_exit: Option<S>) -> ControlFlow<()> {
@@ -50,6 +55,10 @@ impl<S: Scalar> Sink<S> for ErasedSink<'_, S> {
 
     fn t_max(&self) -> S {
         self.0.t_max_of()
+    }
+
+    fn is_any_hit(&self) -> bool {
+        self.0.is_any_hit_of()
     }
 
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {

@@ -45,6 +45,11 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, 
     count_steps!();
 
     #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
     fn t_max(&self) -> S {
         self.ray.t_max
     }

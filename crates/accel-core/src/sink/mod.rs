@@ -26,6 +26,12 @@ pub trait Sink<S: Scalar> {
     fn test_in_cell(&mut self, ids: &[u32], _t_exit: S) -> ControlFlow<()> {
         self.test(ids)
     }
+    /// True when any hit may end the query and none changes [`Sink::t_max`]: lets an adapter call
+    /// the occlusion query of a library.
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        false
+    }
     /// Reports a step into a cell or leaf.
     fn elementary_step(&mut self, empty: bool);
     /// Reports a step within a hierarchy.
@@ -160,6 +166,11 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, 
 
 impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S, P, C, M> {
     count_steps!();
+
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        true
+    }
 
     #[inline(always)]
     fn t_max(&self) -> S {

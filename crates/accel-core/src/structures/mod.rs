@@ -8,8 +8,11 @@ pub mod bounding_volumes;
 pub mod bricked_grid;
 pub mod brute_force;
 mod cluster_bvh;
+#[cfg(feature = "embree")]
+pub mod embree;
 pub mod hashed_grid;
 pub mod hug;
+pub mod irregular_grid;
 pub mod kay_kajiya;
 pub mod kd_tree;
 mod nested_grids;
@@ -29,7 +32,7 @@ use crate::mailbox::Setting;
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::chosen::{self, Choice, ChosenTests};
 use crate::primitives::{MixedSet, PrimSet, TriangleSet};
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 use crate::scalar::Scalar;
 use crate::sink::Sink;
 use crate::tracer::{Bound, BoundInMotion, Tracer};
@@ -44,12 +47,15 @@ pub static REGISTRY: &[Entry] = &[
     entry!(recursive_grid::RecursiveGrid, recursive_grid::INFO),
     entry!(hug::Hug, hug::INFO),
     entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
+    entry!(irregular_grid::IrregularGrid, irregular_grid::INFO),
     entry!(octree::Octree, octree::INFO),
     entry!(kd_tree::KdTree, kd_tree::INFO),
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
     entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    #[cfg(feature = "embree")]
+    entry!(embree::Embree, embree::INFO),
 ];
 
 /// An acceleration structure over primitive ids.
@@ -68,6 +74,32 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// may stop as soon as the rest lies beyond `sink.t_max()`. The ray is traceable
     /// ([`Ray::is_traceable`]).
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
+
+    /// Answers a whole batch in a way of its own, with the answers of [`Structure::walk`]; false
+    /// when it has none for this set, and rays are walked one after the other. Rays are brought
+    /// near ([`crate::far_ray`]) within `reach`.
+    #[inline(always)]
+    fn closest_batch<P: PrimSet<S>>(
+        &self,
+        _prims: &P,
+        _rays: &[Ray<S>],
+        _reach: S,
+        _hits: &mut [Hit<S>],
+    ) -> bool {
+        false
+    }
+
+    /// [`Structure::closest_batch`] for occlusion by opaque primitives.
+    #[inline(always)]
+    fn occlusion_batch<P: PrimSet<S>>(
+        &self,
+        _prims: &P,
+        _rays: &[Ray<S>],
+        _reach: S,
+        _blocked: &mut [bool],
+    ) -> bool {
+        false
+    }
 
     /// What was built; a walk over the structure, not part of the build.
     fn shape(&self) -> Shape;
@@ -138,6 +170,14 @@ pub enum BuildError {
         needed: u128,
         /// The limit.
         limit: u128,
+    },
+    /// A library that builds the structure refuses to.
+    #[error("{structure}: the library reports an error: {message}")]
+    Library {
+        /// Structure.
+        structure: &'static str,
+        /// What it says.
+        message: String,
     },
     /// A setting is wrong.
     #[error(transparent)]

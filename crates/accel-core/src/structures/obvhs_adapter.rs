@@ -110,8 +110,23 @@ pub(super) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
 ) -> Result<Items<S>, BuildError> {
-    let structure = params.structure();
     let robust = is_robust(params);
+    let (single, setup) = boxes(prims, params.structure(), robust)?;
+    let (boxes, groups) = if robust && centres_coincide(&single) {
+        grouped(&single)
+    } else {
+        (single, Groups::Single)
+    };
+    Ok(Items { boxes, groups, setup })
+}
+
+/// The boxes of all primitives in f32, by id, checked; if `robust`, padded and in units of the
+/// scene's size.
+pub(super) fn boxes<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    structure: &'static str,
+    robust: bool,
+) -> Result<(Vec<ObvhsAabb>, RaySetup<S>), BuildError> {
     if !robust {
         // obvhs knows f32 alone
         refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
@@ -124,16 +139,11 @@ pub(super) fn items<S: Scalar, P: PrimSet<S>>(
     let setup =
         if robust { RaySetup::robust(boxes.scene().magnitude()) } else { RaySetup::AsShipped };
     let unit = setup.unit();
-    let single: Vec<ObvhsAabb> = (0..prims.len() as u32)
+    let single = (0..prims.len() as u32)
         .map(|id| prims.bounds(id))
         .map(|tight| outward(&if robust { tight.expanded(margin) } else { tight }, unit))
         .collect();
-    let (boxes, groups) = if robust && centres_coincide(&single) {
-        grouped(&single)
-    } else {
-        (single, Groups::Single)
-    };
-    Ok(Items { boxes, groups, setup })
+    Ok((single, setup))
 }
 
 pub(super) fn is_robust(params: &Params) -> bool {
@@ -206,7 +216,7 @@ impl<S: Scalar> RaySetup<S> {
     }
 
     /// What coordinates are multiplied by.
-    fn unit(&self) -> f64 {
+    pub(super) fn unit(&self) -> f64 {
         match self {
             Self::AsShipped => 1.0,
             Self::Robust { unit } => unit.to_f64(),
@@ -271,6 +281,13 @@ impl<S: Scalar> BoxRay<S> {
         let (t_min, t_max) = (ray.t_min.to_f64() as f32, ray.t_max.to_f64() as f32);
         let (o, d) = (to_f32::<S>(ray.origin), to_f32::<S>(ray.direction));
         Self { ray: ObvhsRay::new(o.into(), d.into(), t_min, t_max), scale: S::ONE, lead: 0.0 }
+    }
+
+    /// Where hits from `t_min` on may begin; no rounding makes it too large.
+    #[cfg(feature = "embree")]
+    #[inline(always)]
+    pub(super) fn start(&self, t_min: S) -> f32 {
+        ((t_min * self.scale).to_f64() as f32).max(0.0) * (1.0 - 4.0 * f32::EPSILON)
     }
 
     /// A bound for obvhs's box tests that no rounding makes too small.

@@ -1,0 +1,75 @@
+//! The lattice that all cells of an irregular grid lie on: the top grid, halved so and so often.
+
+use crate::aabb::Aabb;
+use crate::scalar::{Scalar, Vector};
+
+/// Coordinates of lattice cells fit into 16 bits.
+const MOST_CELLS: u32 = 1 << 16;
+/// Most halvings of a cell of the top grid.
+const MOST_LEVELS: u32 = 15;
+
+/// Where the lattice lies; in f64 for the build.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lattice {
+    /// Lower corner, world units.
+    pub(super) low: [f64; 3],
+    /// Sides of a lattice cell, world units.
+    pub(super) side: [f64; 3],
+    /// Cells of the top grid on each axis.
+    pub(super) top: [u32; 3],
+    /// How often a cell of the top grid is halved along each axis down to a lattice cell.
+    pub(super) levels: [u32; 3],
+}
+
+impl Lattice {
+    /// Over `bounds`, with cells no smaller than `smallest` but for axes that the top grid does
+    /// not divide.
+    pub(super) fn new<S: Scalar>(bounds: &Aabb<S>, top: [u32; 3], smallest: f64) -> Self {
+        let size = bounds.size().to_array().map(S::to_f64);
+        let top = top.map(|n| n.clamp(1, MOST_CELLS));
+        let levels = std::array::from_fn(|k| {
+            let fits = |l: &u32| {
+                let cells = u64::from(top[k]) << l;
+                cells <= u64::from(MOST_CELLS) && size[k] / cells as f64 >= smallest
+            };
+            (0..=MOST_LEVELS).take_while(fits).last().unwrap_or(0)
+        });
+        let cells = |k: usize| f64::from(top[k] << levels[k]);
+        Self {
+            low: bounds.min.to_array().map(S::to_f64),
+            side: std::array::from_fn(|k| size[k] / cells(k)),
+            top,
+            levels,
+        }
+    }
+
+    /// World coordinate of lattice plane `i` of axis `k`.
+    pub(super) fn plane(&self, k: usize, i: u32) -> f64 {
+        self.low[k] + self.side[k] * f64::from(i)
+    }
+}
+
+/// Cells of a node of the tree, or of the top grid: a regular grid within the lattice.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Division {
+    /// First lattice cell.
+    pub(super) first: [u32; 3],
+    /// Lattice cells of a part, as a power of two.
+    pub(super) shift: [u32; 3],
+    /// Parts on each axis.
+    pub(super) parts: [u32; 3],
+}
+
+impl Division {
+    /// Number of parts.
+    pub(super) fn count(&self) -> usize {
+        self.parts.iter().map(|&n| n as usize).product()
+    }
+
+    /// First lattice cell of part `i`, x fastest.
+    pub(super) fn part(&self, i: usize) -> [u32; 3] {
+        let [x, y, _] = self.parts.map(|n| n as usize);
+        let at = [i % x, i / x % y, i / x / y];
+        std::array::from_fn(|k| self.first[k] + ((at[k] as u32) << self.shift[k]))
+    }
+}

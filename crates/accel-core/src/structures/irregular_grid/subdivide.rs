@@ -1,0 +1,330 @@
+//! From primitives to cells: the top grid, and its cells divided where lists are long.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::lattice::{Division, Lattice};
+use super::overlap::Overlap;
+
+/// What is built over, whatever the scalar and the set.
+pub(super) trait Source {
+    /// Number of primitives.
+    fn len(&self) -> u32;
+    /// The padded box of a primitive.
+    fn bounds(&self, id: u32) -> (DVec3, DVec3);
+    /// The corners of one that is a triangle at rest.
+    fn triangle(&self, id: u32) -> Option<[DVec3; 3]>;
+    /// Whether another touches the box between these corners.
+    fn overlaps(&self, id: u32, low: DVec3, high: DVec3) -> bool;
+    /// By how much boxes are padded.
+    fn margin(&self) -> f64;
+}
+
+/// How cells are divided.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Settings {
+    /// Lists no longer than this are left alone.
+    pub(super) longest_list: usize,
+    /// Parts wanted for each primitive of a cell that is divided.
+    pub(super) density: f64,
+    /// What a step costs, in tests of a primitive.
+    pub(super) step_cost: f64,
+    /// Limit for the references in all lists.
+    pub(super) max_references: u64,
+}
+
+/// An entry of the tree that is divided: this bit, three times two bits with the logarithms of the
+/// parts on each axis, and the number of the first part's entry. Any other is a cell's number.
+pub(super) const DIVIDED: u32 = 1 << 31;
+/// The bits of the number of the first part's entry.
+pub(super) const FIRST_PART: u32 = (1 << 25) - 1;
+
+/// A cell: its first and last lattice coordinates, and where its list begins.
+#[repr(C, align(16))]
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    pub(super) first: [u16; 3],
+    pub(super) last: [u16; 3],
+    pub(super) list: u32,
+}
+
+/// The cells and how to find them.
+#[derive(Debug, Default)]
+pub(super) struct Cells {
+    /// The top grid's entries, then those of parts.
+    pub(super) entries: Vec<u32>,
+    pub(super) cells: Vec<Cell>,
+    /// At a cell's `list`: the number of ids, then the ids, ascending. 0 is the empty list.
+    pub(super) lists: Vec<u32>,
+    /// References in the cells together; cells share equal lists.
+    pub(super) references: u64,
+    /// Divided entries, the top grid among them.
+    pub(super) divided: u64,
+}
+
+impl Cells {
+    /// The ids of a list.
+    #[inline(always)]
+    pub(super) fn list(&self, at: u32) -> &[u32] {
+        let at = at as usize;
+        match self.lists.get(at) {
+            Some(&n) => self.lists.get(at + 1..at + 1 + n as usize).unwrap_or(&[]),
+            None => &[],
+        }
+    }
+}
+
+/// Something would be larger than it may.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TooLarge {
+    pub(super) what: &'static str,
+    pub(super) needed: u64,
+    pub(super) limit: u64,
+}
+
+/// Divides.
+pub(super) fn subdivide(
+    lattice: &Lattice,
+    source: &dyn Source,
+    settings: Settings,
+) -> Result<Cells, TooLarge> {
+    let mut this = Subdivision {
+        lattice,
+        source,
+        settings,
+        cells: Cells { lists: vec![0], ..Cells::default() },
+        ids: Vec::new(),
+        pairs: Vec::new(),
+        known: HashMap::default(),
+    };
+    let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
+    this.ids = (0..source.len()).collect();
+    this.place(0..source.len() as usize, &whole);
+    this.ids.clear();
+    this.divide(&whole)?;
+    Ok(this.cells)
+}
+
+struct Subdivision<'a> {
+    lattice: &'a Lattice,
+    source: &'a dyn Source,
+    settings: Settings,
+    cells: Cells,
+    /// Lists of the cells on the way down, the innermost last.
+    ids: Vec<u32>,
+    /// Part and id, of the division at hand.
+    pairs: Vec<(u32, u32)>,
+    /// Lists that are stored, by their hash.
+    known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
+}
+
+impl Subdivision<'_> {
+    /// Fills `pairs` with the parts that each of these ids goes to, ids ascending.
+    fn place(&mut self, ids: Range<usize>, division: &Division) {
+        let (lattice, margin) = (self.lattice, self.source.margin());
+        let along = |k: usize, x: f64| {
+            let side = lattice.side[k] * f64::from(1u32 << division.shift[k]);
+            let at = (x - lattice.plane(k, division.first[k])) / side;
+            at.clamp(0.0, f64::from(division.parts[k] - 1)) as u32
+        };
+        let [nx, ny, _] = division.parts;
+        let low = DVec3::from_array(std::array::from_fn(|k| {
+            lattice.plane(k, division.first[k]) - margin
+        }));
+        let side = DVec3::from_array(std::array::from_fn(|k| {
+            lattice.side[k] * f64::from(1u32 << division.shift[k])
+        }));
+        let size = side + 2.0 * margin;
+        self.pairs.clear();
+        for &id in &self.ids[ids] {
+            let (lo, hi) = self.source.bounds(id);
+            let first: [u32; 3] = std::array::from_fn(|k| along(k, lo[k]));
+            let last: [u32; 3] = std::array::from_fn(|k| along(k, hi[k]));
+            let index = |x: u32, y: u32, z: u32| x + nx * (y + ny * z);
+            if first == last {
+                self.pairs.push((index(first[0], first[1], first[2]), id));
+                continue;
+            }
+            let overlap = self.source.triangle(id).map(|corners| {
+                let far = DVec3::from_array(division.parts.map(f64::from)) * side + 2.0 * margin;
+                let reach = (low - corners[0]).abs().max((low + far - corners[0]).abs());
+                Overlap::new(corners, size, reach.max_element())
+            });
+            for z in first[2]..=last[2] {
+                for y in first[1]..=last[1] {
+                    for x in first[0]..=last[0] {
+                        let at = low + DVec3::new(x.into(), y.into(), z.into()) * side;
+                        let touches = match &overlap {
+                            Some(overlap) => overlap.touches(at),
+                            None => self.source.overlaps(id, at, at + size),
+                        };
+                        if touches {
+                            self.pairs.push((index(x, y, z), id));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Makes entries for the parts that `pairs` speaks of; the number of the first.
+    fn divide(&mut self, division: &Division) -> Result<u32, TooLarge> {
+        let (first_entry, count) = (self.cells.entries.len(), division.count());
+        let limit = u64::from(FIRST_PART);
+        if (first_entry + count) as u64 > limit {
+            let needed = (first_entry + count) as u64;
+            return Err(TooLarge { what: "number of cells", needed, limit });
+        }
+        self.cells.entries.resize(first_entry + count, 0);
+        self.cells.divided += 1;
+        let base = self.ids.len();
+        let mut ends = vec![0usize; count + 1];
+        for &(part, _) in &self.pairs {
+            ends[part as usize + 1] += 1;
+        }
+        for i in 0..count {
+            ends[i + 1] += ends[i];
+        }
+        self.ids.resize(base + self.pairs.len(), 0);
+        for &(part, id) in &self.pairs {
+            // ends[part] becomes the end of that part
+            let at = &mut ends[part as usize];
+            self.ids[base + *at] = id;
+            *at += 1;
+        }
+        let mut start = 0;
+        for (part, &end) in ends.iter().enumerate().take(count) {
+            let entry =
+                self.entry(base + start..base + end, division.part(part), division.shift)?;
+            self.cells.entries[first_entry + part] = entry;
+            start = end;
+        }
+        self.ids.truncate(base);
+        Ok(first_entry as u32)
+    }
+
+    /// The entry of a cell with these ids: it is divided if that pays.
+    fn entry(
+        &mut self,
+        ids: Range<usize>,
+        first: [u32; 3],
+        levels: [u32; 3],
+    ) -> Result<u32, TooLarge> {
+        if ids.len() > self.settings.longest_list
+            && let Some(division) = self.division(ids.len(), first, levels)
+        {
+            self.place(ids.clone(), &division);
+            let parts = division.count() as f64;
+            let size = |shift: [u32; 3]| {
+                DVec3::from_array(std::array::from_fn(|k| {
+                    self.lattice.side[k] * f64::from(1u32 << shift[k])
+                }))
+            };
+            let half_area = |s: DVec3| s.x * s.y + s.y * s.z + s.z * s.x;
+            // a line that meets the cell meets a part with this probability
+            let met = half_area(size(division.shift)) / half_area(size(levels));
+            let step = self.settings.step_cost;
+            let divided = (step * parts + self.pairs.len() as f64) * met;
+            let pays = divided < step + ids.len() as f64;
+            if pays && !self.repeats(ids.len(), division.count()) {
+                let logs: [u32; 3] = std::array::from_fn(|k| levels[k] - division.shift[k]);
+                let entry = self.divide(&division)?;
+                return Ok(DIVIDED | logs[0] << 29 | logs[1] << 27 | logs[2] << 25 | entry);
+            }
+        }
+        self.cell(ids, first, levels)
+    }
+
+    /// Whether a part would have the whole list and others most of it again: all meet in a point or
+    /// along a line, and would do so in parts of any size.
+    fn repeats(&self, n: usize, parts: usize) -> bool {
+        if self.pairs.len() < 2 * n {
+            return false;
+        }
+        let mut counts = [0usize; 512];
+        for &(part, _) in &self.pairs {
+            counts[part as usize] += 1;
+        }
+        counts[..parts].contains(&n)
+    }
+
+    /// How to divide a cell with so many primitives, if it can be.
+    fn division(&self, n: usize, first: [u32; 3], levels: [u32; 3]) -> Option<Division> {
+        let size: [f64; 3] =
+            std::array::from_fn(|k| self.lattice.side[k] * f64::from(1u32 << levels[k]));
+        let volume: f64 = size.iter().product();
+        let a_length = (self.settings.density * n as f64 / volume).cbrt();
+        let shift: [u32; 3] = std::array::from_fn(|k| {
+            let log = (size[k] * a_length).log2().round().clamp(0.0, 3.0);
+            levels[k].saturating_sub(log as u32)
+        });
+        let parts = std::array::from_fn(|k| 1 << (levels[k] - shift[k]));
+        (shift != levels).then_some(Division { first, shift, parts })
+    }
+
+    /// An undivided cell.
+    fn cell(
+        &mut self,
+        ids: Range<usize>,
+        first: [u32; 3],
+        levels: [u32; 3],
+    ) -> Result<u32, TooLarge> {
+        self.cells.references += ids.len() as u64;
+        let list = self.list(ids);
+        let (stored, limit) = (self.cells.lists.len() as u64, self.settings.max_references);
+        if stored > limit.min(u64::from(u32::MAX)) {
+            return Err(TooLarge { what: "references in cells", needed: stored, limit });
+        }
+        let number = self.cells.cells.len() as u32;
+        self.cells.cells.push(Cell {
+            first: first.map(|x| x as u16),
+            last: std::array::from_fn(|k| (first[k] + (1 << levels[k]) - 1) as u16),
+            list,
+        });
+        Ok(number)
+    }
+
+    /// Where a list is stored; equal ones are stored once.
+    fn list(&mut self, ids: Range<usize>) -> u32 {
+        let ids = &self.ids[ids];
+        if ids.is_empty() {
+            return 0;
+        }
+        let mut hash = Hashed::default();
+        ids.iter().for_each(|&id| hash.write_u32(id));
+        let at = self.cells.lists.len() as u32;
+        let known = *self.known.entry(hash.finish()).or_insert(at);
+        // another list of the same hash is stored again, which does no harm
+        if known != at && self.cells.list(known) == ids {
+            return known;
+        }
+        self.cells.lists.push(ids.len() as u32);
+        self.cells.lists.extend_from_slice(ids);
+        at
+    }
+}
+
+/// A quick hash of numbers: a product each, its high bits folded in (the multiplier of D. Knuth,
+/// TAOCP 2, 3.3.4).
+#[derive(Debug, Default, Clone, Copy)]
+struct Hashed(u64);
+
+impl Hasher for Hashed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&b| self.write_u32(b.into()));
+    }
+    fn write_u32(&mut self, x: u32) {
+        let h = (self.0 ^ u64::from(x)).wrapping_mul(6364136223846793005);
+        self.0 = h ^ h >> 32;
+    }
+    fn write_u64(&mut self, x: u64) {
+        // what is hashed here is a hash
+        self.0 = x;
+    }
+}
