@@ -139,8 +139,9 @@ pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, Callg
     let program = program.ok_or(CallgrindError::NoProgram)?;
     let folder = Scratch::new()?;
     let mut command = Command::new("valgrind");
-    // what allocating costs must not depend on which thread came first, nor on what was freed before
-    command.envs([("MALLOC_ARENA_MAX", "1"), ("MALLOC_MMAP_THRESHOLD_", "131072")]);
+    // what allocating costs must not depend on what was freed before; threads keep their own arenas,
+    // or it would depend on what other threads allocate
+    command.env("MALLOC_MMAP_THRESHOLD_", "131072");
     command
         .args(["--tool=callgrind", "--collect-atstart=no", "--quiet"])
         .arg(format!("--toggle-collect={PHASE}"))
