@@ -14,10 +14,7 @@ pub struct Look {
 /// A table within a box of its own, so that it scrolls and not the page; its notes below.
 pub fn write(html: &mut Html, table: &Table, look: Look) {
     let is_words: Vec<bool> = (0..table.header.len()).map(|i| is_words(table, i)).collect();
-    let class = |column: usize| match is_words.get(column) {
-        Some(true) => &[("class", "words")][..],
-        _ => &[],
-    };
+    let is_words = |column: usize| is_words.get(column) == Some(&true);
     html.open_scroll(&table.title);
     html.open("table", &[]);
     html.element("caption", &[], &table.title);
@@ -27,7 +24,8 @@ pub fn write(html: &mut Html, table: &Table, look: Look) {
         html.element("th", &[("scope", "col"), ("class", "number")], "#");
     }
     for (column, name) in table.header.iter().enumerate() {
-        html.open("th", &[&[("scope", "col")], class(column)].concat());
+        let class: &[Attribute<'_>] = if is_words(column) { &[("class", "words")] } else { &[] };
+        html.open("th", &[&[("scope", "col")], class].concat());
         match meaning(name) {
             Some(meaning) => html.element("abbr", &[("title", meaning)], name),
             None => html.text(name),
@@ -43,7 +41,7 @@ pub fn write(html: &mut Html, table: &Table, look: Look) {
             html.element("td", &[("class", "number")], &(i + 1).to_string());
         }
         for (column, cell) in row.iter().enumerate() {
-            write_cell(html, column, cell, class(column));
+            write_cell(html, column, cell, is_words(column));
         }
         html.close();
     }
@@ -67,17 +65,21 @@ fn is_words(table: &Table, column: usize) -> bool {
     column == 0 || 2 * cells().filter(begins_with_letter).count() > cells().count()
 }
 
-fn write_cell(html: &mut Html, column: usize, cell: &Cell, plain: &[Attribute<'_>]) {
-    let text = cell.text.trim();
-    let attributes = match cell.style {
-        Style::Plain => plain,
-        Style::Bad => &[("class", "bad")],
-        Style::Best => &[("class", "best")],
-        Style::Dim => &[("class", "dim")],
+fn write_cell(html: &mut Html, column: usize, cell: &Cell, is_words: bool) {
+    let style = match cell.style {
+        Style::Plain => "",
+        Style::Bad => "bad",
+        Style::Best => "best",
+        Style::Dim => "dim",
+    };
+    let class = format!("{style} {}", if is_words { "words" } else { "" });
+    let class: &[Attribute<'_>] = match class.trim() {
+        "" => &[],
+        class => &[("class", class)],
     };
     match column {
-        0 => html.element("th", &[&[("scope", "row")], attributes].concat(), text),
-        _ => html.element("td", attributes, text),
+        0 => html.element("th", &[&[("scope", "row")], class].concat(), cell.text.trim()),
+        _ => html.element("td", class, cell.text.trim()),
     }
 }
 
