@@ -17,7 +17,7 @@ use common::{Ended, PLANTED};
 use rtbench::clock::{Clock, SteppingClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::scene_source::Installed;
-use rtbench::world::FixedWorld;
+use rtbench::world::SystemWorld;
 
 /// A run over that registry in that environment, each interval of time a millisecond.
 fn run_in(registry: &[Entry], environment: Environment, arguments: &str) -> Ended {
@@ -37,7 +37,7 @@ fn run_timed(
         occluders: accel_core::occluders::REGISTRY,
         scenes: &Installed,
         clock,
-        world: &FixedWorld::default(),
+        world: &SystemWorld,
         out: &mut out,
         err: &mut err,
         command_line: words().map(str::to_owned).collect(),
