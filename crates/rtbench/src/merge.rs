@@ -320,6 +320,9 @@ fn joined(parts: Vec<(ShardRecord, Part)>) -> Option<RunRecord> {
         run.started_unix_s = run.started_unix_s.min(record.started_unix_s);
         run.peak_rss_bytes = run.peak_rss_bytes.max(record.peak_rss_bytes);
         run.machine = joined_machine(&run.machine, &record.machine);
+        let new = record.warnings.into_iter().filter(|warning| !run.warnings.contains(warning));
+        let new: Vec<_> = new.collect();
+        run.warnings.extend(new);
         for scene in record.scenes {
             match run.scenes.iter_mut().find(|s| s.name == scene.name) {
                 None => run.scenes.push(scene),
@@ -355,5 +358,7 @@ fn joined_machine(a: &Machine, b: &Machine) -> Machine {
     machine.threads = a.threads.min(b.threads);
     machine.memory_bytes = a.memory_bytes.min(b.memory_bytes);
     machine.os = both(&a.os, &b.os);
+    machine.governor = a.governor.clone().filter(|_| a.governor == b.governor);
+    machine.boost = a.boost.filter(|_| a.boost == b.boost);
     machine
 }

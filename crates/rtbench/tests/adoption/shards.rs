@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::common::{Folder, run_stepping};
+use rtbench::warnings::Warning;
 
 const RUN: &str = "run tetra:1 tetra:2 balls:1 --size 12 --rounds 2 --seed 7 \
                    -s uniform-grid:density=1,uniform-grid,light-buffer,obvhs-cwbvh,obvhs-bvh2";
@@ -151,6 +152,22 @@ fn parts_that_do_not_fit_are_refused() {
     // nothing was harmed by all that
     write(b, &good);
     assert_eq!(run_stepping(&format!("merge {all}")).code, 0);
+}
+
+#[test]
+fn warnings_of_all_parts_are_kept() {
+    let (folder, joined) = (Folder::new(), Folder::new());
+    let parts = parts(SHARED, 2, &folder);
+    let swap = Warning::Swap { own_bytes: 1, read_bytes: 2 };
+    let rounds = Warning::TooFewRounds { rounds: 2 };
+    for (part, more) in parts.iter().zip([vec![], vec![swap.clone()]]) {
+        let mut record = read(part);
+        record["warnings"] = serde_json::json!([vec![rounds.clone()], more].concat());
+        write(part, &record);
+    }
+    let merged = run_stepping(&format!("merge {} -o {}", parts.join(" "), joined.path()));
+    assert_eq!(merged.code, 0, "{}", merged.err);
+    assert_eq!(joined.record().warnings, [rounds, swap]);
 }
 
 #[test]
