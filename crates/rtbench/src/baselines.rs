@@ -233,10 +233,9 @@ impl Store {
 /// # Errors
 /// [`BaselineError`].
 pub fn read(path: &Path) -> Result<Baseline, BaselineError> {
-    let record = record_file::read(path)?;
-    let path = if path.is_dir() { path.join(record_file::NAME) } else { path.to_owned() };
-    let text = fs::read(&path);
-    let text = text.map_err(|source| BaselineError::Io { path: path.clone(), source })?;
+    let path = record_file::path_of(path);
+    let text = record_file::bytes(&path)?;
+    let record = record_file::record(&path, &text)?;
     let Beside { instructions, cpu_pressure } = serde_json::from_slice(&text)
         .map_err(|e| BaselineError::Counts { path, message: e.to_string() })?;
     Ok(Baseline { record, instructions, cpu_pressure })

@@ -118,11 +118,15 @@ impl Context<'_> {
     /// # Errors
     /// [`LoadError`].
     pub fn load(&self, scene: &dyn KnownScene) -> Result<LoadedScene, LoadError> {
-        let is_visible = self.terminal.stderr && self.verbosity > Verbosity::Quiet;
-        let progress = Progress::of_loading(is_visible, scene.name());
+        let progress = Progress::of_loading(self.shows_progress(), scene.name());
         let loaded = scene.load();
         progress.finish();
         loaded
+    }
+
+    /// Whether a bar is shown: somebody may look at it, and nobody asked for quiet.
+    pub fn shows_progress(&self) -> bool {
+        self.terminal.stderr && self.verbosity > Verbosity::Quiet
     }
 
     /// Prints a warning. A closed standard error is nobody's loss.

@@ -170,6 +170,14 @@ fn arguments(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunArgs, LikeE
     }
     words.push("--".into());
     words.extend(record.scenes.iter().map(|scene| scene.name.clone()));
+    run_arguments(words)
+}
+
+/// What `rtbench run` takes, from the words of a command line.
+///
+/// # Errors
+/// [`LikeError::Settings`] where they are none of it.
+pub fn run_arguments(words: Vec<String>) -> Result<RunArgs, LikeError> {
     match Cli::try_parse_from(words).map(|cli| cli.command) {
         Ok(Command::Run(args)) => Ok(args),
         Ok(_) => Err(LikeError::Settings("expected those of `run`".into())),

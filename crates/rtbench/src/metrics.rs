@@ -5,11 +5,11 @@
 
 use crate::comparison::differences::Concerns;
 use crate::plan::PlanError;
-use crate::record::{RowRecord, SceneRecord, WorkRecord};
+use crate::record::{RowRecord, Sample, SceneRecord, ShapeRecord, WorkRecord};
 use crate::scene_run::{build_ratios, trace_ratios};
 use crate::suggest::hint;
 
-/// A metric of a row; smaller is better, of all of them.
+/// A metric of a row.
 #[derive(Debug, Clone, Copy)]
 pub struct Metric {
     /// As in CSV files and on the command line.
@@ -18,6 +18,8 @@ pub struct Metric {
     pub unit: &'static str,
     /// What it is, for help and glossaries.
     pub summary: &'static str,
+    /// More of it is worse. False of what is no cost in itself, only a share of another metric.
+    pub is_cost: bool,
     /// How it is read off a row.
     pub reading: Reading,
 }
@@ -25,21 +27,26 @@ pub struct Metric {
 /// How a metric is read off a row.
 #[derive(Debug, Clone, Copy)]
 pub enum Reading {
-    /// One value that no machine changes; none where the row has none.
-    Exact(fn(&RowRecord) -> Option<f64>),
-    /// A sample a round, of a row of a scene.
-    Measured(fn(&SceneRecord, &RowRecord) -> Vec<f64>),
+    /// Of what was built; no machine changes it.
+    Shape(fn(&ShapeRecord) -> u64),
+    /// Of the work of the rays that were counted, per ray; no machine changes it.
+    Work(fn(&WorkRecord) -> u64),
+    /// Of the builds of a row of a scene, a sample a round.
+    Build(fn(&SceneRecord, &RowRecord) -> Vec<f64>),
+    /// Of the rays that were timed, a sample a round.
+    Trace(fn(&RowRecord) -> Vec<f64>),
 }
 
 impl Metric {
     /// The same in every run of the same program.
     pub fn is_exact(&self) -> bool {
-        matches!(self.reading, Reading::Exact(_))
+        matches!(self.reading, Reading::Shape(_) | Reading::Work(_))
     }
 
     /// It is taken to the reference of the same run.
     pub fn is_to_reference(&self) -> bool {
-        self.name.ends_with("ratio")
+        // what is measured is seconds, or a ratio of them
+        !self.is_exact() && self.unit.is_empty()
     }
 
     /// Whether a difference of that kind between two runs keeps it from being compared.
@@ -55,24 +62,34 @@ impl Metric {
     /// How many rays its values are over; none where they are not over rays. A slow row is asked a
     /// sample, the size of which is found by timing.
     pub fn rays(&self, row: &RowRecord) -> Option<u64> {
-        match self.name {
-            "trace" | "ratio" => Some(row.rays),
-            _ if OF_WORK.contains(&self.name) => Some(row.work.as_ref()?.rays),
-            _ => None,
+        match self.reading {
+            Reading::Trace(_) => Some(row.rays),
+            Reading::Work(_) => Some(row.work.as_ref()?.rays),
+            Reading::Shape(_) | Reading::Build(_) => None,
+        }
+    }
+
+    /// Its value, where it is exact and the row has one.
+    pub fn exact(&self, row: &RowRecord) -> Option<f64> {
+        match self.reading {
+            Reading::Shape(read) => Some(read(row.shape.as_ref()?) as f64),
+            Reading::Work(read) => {
+                let work = row.work.as_ref()?;
+                Some(read(work) as f64 / work.rays.max(1) as f64)
+            }
+            Reading::Build(_) | Reading::Trace(_) => None,
         }
     }
 
     /// Its values in a row of a scene: none, one, or one a round.
     pub fn values(&self, scene: &SceneRecord, row: &RowRecord) -> Vec<f64> {
         match self.reading {
-            Reading::Exact(read) => read(row).into_iter().collect(),
-            Reading::Measured(read) => read(scene, row),
+            Reading::Shape(_) | Reading::Work(_) => self.exact(row).into_iter().collect(),
+            Reading::Build(read) => read(scene, row),
+            Reading::Trace(read) => read(row),
         }
     }
 }
-
-/// Metrics of the rays that were counted.
-const OF_WORK: [&str; 5] = ["n_it", "n_ts", "n_ets", "n_eets", "saved"];
 
 /// The metric of that name.
 ///
@@ -89,62 +106,35 @@ pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
 }
 
 /// All metrics, exact ones first.
+#[rustfmt::skip]
 pub static METRICS: &[Metric] = &[
-    exact("n_in", "", "inner cells", |row| Some(row.shape.as_ref()?.n_in as f64)),
-    exact("n_v", "", "elementary cells", |row| Some(row.shape.as_ref()?.n_v as f64)),
-    exact("n_ev", "", "empty elementary cells", |row| Some(row.shape.as_ref()?.n_ev as f64)),
-    exact("n_oiv", "", "references in cells", |row| Some(row.shape.as_ref()?.n_oiv as f64)),
-    exact("memory", "bytes", "bytes of the structure", |row| {
-        Some(row.shape.as_ref()?.memory_bytes as f64)
-    }),
-    exact("n_it", "", "intersection tests per ray", |row| per_ray(row, |w| w.intersection_tests)),
-    exact("n_ts", "", "traversal steps per ray", |row| per_ray(row, |w| w.traversal_steps)),
-    exact("n_ets", "", "elementary steps per ray", |row| per_ray(row, |w| w.elementary_steps)),
-    exact("n_eets", "", "empty elementary steps per ray", |row| {
-        per_ray(row, |w| w.empty_elementary_steps)
-    }),
-    exact("saved", "", "tests per ray that a mailbox spared", |row| {
-        per_ray(row, |w| w.tests_saved)
-    }),
-    measured("build", "s", "build time", |_, row| row.samples.iter().map(|s| s.build_s).collect()),
-    measured("trace", "s", "trace time of all rays", |_, row| {
-        row.samples.iter().map(|s| s.total_trace_s()).collect()
-    }),
-    measured(
-        "build-ratio",
-        "",
-        "build time over the reference's of the same round",
-        |scene, row| {
-            let reference = scene.rows.iter().filter(|r| r.is_reference).flat_map(|r| &r.samples);
-            build_ratios(row, &reference.map(|s| (s.round, s.build_s)).collect::<Vec<_>>())
-        },
-    ),
-    measured("ratio", "", "trace time over the reference's of the same round", |_, row| {
-        trace_ratios(row)
-    }),
+    cost("n_in", "", "inner cells", Reading::Shape(|shape| shape.n_in)),
+    cost("n_v", "", "elementary cells", Reading::Shape(|shape| shape.n_v)),
+    cost("n_ev", "", "empty elementary cells", Reading::Shape(|shape| shape.n_ev)),
+    cost("n_oiv", "", "references in cells", Reading::Shape(|shape| shape.n_oiv)),
+    cost("memory", "bytes", "bytes of the structure", Reading::Shape(|shape| shape.memory_bytes)),
+    cost("n_it", "", "intersection tests per ray", Reading::Work(|work| work.intersection_tests)),
+    cost("n_ts", "", "traversal steps per ray", Reading::Work(|work| work.traversal_steps)),
+    cost("n_ets", "", "elementary steps per ray", Reading::Work(|work| work.elementary_steps)),
+    cost("n_eets", "", "empty elementary steps per ray", Reading::Work(|work| work.empty_elementary_steps)),
+    Metric {
+        // what it cost is in n_it
+        is_cost: false,
+        ..cost("saved", "", "tests per ray that a mailbox spared", Reading::Work(|work| work.tests_saved))
+    },
+    cost("build", "s", "build time", Reading::Build(|_, row| row.samples.iter().map(|s| s.build_s).collect())),
+    cost("trace", "s", "trace time of all rays", Reading::Trace(|row| row.samples.iter().map(Sample::total_trace_s).collect())),
+    cost("build-ratio", "", "build time over the reference's of the same round", Reading::Build(build_ratios)),
+    cost("ratio", "", "trace time over the reference's of the same round", Reading::Trace(trace_ratios)),
 ];
 
-const fn exact(
+const fn cost(
     name: &'static str,
     unit: &'static str,
     summary: &'static str,
-    read: fn(&RowRecord) -> Option<f64>,
+    reading: Reading,
 ) -> Metric {
-    Metric { name, unit, summary, reading: Reading::Exact(read) }
-}
-
-const fn measured(
-    name: &'static str,
-    unit: &'static str,
-    summary: &'static str,
-    read: fn(&SceneRecord, &RowRecord) -> Vec<f64>,
-) -> Metric {
-    Metric { name, unit, summary, reading: Reading::Measured(read) }
-}
-
-fn per_ray(row: &RowRecord, of: fn(&WorkRecord) -> u64) -> Option<f64> {
-    let work = row.work.as_ref()?;
-    Some(of(work) as f64 / work.rays.max(1) as f64)
+    Metric { name, unit, summary, is_cost: true, reading }
 }
 
 #[cfg(test)]
@@ -152,8 +142,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn metrics_over_rays_are_there() {
-        assert!(OF_WORK.iter().chain(&["trace", "ratio"]).all(|name| named(name).is_ok()));
+    fn metrics_are_found_by_name() {
+        for name in ["n_it", "n_ts", "n_ets", "n_eets", "saved", "trace", "ratio"] {
+            let reading = named(name).unwrap().reading;
+            assert!(matches!(reading, Reading::Work(_) | Reading::Trace(_)), "{name}: over rays");
+        }
+        let to_reference = METRICS.iter().filter(|m| m.is_to_reference()).map(|m| m.name);
+        assert_eq!(to_reference.collect::<Vec<_>>(), ["build-ratio", "ratio"]);
         let error = named("n_its").unwrap_err().to_string();
         assert!(
             error.contains("unknown metric 'n_its' (did you mean 'n_it'?); valid: n_in, "),

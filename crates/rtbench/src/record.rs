@@ -418,10 +418,20 @@ impl Outliers {
     }
 }
 
+/// Structure and settings as printed.
+pub fn label(structure: &str, settings: &str) -> String {
+    format!("{structure} {settings}").trim_end().to_owned()
+}
+
 impl RowRecord {
     /// Structure and settings.
     pub fn label(&self) -> String {
-        format!("{} {}", self.structure, self.settings).trim_end().to_owned()
+        label(&self.structure, &self.settings)
+    }
+
+    /// The same structure with the same settings, of another scene or run.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.structure == other.structure && self.settings == other.settings
     }
 
     /// Seconds from the primitives to the first whole image: the build and the image.

@@ -72,12 +72,19 @@ struct Version {
 /// [`RecordError`], naming the file.
 pub fn read(path: &Path) -> Result<RunRecord, RecordError> {
     let path = path_of(path);
-    let text = bytes(&path)?;
-    let Version { schema_version: found } = parsed(&path, &text, WRITTEN_BY)?;
+    record(&path, &bytes(&path)?)
+}
+
+/// The record that a file has.
+///
+/// # Errors
+/// [`RecordError`], naming the file.
+pub fn record(path: &Path, text: &[u8]) -> Result<RunRecord, RecordError> {
+    let Version { schema_version: found } = parsed(path, text, WRITTEN_BY)?;
     if found != SCHEMA_VERSION {
-        return Err(RecordError::Schema { path, found });
+        return Err(RecordError::Schema { path: path.to_owned(), found });
     }
-    parsed(&path, &text, WRITTEN_BY)
+    parsed(path, text, WRITTEN_BY)
 }
 
 /// The record's file: of the output folder of a run, the one within.

@@ -215,18 +215,18 @@ impl RowParts<'_, '_> {
 
 /// Ratios to the baseline, round by round; none where the baseline was not timed.
 fn compare_with_baseline(rows: &mut [RowRecord], plan: &Plan<'_>) {
-    let is_timed = rows.get(plan.baseline).is_some_and(|b| b.verdict.is_timed());
     let baseline: Vec<(u32, f64)> = match rows.get(plan.baseline) {
-        Some(row) if is_timed => row.samples.iter().map(|s| (s.round, s.build_s)).collect(),
+        Some(row) if row.verdict.is_timed() => builds_by_round(row).collect(),
         _ => Vec::new(),
     };
+    let is_timed = !baseline.is_empty();
     for row in rows {
         for sample in &mut row.samples {
             sample.reference_trace_s = sample.reference_trace_s.filter(|_| is_timed);
             sample.reference_build_s = seconds_of(sample.round, &baseline);
         }
         row.ratio = estimate(&trace_ratios(row), plan.seed);
-        row.build_ratio = estimate(&build_ratios(row, &baseline), plan.seed);
+        row.build_ratio = estimate(&ratios_of_builds(row, &[]), plan.seed);
     }
 }
 
@@ -236,14 +236,24 @@ pub fn trace_ratios(row: &RowRecord) -> Vec<f64> {
     row.samples.iter().filter_map(ratio).collect()
 }
 
-/// Build time over the reference's, round by round; `baseline` has that of each round, for records
-/// from before samples had it.
-pub fn build_ratios(row: &RowRecord, baseline: &[(u32, f64)]) -> Vec<f64> {
+/// Build time over the reference's of the scene, round by round.
+pub fn build_ratios(scene: &SceneRecord, row: &RowRecord) -> Vec<f64> {
+    let references = scene.rows.iter().filter(|r| r.is_reference);
+    ratios_of_builds(row, &references.flat_map(builds_by_round).collect::<Vec<_>>())
+}
+
+/// `reference` has the build times for records from before samples had them.
+fn ratios_of_builds(row: &RowRecord, reference: &[(u32, f64)]) -> Vec<f64> {
     let ratio = |s: &Sample| {
-        let seconds = s.reference_build_s.or_else(|| seconds_of(s.round, baseline))?;
+        let seconds = s.reference_build_s.or_else(|| seconds_of(s.round, reference))?;
         (seconds > 0.0).then(|| s.build_s / seconds)
     };
     row.samples.iter().filter_map(ratio).collect()
+}
+
+/// Rounds and the seconds that building took in them.
+fn builds_by_round(row: &RowRecord) -> impl Iterator<Item = (u32, f64)> {
+    row.samples.iter().map(|s| (s.round, s.build_s))
 }
 
 /// The seconds of a round.

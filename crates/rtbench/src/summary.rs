@@ -9,8 +9,7 @@ use crate::statistics::geometric_mean_of_medians;
 pub fn summarize(scenes: &[SceneRecord], seed: u64) -> Vec<SummaryRow> {
     let mut rows: Vec<&RowRecord> = Vec::new();
     for row in scenes.iter().flat_map(|scene| &scene.rows) {
-        let same = |r: &&RowRecord| r.structure == row.structure && r.settings == row.settings;
-        if !rows.iter().any(same) {
+        if !rows.iter().any(|r| r.is_same(row)) {
             rows.push(row);
         }
     }
@@ -18,24 +17,17 @@ pub fn summarize(scenes: &[SceneRecord], seed: u64) -> Vec<SummaryRow> {
 }
 
 fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryRow {
-    let same = |r: &&RowRecord| r.structure == row.structure && r.settings == row.settings;
     let mut ratios = Vec::new();
     let mut builds = Vec::new();
     let mut verdicts = Vec::new();
     let mut mismatches = 0;
     for scene in scenes {
-        let Some(own) = scene.rows.iter().find(same) else { continue };
+        let Some(own) = scene.rows.iter().find(|r| r.is_same(row)) else { continue };
         verdicts.push(own.verdict);
         mismatches += own.mismatches;
-        let baseline: Vec<(u32, f64)> = scene
-            .rows
-            .iter()
-            .filter(|r| r.is_reference)
-            .flat_map(|r| r.samples.iter().map(|s| (s.round, s.build_s)))
-            .collect();
         let trace = trace_ratios(own);
         if !trace.is_empty() {
-            builds.push(build_ratios(own, &baseline));
+            builds.push(build_ratios(scene, own));
             ratios.push(trace);
         }
     }

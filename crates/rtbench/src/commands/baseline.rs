@@ -12,10 +12,9 @@ use crate::export::files::Outputs;
 use crate::export::table::Table;
 use crate::export::text;
 use crate::gate::{GateError, ROUNDS};
-use crate::machine;
 use crate::plan::Plan;
 use crate::pressure::Watch;
-use crate::record::RunRecord;
+use crate::record::{RunRecord, label};
 
 /// Does what was asked and returns the exit code.
 ///
@@ -62,7 +61,7 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
     }
     if args.instructions {
         if let Some(path) = &args.from {
-            same_program(path, &baseline.record)?;
+            same_program(context, path, &baseline.record)?;
         }
         baseline.instructions = Some(counted(context, &baseline.record)?);
     }
@@ -98,8 +97,8 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
 }
 
 /// Refuses results of another commit: instructions of this one say nothing of it.
-fn same_program(path: &Path, record: &RunRecord) -> Result<(), Error> {
-    let (was, is) = (record.tool.git_revision.clone(), machine::tool().git_revision);
+fn same_program(context: &Context<'_>, path: &Path, record: &RunRecord) -> Result<(), Error> {
+    let (was, is) = (record.tool.git_revision.clone(), context.world.tool().git_revision);
     match was.is_some() && was == is {
         true => Ok(()),
         false => {
@@ -156,9 +155,8 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, colors: bool) -> R
         let title = format!("Instructions ({})", counts.valgrind);
         let number = |n: Option<u64>| n.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let rows = counts.rows.iter().map(|row| {
-            let label = format!("{}: {} {}", row.scene, row.structure, row.settings);
             let cells = [
-                label.trim_end().to_owned(),
+                format!("{}: {}", row.scene, label(&row.structure, &row.settings)),
                 row.rays.to_string(),
                 number(row.build),
                 number(row.trace),

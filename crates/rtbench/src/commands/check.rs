@@ -1,18 +1,18 @@
 //! `rtbench check`: measure anew, judge, print; the exit code is the verdict.
 
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::args::{CheckArgs, Cli, Color, Command, Precision, RunArgs};
+use crate::args::{CheckArgs, Color, Precision, RunArgs};
 use crate::baselines::{Baseline, Store};
 use crate::callgrind::{self, CallgrindError, Counts};
 use crate::commands::baseline::{counted, rounds};
 use crate::commands::measuring::{measure_scenes, warn_of};
-use crate::context::{Context, Verbosity};
+use crate::context::Context;
 use crate::error::Error;
-use crate::export::files::Outputs;
-use crate::export::text;
+use crate::export::files::{Outputs, create, write_file};
+use crate::export::{json, text};
 use crate::gate::against::{Contest, PairedRow, own_program};
 use crate::gate::report::{GLOSSARY, Report};
 use crate::gate::thresholds::Thresholds;
@@ -26,7 +26,6 @@ use crate::plan::{Plan, Rounds};
 use crate::pressure::Watch;
 use crate::progress::Progress;
 use crate::record::{RunRecord, Verdict};
-use clap::Parser;
 
 /// Checks and returns the exit code.
 ///
@@ -75,9 +74,9 @@ pub fn run(
     text::write_notes(context.out, GLOSSARY, colors)?;
     writeln!(context.out, "{}", report.verdict())?;
     context.out.flush()?;
-    write(args.export_csv.as_deref(), || export::csv(&report))?;
-    write(args.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
-    write(args.export_json.as_deref(), || export::json(&report))?;
+    write_file(args.export_csv.as_deref(), || export::csv(&report))?;
+    write_file(args.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
+    write_file(args.export_json.as_deref(), || json::written(&report))?;
     tell_github(context, &report)?;
     Ok(report.exit_code(args.strict))
 }
@@ -139,15 +138,11 @@ impl Check<'_> {
         };
         let thresholds = &self.thresholds;
         let first = Evidence { thresholds, base: &base, now: &now, instructions, times };
-        let mut findings = judge(&first);
-        let suspects = suspects(&findings);
-        if !suspects.is_empty() {
-            context.say(format_args!("measuring again: {}", suspects.join(", ")));
+        let findings = confirmed(context, &first, |context, suspects| {
             plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
             let (again, _) = measured(context, &plan)?;
-            let second = (wall_clock::RUNG.judge)(&Evidence { now: &again, ..first });
-            wall_clock::confirm(&mut findings, &second);
-        }
+            Ok((wall_clock::RUNG.judge)(&Evidence { now: &again, ..first }))
+        })?;
         let against = format!("baseline {}", args.baseline.as_deref().unwrap_or_default());
         let pairs = Vec::new();
         Ok(self
@@ -196,16 +191,11 @@ impl Check<'_> {
         let thresholds = &self.thresholds;
         let times = Times::Paired(&pairs);
         let first = Evidence { thresholds, base: &base, now: &now, instructions, times };
-        let mut findings = judge(&first);
-        let suspects = suspects(&findings);
-        if !suspects.is_empty() {
-            context.say(format_args!("measuring again: {}", suspects.join(", ")));
+        let findings = confirmed(context, &first, |context, suspects| {
             contest.like.scenes.retain(|s| suspects.contains(&s.name));
-            let again = raced(context, &contest)?;
-            let second =
-                (wall_clock::RUNG.judge)(&Evidence { times: Times::Paired(&again), ..first });
-            wall_clock::confirm(&mut findings, &second);
-        }
+            let times = raced(context, &contest)?;
+            Ok((wall_clock::RUNG.judge)(&Evidence { times: Times::Paired(&times), ..first }))
+        })?;
         let against = format!("binary {}", old.display());
         Ok(self
             .report(context, Found { base: &base, now: &now, against, findings, failures, pairs }))
@@ -257,11 +247,7 @@ impl Check<'_> {
         words.extend(how.quick.then(|| "--quick".to_owned()));
         words.push("--".into());
         words.extend(args.scenes.iter().cloned());
-        match Cli::try_parse_from(words).map(|cli| cli.command) {
-            Ok(Command::Run(args)) => Ok(args),
-            Ok(_) => Err(GateError::from(LikeError::Settings("expected `run`".into())).into()),
-            Err(e) => Err(GateError::from(LikeError::Settings(e.to_string())).into()),
-        }
+        Ok(like::run_arguments(words).map_err(GateError::from)?)
     }
 
     fn report(&self, context: &Context<'_>, found: Found<'_>) -> Report {
@@ -299,11 +285,26 @@ fn measured(context: &mut Context<'_>, plan: &Plan<'_>) -> Result<(RunRecord, us
 
 /// The pairs of a contest, with a bar.
 fn raced(context: &Context<'_>, contest: &Contest<'_>) -> Result<Vec<PairedRow>, Error> {
-    let is_visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
-    let progress = Progress::new(is_visible, u64::from(contest.expected()), contest.time_budget);
+    let steps = u64::from(contest.expected());
+    let progress = Progress::new(context.shows_progress(), steps, contest.time_budget);
     let pairs = contest.pairs(context.clock, &progress).map_err(GateError::from);
     progress.finish();
     Ok(pairs?)
+}
+
+/// What all rungs say; scenes in which times regressed are measured `again` before that stands.
+fn confirmed(
+    context: &mut Context<'_>,
+    first: &Evidence<'_>,
+    again: impl FnOnce(&mut Context<'_>, &[String]) -> Result<Vec<Finding>, Error>,
+) -> Result<Vec<Finding>, Error> {
+    let mut findings = judge(first);
+    let suspects = suspects(&findings);
+    if !suspects.is_empty() {
+        context.say(format_args!("measuring again: {}", suspects.join(", ")));
+        wall_clock::confirm(&mut findings, &again(context, &suspects)?);
+    }
+    Ok(findings)
 }
 
 /// Scenes in which times say that something regressed.
@@ -338,16 +339,4 @@ fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> 
         file.write_all(export::markdown(report, false).as_bytes())
     };
     undisturbed(append).map_err(|source| Error::Write { path: path.clone(), source })
-}
-
-fn create(path: &PathBuf) -> Result<(), Error> {
-    let created = OpenOptions::new().create(true).write(true).truncate(false).open(path);
-    created.map(|_: File| ()).map_err(|source| Error::Write { path: path.clone(), source })
-}
-
-fn write(path: Option<&Path>, text: impl FnOnce() -> Result<String, Error>) -> Result<(), Error> {
-    let Some(path) = path else { return Ok(()) };
-    let text = text()?;
-    undisturbed(|| std::fs::write(path, text))
-        .map_err(|source| Error::Write { path: path.to_owned(), source })
 }

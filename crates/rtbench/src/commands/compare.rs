@@ -9,6 +9,7 @@ use crate::comparison::{
 use crate::context::Context;
 use crate::error::{Error, SUCCESS};
 use crate::export::files::write_file;
+use crate::export::json;
 use crate::metrics::{self, METRICS};
 use crate::record_file;
 
@@ -36,10 +37,7 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
     for comparison in &comparisons {
         warn_of(context, comparison);
     }
-    let json = || {
-        let text = serde_json::to_string_pretty(&comparisons).map(|text| text + "\n");
-        text.map_err(|e| Error::Format { format: "JSON", message: e.to_string() })
-    };
+    let json = || json::written(&comparisons);
     write_file(args.export_csv.as_deref(), || csv::to_string(&comparisons))?;
     write_file(args.export_markdown.as_deref(), || Ok(tables::to_markdown(&comparisons)))?;
     write_file(args.export_json.as_deref(), json)?;

@@ -13,6 +13,7 @@ use crate::accuracy::axis::AXES;
 use crate::args::{Format, ListArgs, Listed};
 use crate::context::Context;
 use crate::error::Error;
+use crate::export::json;
 
 /// Lists.
 ///
@@ -57,9 +58,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let out = &mut *context.out;
     match args.format {
         Format::Json => {
-            let text = serde_json::to_string_pretty(&value)
-                .map_err(|e| Error::Format { format: "JSON", message: e.to_string() })?;
-            writeln!(out, "{text}")?;
+            out.write_all(json::written(&value)?.as_bytes())?;
         }
         Format::Text if args.what == Listed::Structures => {
             for e in context.registry {

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
 use crate::args::Precision;
-use crate::context::{Context, Verbosity};
+use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
 use crate::export::files::Outputs;
 use crate::journal::Journal;
@@ -236,12 +236,11 @@ fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
 }
 
 fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
-    let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
     let budget = match plan.rounds {
         Rounds::Budget { total, .. } => Some(total),
         Rounds::Fixed(_) => None,
     };
-    Progress::new(visible, steps, budget)
+    Progress::new(context.shows_progress(), steps, budget)
 }
 
 /// The time budget of a run, if it has one.

@@ -1,7 +1,7 @@
 //! `rtbench verify`: the hard cases against every structure.
 
 use crate::args::{Color, VerifyArgs};
-use crate::context::{Context, Verbosity};
+use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
 use crate::export::files::write_file;
 use crate::export::text::write_table;
@@ -52,9 +52,8 @@ fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Res
     write_file(args.export_csv.as_deref(), || Ok(String::new()))?;
     write_file(args.export_json.as_deref(), || Ok(String::new()))?;
     let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
-    let visible = context.terminal.stderr && context.verbosity > Verbosity::Quiet;
     let steps = plan.cases.len() * PRECISIONS.len();
-    let progress = Progress::new(visible, steps as u64, None);
+    let progress = Progress::new(context.shows_progress(), steps as u64, None);
     let start = context.clock.now();
     let command_line = context.command_line.clone();
     let mut report = Report { command_line, seed: plan.seed, rays: plan.rays, ..Report::default() };

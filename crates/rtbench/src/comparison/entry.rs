@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::metrics::Metric;
-use crate::record::{RowRecord, SceneRecord};
+use crate::record::{RowRecord, SceneRecord, label};
 use crate::statistics::mann_whitney::p_value;
 use crate::statistics::ratio_of_medians::ratio_of_medians;
 use crate::statistics::{Estimate, median};
@@ -130,7 +130,7 @@ impl Entry {
 
     /// Structure and settings.
     pub fn label(&self) -> String {
-        format!("{} {}", self.structure, self.settings).trim_end().to_owned()
+        label(&self.structure, &self.settings)
     }
 
     /// It changed by more than this many percent: the larger of both is that much more than the

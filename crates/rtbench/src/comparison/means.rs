@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::comparison::entry::{Outcome, exact_ratio, exceeds};
-use crate::comparison::{Choice, Pair, is_same};
+use crate::comparison::{Choice, Pair};
 use crate::metrics::Metric;
 use crate::record::RowRecord;
 use crate::statistics::ratio_of_medians::geometric_mean_of_ratios;
@@ -31,7 +31,7 @@ pub fn means(pairs: &[Pair<'_>], metrics: &[&'static Metric], choice: &Choice) -
     let mut shown = Vec::new();
     let mut rows: Vec<&RowRecord> = Vec::new();
     for (_, [_, row]) in pairs {
-        if !rows.iter().any(|r| is_same(r, row)) {
+        if !rows.iter().any(|r| r.is_same(row)) {
             rows.push(row);
         }
     }
@@ -40,7 +40,7 @@ pub fn means(pairs: &[Pair<'_>], metrics: &[&'static Metric], choice: &Choice) -
             let of_row = pairs.iter().filter(|(scenes, rows)| {
                 let [old, new] = rows;
                 let is_own = metric.is_to_reference() && old.is_reference && new.is_reference;
-                is_same(new, row)
+                new.is_same(row)
                     && !is_own
                     && (choice.is_forced || metric.rays(old) == metric.rays(new))
                     && choice.finds(&scenes[0].name, &row.label(), metric.name)

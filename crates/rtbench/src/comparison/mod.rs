@@ -15,7 +15,7 @@ use crate::comparison::differences::{Concerns, Difference, differences, scenes_o
 use crate::comparison::entry::{Entry, Outcome};
 use crate::comparison::means::{Mean, means};
 use crate::metrics::{METRICS, Metric};
-use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict};
+use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict, label};
 
 /// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]
@@ -340,13 +340,8 @@ impl SceneComparison {
 impl LeftOut {
     /// Structure and settings.
     pub fn label(&self) -> String {
-        format!("{} {}", self.structure, self.settings).trim_end().to_owned()
+        label(&self.structure, &self.settings)
     }
-}
-
-/// The same structure with the same settings.
-pub fn is_same(a: &RowRecord, b: &RowRecord) -> bool {
-    a.structure == b.structure && a.settings == b.settings
 }
 
 /// Both runs found the row's answers right, over as many rays of the same scene; but they are not

@@ -125,15 +125,24 @@ pub fn write_file(
     write_text(path, &text()?)
 }
 
+/// Creates a file that is written later, so that an unwritable path is found at once.
+///
+/// # Errors
+/// [`Error::Write`] naming the file.
+pub fn create(path: &Path) -> Result<(), Error> {
+    open(path).map(drop)
+}
+
 /// Writes a finished file in one step, or a pipe or a device.
 ///
 /// # Errors
 /// [`Error::Write`] naming the file.
 pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
-    let written = match open(path)? {
+    let stream = open(path)?;
+    let written = undisturbed(|| match stream {
         None => replace(path, text.as_bytes()),
         Some(mut stream) => stream.write_all(text.as_bytes()),
-    };
+    });
     written.map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 

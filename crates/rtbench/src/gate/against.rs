@@ -179,9 +179,8 @@ fn visits(like: &RunRecord) -> u32 {
 /// Adds the pair of times of each row that both have.
 fn add(rows: &mut Vec<PairedRow>, old: &RunRecord, new: &RunRecord) {
     for (scene, row) in new.scenes.iter().flat_map(|s| s.rows.iter().map(move |r| (s, r))) {
-        let same = |r: &&RowRecord| r.structure == row.structure && r.settings == row.settings;
         let of_old = old.scenes.iter().find(|s| s.name == scene.name);
-        let of_old = of_old.and_then(|s| s.rows.iter().find(same));
+        let of_old = of_old.and_then(|s| s.rows.iter().find(|r| r.is_same(row)));
         let Some(pair) = of_old.and_then(|old| pair(old, row)) else { continue };
         let at = rows.iter().position(|p| {
             let same = p.structure == row.structure && p.settings == row.settings;

@@ -4,15 +4,12 @@
 //! memory is a regression; less is an improvement, to be kept by saving a new baseline.
 
 use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung};
-use crate::metrics::{METRICS, Metric, Reading};
+use crate::metrics::{METRICS, Metric};
 use crate::statistics::Estimate;
 
 /// Registry line.
 pub const RUNG: Rung =
     Rung { name: "counters", summary: "what was built and the work of the rays, exactly", judge };
-
-/// The one counter that is no cost: tests that were not made.
-const NO_COST: &str = "saved";
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let exact: Vec<&Metric> = METRICS.iter().filter(|m| m.is_exact()).collect();
@@ -22,8 +19,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
 
 /// What became of a metric; none where neither side has it.
 fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
-    let Reading::Exact(read) = metric.reading else { return None };
-    let (was, is) = (read(row.base), read(row.now));
+    let (was, is) = (metric.exact(row.base), metric.exact(row.now));
     let finding = |outcome, note: &str| Finding {
         baseline: was,
         now: is,
@@ -39,7 +35,7 @@ fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
     if counted(row.base) != counted(row.now) {
         return Some(finding(Outcome::NotJudged, "other rays were counted"));
     }
-    if metric.name == NO_COST && before != now {
+    if !metric.is_cost && before != now {
         return Some(finding(Outcome::NotJudged, "changed; what it cost is judged by n_it"));
     }
     let outcome = match before.total_cmp(&now) {

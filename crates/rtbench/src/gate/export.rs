@@ -1,4 +1,4 @@
-//! A check as Markdown, CSV and JSON.
+//! A check as Markdown and CSV.
 
 use std::fmt::Write;
 
@@ -66,14 +66,4 @@ pub fn csv(report: &Report) -> Result<String, Error> {
         }
         Ok(())
     })
-}
-
-/// Everything.
-///
-/// # Errors
-/// [`Error::Format`].
-pub fn json(report: &Report) -> Result<String, Error> {
-    serde_json::to_string_pretty(report)
-        .map(|text| text + "\n")
-        .map_err(|e| Error::Format { format: "JSON", message: e.to_string() })
 }

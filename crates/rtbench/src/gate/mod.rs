@@ -216,9 +216,8 @@ impl<'a> Evidence<'a> {
         });
         let matched = |scene: (&'a SceneRecord, &'a SceneRecord)| {
             scene.1.rows.iter().filter_map(move |now| {
-                let same =
-                    |r: &&RowRecord| r.structure == now.structure && r.settings == now.settings;
-                Some(MatchedRow { scene, base: scene.0.rows.iter().find(same)?, now })
+                let base = scene.0.rows.iter().find(|r| r.is_same(now))?;
+                Some(MatchedRow { scene, base, now })
             })
         };
         scenes.flat_map(matched).collect()

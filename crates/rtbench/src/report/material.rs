@@ -116,8 +116,8 @@ impl Material {
     /// # Errors
     /// [`ReportError`], naming the file. What is not there is no error.
     pub fn read(record: &Path) -> Result<Self, ReportError> {
-        let run = record_file::read(record)?;
         let text = record_file::bytes(record)?;
+        let run = record_file::record(record, &text)?;
         let folder = match record.parent() {
             Some(folder) if folder != Path::new("") => folder.to_owned(),
             _ => PathBuf::from("."),

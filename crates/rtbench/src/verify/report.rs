@@ -12,6 +12,7 @@ use super::subject::{CONTROL, Subject};
 use super::timing::Timed;
 use crate::args::Precision;
 use crate::error::Error;
+use crate::export::json;
 use crate::export::table::{Cell, Style, Table};
 
 /// Mismatches of a subject and case that are shown.
@@ -273,9 +274,7 @@ impl Report {
     /// # Errors
     /// [`Error::Format`].
     pub fn to_json(&self) -> Result<String, Error> {
-        serde_json::to_string_pretty(self)
-            .map(|text| text + "\n")
-            .map_err(|e| Error::Format { format: "JSON", message: e.to_string() })
+        json::written(self)
     }
 }
 
