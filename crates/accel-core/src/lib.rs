@@ -26,6 +26,7 @@ pub mod distance_field;
 pub mod double_walk;
 pub mod driving_axis_walk;
 pub mod far_ray;
+pub mod lanes;
 pub mod mailbox;
 pub mod occluders;
 pub mod params;

@@ -3,6 +3,8 @@
 use std::fmt::{Debug, Display};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
+use crate::lanes::{Eight, Four};
+
 mod sealed {
     pub trait Sealed {}
     impl Sealed for f32 {}
@@ -32,6 +34,10 @@ pub trait Scalar:
 {
     /// glam's vector of this scalar.
     type Vec3: Vector<Self>;
+    /// Four of this scalar.
+    type Four: Four<Scalar = Self, Array = [Self; 4]>;
+    /// Eight of this scalar.
+    type Eight: Eight<Scalar = Self, Array = [Self; 8]>;
     /// 0.
     const ZERO: Self;
     /// 1.
@@ -133,9 +139,11 @@ pub trait Vector<S: Scalar>:
 }
 
 macro_rules! scalar {
-    ($s:ty, $v:ty, $name:literal, $mantissa_bits:literal, $exponents:expr) => {
+    ($s:ty, $v:ty, $four:ty, $eight:ty, $name:literal, $mantissa_bits:literal, $exponents:expr) => {
         impl Scalar for $s {
             type Vec3 = $v;
+            type Four = $four;
+            type Eight = $eight;
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const INFINITY: Self = <$s>::INFINITY;
@@ -237,8 +245,8 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, glam::Vec3, "f32", 23, [-30, 32]);
-scalar!(f64, glam::DVec3, "f64", 52, [-240, 240]);
+scalar!(f32, glam::Vec3, wide::f32x4, wide::f32x8, "f32", 23, [-30, 32]);
+scalar!(f64, glam::DVec3, wide::f64x4, wide::f64x8, "f64", 52, [-240, 240]);
 
 #[cfg(test)]
 mod tests {

@@ -1,11 +1,11 @@
 //! Eight triangles against one ray: the watertight test in lanes, equal to it to the last bit.
 //!
 //! Paper: as `triangle.rs`. The arithmetic is that of `Watertight::intersect`, operation by
-//! operation, over arrays that the compiler turns into vectors (it never contracts products and
-//! sums). A lane whose edge function rounds to zero is left to the scalar test, which finds its
+//! operation, in vectors. A lane whose edge function rounds to zero is left to the scalar test, which finds its
 //! exact sign.
 
 use super::triangle::{Shear, TriangleTest, Watertight};
+use crate::lanes::{Eight, EightOf, Lanes};
 use crate::ray::{Hit, MISS, Ray};
 use crate::scalar::Scalar;
 
@@ -55,6 +55,14 @@ impl<S: Scalar> TriangleBlock<S> {
         self.ids[0] & MORE != 0
     }
 
+    /// The ids of its triangles: so many of these.
+    #[inline(always)]
+    pub fn ids(&self) -> ([u32; LANES], usize) {
+        let mut ids = self.ids;
+        ids[0] &= !MORE;
+        (ids, ids.iter().take_while(|id| **id != MISS & !MORE && **id != MISS).count())
+    }
+
     /// The id in a lane that has one.
     #[inline(always)]
     fn id(&self, lane: usize) -> u32 {
@@ -97,28 +105,22 @@ impl<S: Scalar> TriangleBlock<S> {
     /// Lanes that are hit, lanes that the scalar test must judge, and parameters.
     #[inline(always)]
     fn test(&self, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> (u32, u32, [S; LANES]) {
-        let (a, b, c) = (
-            sheared(&self.corners[0], shear),
-            sheared(&self.corners[1], shear),
-            sheared(&self.corners[2], shear),
-        );
-        let (mut hits, mut doubts, mut ts) = (0, 0, [S::ZERO; LANES]);
-        for l in 0..LANES {
-            let u = c[0][l] * b[1][l] - c[1][l] * b[0][l];
-            let v = a[0][l] * c[1][l] - a[1][l] * c[0][l];
-            let w = b[0][l] * a[1][l] - b[1][l] * a[0][l];
-            let doubtful = (u == S::ZERO) | (v == S::ZERO) | (w == S::ZERO);
-            let below = (u < S::ZERO) | (v < S::ZERO) | (w < S::ZERO);
-            let above = (u > S::ZERO) | (v > S::ZERO) | (w > S::ZERO);
-            let det = u + v + w;
-            let t = (u * a[2][l] + v * b[2][l] + w * c[2][l]) * shear.shear[2] / det;
-            // NaN fails both comparisons with the interval; a zero determinant is no hit
-            let hit = !(below & above) & (det != S::ZERO) & (t >= ray.t_min) & (t <= t_max);
-            ts[l] = t;
-            hits |= u32::from(hit & !doubtful) << l;
-            doubts |= u32::from(doubtful) << l;
-        }
-        (hits, doubts, ts)
+        let splat = EightOf::<S>::splat;
+        let [a, b, c] = sheared(&self.corners, shear);
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        let zero = splat(S::ZERO);
+        let doubtful = u.equal(zero) | v.equal(zero) | w.equal(zero);
+        // the highest bits are the signs
+        let mixed = (u ^ v) | (u ^ w);
+        let det = u + v + w;
+        let t = (u * a[2] + v * b[2] + w * c[2]) * splat(shear.depth_scale()) / det;
+        // NaN fails both comparisons with the interval; signs that are alike, and none of them of
+        // zero, make no determinant of zero
+        let within = splat(ray.t_min).at_most(t) & t.at_most(splat(t_max));
+        let doubts = doubtful.high_bits();
+        (within.high_bits() & !mixed.high_bits() & !doubts, doubts, t.to_array())
     }
 
     /// The scalar test for some lanes: those that are hit, their parameters written to `t`.
@@ -144,18 +146,22 @@ impl<S: Scalar> TriangleBlock<S> {
     }
 }
 
-/// The corners of all lanes in the sheared space, as `Shear::apply` has them. A function with this
-/// attribute: what is called for each block must not be a call.
+/// The corners of all lanes in the sheared space, as `Shear::apply` has them.
 #[inline(always)]
-fn sheared<S: Scalar>(corner: &[[S; LANES]; 3], shear: &Shear<S>) -> [[S; LANES]; 3] {
-    let [kx, ky, kz] = shear.axes;
-    let (mut x, mut y, mut z) = (corner[kx.min(2)], corner[ky.min(2)], corner[kz.min(2)]);
-    for l in 0..LANES {
-        z[l] = z[l] - shear.origin[2];
-        x[l] = (x[l] - shear.origin[0]) - shear.shear[0] * z[l];
-        y[l] = (y[l] - shear.origin[1]) - shear.shear[1] * z[l];
-    }
-    [x, y, z]
+fn sheared<S: Scalar>(
+    corners: &[[[S; LANES]; 3]; 3],
+    shear: &Shear<S>,
+) -> [[EightOf<S>; 3]; 3] {
+    let splat = EightOf::<S>::splat;
+    let [kx, ky, kz] = shear.axes.map(|k| k.min(2));
+    let (origin, factors) = (shear.origin.map(splat), shear.shear.map(splat));
+    std::array::from_fn(|i| {
+        let corner = &corners[i];
+        let z = EightOf::<S>::new(corner[kz]) - origin[2];
+        let x = (EightOf::<S>::new(corner[kx]) - origin[0]) - factors[0] * z;
+        let y = (EightOf::<S>::new(corner[ky]) - origin[1]) - factors[1] * z;
+        [x, y, z]
+    })
 }
 
 #[cfg(test)]

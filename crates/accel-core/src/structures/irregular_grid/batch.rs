@@ -1,63 +1,21 @@
 //! A batch of rays through the grid: several on their way at once, each on its own; one that is
-//! finished makes room for the next.
+//! finished makes room for the next. Or one ray after the other, with the same steps and tests.
 //!
-//! A single ray is a chain of loads that wait for one another: entry, cell, list, triangles. Rays
-//! do not wait for each other, so the processor works on some while others wait for memory. The
-//! steps of a ray are those of the walk of one ray, its triangles are tested eight at a time by the
-//! same arithmetic, so that answers are the same to the last bit.
+//! A single ray is a chain of loads that wait for one another: voxel, triangles, voxel. Rays do not
+//! wait for each other, so the processor works on some while others wait. The answers are those of
+//! the walk of one ray to the last bit: triangles are tested by the same arithmetic, eight at a
+//! time.
 
-use super::course::{Course, nearest};
-use super::subdivide::{Cell, Cells};
-use super::{IrregularGrid, Point};
+use super::IrregularGrid;
+use super::course::{Course, Point};
+use super::voxels::Voxel;
 use crate::far_ray::{self, Place};
 use crate::primitives::{PrimSet, Shear, TriangleBlock};
 use crate::ray::{Hit, MISS, Ray};
-use crate::scalar::{Scalar, Vector};
+use crate::scalar::Scalar;
 
 /// Rays on their way at once.
 const LANES: usize = 16;
-
-/// The cells once more, with triangles in place of ids.
-#[derive(Debug)]
-pub(super) struct Gathered<S> {
-    /// `list` is the number of the first block, and 0 for an empty list.
-    cells: Vec<Cell>,
-    /// The first is that of the empty list.
-    blocks: Vec<TriangleBlock<S>>,
-}
-
-impl<S: Scalar> Gathered<S> {
-    /// `None` when some primitive is not a triangle at rest, or there are too many for blocks.
-    pub(super) fn of<P: PrimSet<S>>(cells: &Cells, prims: &P) -> Option<Self> {
-        let corners = |id| prims.corners(id).map(|corners| corners.map(|p| p.to_array()));
-        if prims.len() > TriangleBlock::<S>::MOST_IDS
-            || (0..prims.len() as u32).any(|id| corners(id).is_none())
-        {
-            return None;
-        }
-        let mut blocks = vec![TriangleBlock::new(std::iter::empty(), false)];
-        // the first block of the list that begins at that place
-        let mut first = vec![0u32; cells.lists.len()];
-        let mut gathered = cells.cells.clone();
-        for cell in gathered.iter_mut().filter(|cell| cell.list != 0) {
-            let begin = &mut first[cell.list as usize];
-            if *begin == 0 {
-                *begin = u32::try_from(blocks.len()).ok()?;
-                let mut parts = cells.list(cell.list).chunks(8).peekable();
-                while let Some(part) = parts.next() {
-                    let triangles = part.iter().filter_map(|&id| Some((id, corners(id)?)));
-                    blocks.push(TriangleBlock::new(triangles, parts.peek().is_some()));
-                }
-            }
-            cell.list = *begin;
-        }
-        Some(Self { cells: gathered, blocks })
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.cells.as_slice()) + size_of_val(self.blocks.as_slice())
-    }
-}
 
 /// What a batch asks of each ray.
 pub(super) trait Query<S: Scalar> {
@@ -72,11 +30,13 @@ pub(super) trait Query<S: Scalar> {
 pub(super) struct Lane<S: Scalar> {
     course: Course<S>,
     at: Point,
-    ray: Ray<S>,
+    /// The one at that point.
+    voxel: Voxel,
     shear: Shear<S>,
+    ray: Ray<S>,
+    best: Hit<S>,
     /// Parameters were made smaller by this.
     moved_by: S,
-    best: Hit<S>,
     /// In the batch.
     place: usize,
 }
@@ -91,10 +51,10 @@ impl<S: Scalar> IrregularGrid<S> {
             Place::Nowhere => return None,
         };
         let (start, _) = self.bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max)?;
-        let resolution = self.finder.resolution();
-        let (course, at) = Course::of(&ray, start, self.bounds.min, self.a_length, resolution);
+        let (course, at) = Course::of(&ray, start, &self.place);
         Some(Lane {
             at,
+            voxel: self.voxels.at(at),
             course,
             shear: Shear::of(&ray),
             moved_by,
@@ -104,11 +64,51 @@ impl<S: Scalar> IrregularGrid<S> {
         })
     }
 
-    /// Answers all rays.
+    /// Tests a lane's list; true when its query is over.
     #[inline(always)]
-    fn trace<Q: Query<S>>(&self, gathered: &Gathered<S>, rays: &[Ray<S>], reach: S, query: &mut Q) {
-        let resolution = self.finder.resolution();
-        let entries = self.cells.entries.as_slice();
+    fn test<Q: Query<S>>(
+        &self,
+        blocks: &[TriangleBlock<S>],
+        lane: &mut Lane<S>,
+        query: &Q,
+    ) -> bool {
+        let mut number = lane.voxel.list() as usize;
+        loop {
+            let block = &blocks[number];
+            if query.test(block, lane) {
+                return true;
+            }
+            if !block.has_next() {
+                return false;
+            }
+            number += 1;
+        }
+    }
+
+    /// Goes on to the next voxel; false when there is none, or what it has no longer matters.
+    #[inline(always)]
+    fn step(&self, lane: &mut Lane<S>) -> bool {
+        let exit = lane.course.exit(&lane.voxel);
+        // not finite: it leaves through no face, or the planes' parameters overflow
+        if lane.best.t < exit.t || !exit.t.is_finite() {
+            return false;
+        }
+        if !lane.course.advance(&mut lane.at, &exit, &self.place) {
+            return false;
+        }
+        lane.voxel = self.voxels.at(lane.at);
+        true
+    }
+
+    /// Answers all rays, several at once.
+    #[inline(always)]
+    fn trace<Q: Query<S>>(
+        &self,
+        blocks: &[TriangleBlock<S>],
+        rays: &[Ray<S>],
+        reach: S,
+        query: &mut Q,
+    ) {
         let mut waiting = rays.iter().enumerate();
         let mut next = |query: &mut Q| {
             for (place, ray) in waiting.by_ref() {
@@ -125,32 +125,23 @@ impl<S: Scalar> IrregularGrid<S> {
         {
             lanes.push(lane);
         }
-        let none = Cell { first: [0; 3], last: [0; 3], list: 0 };
-        let mut cells = [none; LANES];
         while !lanes.is_empty() {
-            for (lane, cell) in lanes.iter().zip(&mut cells) {
-                *cell = gathered.cells[self.finder.cell_at(entries, lane.at) as usize];
+            // those that have something to test, without a branch
+            let (mut full, mut n) = ([0u8; LANES], 0);
+            for (i, lane) in lanes.iter().enumerate() {
+                full[n.min(LANES - 1)] = i as u8;
+                n += usize::from(lane.voxel.list() != 0);
             }
             let mut over = 0u32;
-            for (i, (lane, cell)) in lanes.iter_mut().zip(&cells).enumerate() {
-                let mut block = cell.list as usize;
-                let mut is_over = false;
-                while block != 0 && !is_over {
-                    let triangles = &gathered.blocks[block];
-                    is_over = query.test(triangles, lane);
-                    block = if triangles.has_next() { block + 1 } else { 0 };
-                }
-                over |= u32::from(is_over) << i;
-            }
-            for (i, (lane, cell)) in lanes.iter_mut().zip(&cells).enumerate() {
-                let exits = lane.course.exits(cell);
-                let exit = nearest(exits);
-                let ends = (lane.best.t < exit) | !exit.is_finite();
-                let goes_on = lane.course.advance(&mut lane.at, cell, exits, exit, resolution);
-                over |= u32::from(ends | !goes_on) << i;
+            for &i in full.iter().take(n) {
+                let lane = &mut lanes[usize::from(i)];
+                over |= u32::from(self.test(blocks, lane, query)) << i;
             }
             // from the last: a lane that is not refilled is replaced by one already looked at
-            for i in (0..lanes.len()).rev().filter(|i| over >> i & 1 == 1) {
+            for i in (0..lanes.len()).rev() {
+                if over >> i & 1 == 0 && self.step(&mut lanes[i]) {
+                    continue;
+                }
                 let Lane { place, best, moved_by, .. } = lanes[i];
                 query.finish(place, Hit { t: best.t + moved_by, ..best });
                 match next(query) {
@@ -163,27 +154,63 @@ impl<S: Scalar> IrregularGrid<S> {
         }
     }
 
+    /// Answers one ray after the other.
+    #[inline(always)]
+    fn trace_one_by_one<Q: Query<S>>(
+        &self,
+        blocks: &[TriangleBlock<S>],
+        rays: &[Ray<S>],
+        reach: S,
+        query: &mut Q,
+    ) {
+        for (place, ray) in rays.iter().enumerate() {
+            let Some(mut lane) = self.lane(ray, place, reach) else {
+                query.finish(place, Hit { t: ray.t_max, id: MISS });
+                continue;
+            };
+            loop {
+                if lane.voxel.list() != 0 && self.test(blocks, &mut lane, query) {
+                    break;
+                }
+                if !self.step(&mut lane) {
+                    break;
+                }
+            }
+            query.finish(place, Hit { t: lane.best.t + lane.moved_by, ..lane.best });
+        }
+    }
+
     /// Closest hits of all rays.
     pub(super) fn trace_closest(
         &self,
-        gathered: &Gathered<S>,
+        blocks: &[TriangleBlock<S>],
         rays: &[Ray<S>],
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        self.trace(gathered, rays, reach, &mut Closest { rays, hits });
+        let mut query = Closest { rays, hits };
+        if self.is_batch {
+            self.trace(blocks, rays, reach, &mut query);
+        } else {
+            self.trace_one_by_one(blocks, rays, reach, &mut query);
+        }
     }
 
     /// Occlusion of all rays.
     pub(super) fn trace_occlusions<P: PrimSet<S>>(
         &self,
-        gathered: &Gathered<S>,
+        blocks: &[TriangleBlock<S>],
         prims: &P,
         rays: &[Ray<S>],
         reach: S,
         blocked: &mut [bool],
     ) {
-        self.trace(gathered, rays, reach, &mut Occlusion { prims, blocked });
+        let mut query = Occlusion { prims, blocked };
+        if self.is_batch {
+            self.trace(blocks, rays, reach, &mut query);
+        } else {
+            self.trace_one_by_one(blocks, rays, reach, &mut query);
+        }
     }
 }
 

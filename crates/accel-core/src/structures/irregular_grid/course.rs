@@ -1,101 +1,124 @@
-//! A ray's way over the lattice, from one grown box to the next, without branches: which face a ray
-//! leaves through is as good as random, and a processor that guesses wrong loses more than a step.
+//! A ray's way over the lattice, from one grown box to the next, all axes in the lanes of a vector
+//! and without branches: which face a ray leaves through is as good as random, and a processor that
+//! guesses wrong loses more than a step.
 
-use super::Point;
-use super::subdivide::Cell;
+use wide::{i32x4, u8x16};
+
+use super::voxels::Voxel;
+use crate::lanes::{Four, FourOf, Lanes};
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vector};
 
+/// Lattice coordinates, and 0.
+pub(super) type Point = i32x4;
+
+/// Where a grid's lattice lies.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place<S: Scalar> {
+    low: FourOf<S>,
+    /// Lattice cells a unit of length.
+    a_length: FourOf<S>,
+    /// Lattice cells less one.
+    last: Point,
+    last_coordinate: FourOf<S>,
+}
+
+impl<S: Scalar> Place<S> {
+    pub(super) fn new(low: crate::Vec3<S>, a_length: [S; 3], resolution: [u32; 3]) -> Self {
+        let last = i32x4::new(with_zero(resolution.map(|n| n as i32 - 1), 0));
+        Self {
+            low: four(low.to_array()),
+            a_length: four(a_length),
+            last,
+            last_coordinate: FourOf::<S>::from_i32(last),
+        }
+    }
+
+    /// The lattice cell at a coordinate, within the lattice.
+    #[inline(always)]
+    fn within(&self, x: FourOf<S>) -> Point {
+        x.greater(FourOf::<S>::splat(S::ZERO)).lesser(self.last_coordinate).truncate()
+    }
+
+    /// True when the point is none of the lattice.
+    #[inline(always)]
+    fn is_left(&self, p: Point) -> bool {
+        (p.simd_gt(self.last) | p).to_bitmask() & 7 != 0
+    }
+}
+
+fn with_zero<T>([x, y, z]: [T; 3], zero: T) -> [T; 4] {
+    [x, y, z, zero]
+}
+
+fn four<S: Scalar>(v: [S; 3]) -> FourOf<S> {
+    FourOf::<S>::new(with_zero(v, S::ZERO))
+}
+
 /// A ray in lattice cells; its parameter stays what it was.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Course<S> {
-    origin: [S; 3],
-    direction: [S; 3],
-    inverse: [S; 3],
+pub(super) struct Course<S: Scalar> {
+    origin: FourOf<S>,
+    direction: FourOf<S>,
+    inverse: FourOf<S>,
+    /// Picks the far coordinates of a voxel's box.
+    far: u8x16,
     /// 0 on an axis along which the ray goes up, -1 where it goes down.
-    down: [i32; 3],
+    down: Point,
 }
 
 impl<S: Scalar> Course<S> {
-    /// The course of a ray and its lattice point at parameter `start`, for a lattice of that
-    /// resolution that begins at `low` and has `a_length` cells a unit of length.
+    /// The course of a ray and its lattice point at parameter `start`.
     #[inline(always)]
-    pub(super) fn of(
-        ray: &Ray<S>,
-        start: S,
-        low: crate::Vec3<S>,
-        a_length: [S; 3],
-        resolution: [u32; 3],
-    ) -> (Self, Point) {
-        let (from, along) = ((ray.origin - low).to_array(), ray.direction.to_array());
-        let (zero, one) = (S::ZERO, S::ONE);
-        let mut this =
-            Self { origin: [zero; 3], direction: [zero; 3], inverse: [zero; 3], down: [0; 3] };
-        let mut at = [0; 3];
-        for k in 0..3 {
-            let origin = from[k] * a_length[k];
-            let direction = along[k] * a_length[k];
-            let inverse = one / direction;
-            if inverse.is_finite() {
-                this.origin[k] = origin;
-                this.direction[k] = direction;
-                this.inverse[k] = inverse;
-                this.down[k] = if direction < zero { -1 } else { 0 };
-            } else {
-                // too small to divide by: every plane is at infinity, and no point moves
-                this.origin[k] = -one;
-                this.inverse[k] = S::INFINITY;
-            }
-            at[k] = within(origin + this.direction[k] * start, resolution[k]);
-        }
+    pub(super) fn of(ray: &Ray<S>, start: S, place: &Place<S>) -> (Self, Point) {
+        let origin = (four::<S>(ray.origin.to_array()) - place.low) * place.a_length;
+        let direction = four::<S>(ray.direction.to_array()) * place.a_length;
+        let splat = FourOf::<S>::splat;
+        let zero = splat(S::ZERO);
+        let inverse = splat(S::ONE) / direction;
+        // not where it is too small to divide by, nor in the fourth lane: there every plane is at
+        // infinity, and no point moves
+        let moves = (inverse - inverse).at_most(zero);
+        let down = moves & !zero.at_most(direction);
+        let direction = direction.where_set(moves, zero);
+        let at = place.within(origin + direction * splat(start));
+        let this = Self {
+            origin: origin.where_set(moves, splat(-S::ONE)),
+            direction,
+            inverse: inverse.where_set(moves, splat(S::INFINITY)),
+            far: Voxel::far_coordinates(down),
+            down,
+        };
         (this, at)
     }
 
-    /// Where the ray passes the far planes of a cell's box.
+    /// Where the ray leaves a voxel's box.
     #[inline(always)]
-    pub(super) fn exits(&self, cell: &Cell) -> [S; 3] {
-        std::array::from_fn(|k| {
-            let (first, last) = (i32::from(cell.first[k]), i32::from(cell.last[k]) + 1);
-            let plane = last + (self.down[k] & (first - last));
-            (S::from_i32(plane) - self.origin[k]) * self.inverse[k]
-        })
+    pub(super) fn exit(&self, voxel: &Voxel) -> Exit<S> {
+        let planes = voxel.pick(self.far);
+        let exits = (FourOf::<S>::from_i32(planes) - self.origin) * self.inverse;
+        let [x, y, z, _] = exits.to_array();
+        Exit { planes, exits, t: x.lesser(y).lesser(z) }
     }
 
-    /// Moves to the point beyond the nearest of these exits, `exit`; false when it lies outside of
-    /// the lattice.
+    /// Moves to the point beyond an exit; false when it lies outside of the lattice.
     #[inline(always)]
-    pub(super) fn advance(
-        &self,
-        at: &mut Point,
-        cell: &Cell,
-        exits: [S; 3],
-        exit: S,
-        resolution: [u32; 3],
-    ) -> bool {
-        let mut inside = true;
-        for k in 0..3 {
-            let there = within(self.origin[k] + self.direction[k] * exit, resolution[k]) as i32;
-            // never back, whatever rounding says: all ones turn the order round
-            let down = self.down[k];
-            let onward = (there ^ down).max(at[k] as i32 ^ down) ^ down;
-            let (first, last) = (i32::from(cell.first[k]), i32::from(cell.last[k]));
-            let beyond = last + 1 + (down & (first - last - 2));
-            at[k] = if exits[k] <= exit { beyond } else { onward } as u32;
-            inside &= at[k] < resolution[k];
-        }
-        inside
+    pub(super) fn advance(&self, at: &mut Point, exit: &Exit<S>, place: &Place<S>) -> bool {
+        let t = FourOf::<S>::splat(exit.t);
+        let there = place.within(self.origin + self.direction * t);
+        // never back, whatever rounding says: all ones turn the order round
+        let onward = (there ^ self.down).max(*at ^ self.down) ^ self.down;
+        let beyond = exit.planes + self.down;
+        *at = exit.exits.at_most(t).select(beyond, onward);
+        !place.is_left(*at)
     }
 }
 
-/// The nearest exit.
-#[inline(always)]
-pub(super) fn nearest<S: Scalar>(exits: [S; 3]) -> S {
-    exits[0].lesser(exits[1]).lesser(exits[2])
-}
-
-/// The lattice cell at a coordinate, within the lattice.
-#[inline(always)]
-fn within<S: Scalar>(x: S, resolution: u32) -> u32 {
-    // truncation is the floor of what is not negative, and negative becomes 0
-    x.to_i32().clamp(0, resolution as i32 - 1) as u32
+/// Where a ray leaves a voxel's box.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exit<S: Scalar> {
+    planes: Point,
+    exits: FourOf<S>,
+    /// The ray's parameter at the nearest of the far planes.
+    pub(super) t: S,
 }

@@ -8,7 +8,8 @@
 //! looking at all of them takes most of the build; faces move in turn until none does.
 
 use super::subdivide::{Cell, Cells};
-use super::{Finder, Point};
+use super::{Finder};
+type Point=[u32;3];
 
 /// Grows all cells, looking at no more than `most_neighbours` for a step of a face.
 pub(super) fn expand(cells: &mut Cells, finder: &Finder, most_neighbours: usize) {

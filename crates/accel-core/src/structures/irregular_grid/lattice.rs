@@ -3,8 +3,8 @@
 use crate::aabb::Aabb;
 use crate::scalar::{Scalar, Vector};
 
-/// Coordinates of lattice cells fit into 16 bits.
-const MOST_CELLS: u32 = 1 << 16;
+/// Coordinates after the last lattice cell fit into 16 bits.
+const MOST_CELLS: u32 = (1 << 16) - 1;
 /// Most halvings of a cell of the top grid.
 const MOST_LEVELS: u32 = 15;
 

@@ -17,8 +17,10 @@ mod batch;
 mod course;
 mod expand;
 mod lattice;
+mod lists;
 mod overlap;
 mod subdivide;
+mod voxels;
 
 use glam::DVec3;
 
@@ -32,10 +34,11 @@ use crate::ray::{Hit, Ray};
 use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;
-use batch::Gathered;
-use course::{Course, nearest};
-use lattice::Lattice;
+use course::{Course, Place};
+use lattice::{Division, Lattice};
+use lists::Lists;
 use subdivide::{Cells, DIVIDED, FIRST_PART, Settings, Source, TooLarge, subdivide};
+use voxels::{Voxel, Voxels};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -103,9 +106,6 @@ struct Effort {
 const FAST: Effort = Effort { density: 0.125, most_neighbours: 4 };
 const QUALITY: Effort = Effort { density: 0.25, most_neighbours: 64 };
 
-/// A lattice point.
-type Point = [u32; 3];
-
 /// How to find the cell of a lattice point.
 #[derive(Debug, Clone, Copy)]
 struct Finder {
@@ -120,7 +120,7 @@ impl Finder {
 
     /// The number of the cell at `p`.
     #[inline(always)]
-    fn cell_at(&self, entries: &[u32], p: Point) -> u32 {
+    fn cell_at(&self, entries: &[u32], p: [u32; 3]) -> u32 {
         let mut shift = self.levels;
         let [x, y, z] = [p[0] >> shift[0], p[1] >> shift[1], p[2] >> shift[2]];
         let mut entry = entries[(x + self.top[0] * (y + self.top[1] * z)) as usize];
@@ -140,13 +140,13 @@ impl Finder {
 
 /// The structure.
 pub struct IrregularGrid<S: Scalar> {
-    cells: Cells,
-    finder: Finder,
+    voxels: Voxels,
+    lists: Lists<S>,
     bounds: crate::aabb::Aabb<S>,
-    /// Lattice cells a unit of length.
-    a_length: [S; 3],
-    /// For `query=batch`.
-    gathered: Option<Gathered<S>>,
+    place: Place<S>,
+    /// Several rays of a batch are on their way at once.
+    is_batch: bool,
+    shape: Shape,
 }
 
 impl<S: Scalar> Structure<S> for IrregularGrid<S> {
@@ -183,12 +183,27 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         )?;
         let finder = Finder { top: lattice.top, levels: lattice.levels };
         expand::expand(&mut cells, &finder, effort.most_neighbours);
-        let a_length = lattice.side.map(|side| S::from_f64(1.0 / side));
-        let gathered = match params.text("query") {
-            "batch" => Gathered::of(&cells, prims),
-            _ => None,
+        let empty = cells.cells.iter().filter(|cell| cell.list == 0).count();
+        let mut shape = Shape {
+            inner_cells: cells.divided,
+            cells: cells.cells.len() as u64,
+            empty_cells: empty as u64,
+            references: cells.references,
+            ..Shape::default()
         };
-        Ok(Self { cells, finder, bounds: boxes.scene(), a_length, gathered })
+        let lists = Lists::of(&mut cells, prims);
+        let voxels = voxels_of(&cells, &lattice);
+        shape.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
+        let a_length = lattice.side.map(|side| S::from_f64(1.0 / side));
+        let bounds = boxes.scene();
+        Ok(Self {
+            voxels,
+            lists,
+            bounds,
+            place: Place::new(bounds.min, a_length, finder.resolution()),
+            is_batch: params.text("query") == "batch",
+            shape,
+        })
     }
 
     #[inline(always)]
@@ -197,20 +212,18 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         else {
             return;
         };
-        let resolution = self.finder.resolution();
-        let (course, mut at) = Course::of(ray, start, self.bounds.min, self.a_length, resolution);
+        let (course, mut at) = Course::of(ray, start, &self.place);
         loop {
-            let cell = self.cells.cells[self.finder.cell_at(&self.cells.entries, at) as usize];
-            sink.elementary_step(cell.list == 0);
-            if cell.list != 0 && sink.test(self.cells.list(cell.list)).is_break() {
+            let voxel = self.voxels.at(at);
+            sink.elementary_step(voxel.list() == 0);
+            if voxel.list() != 0 && self.lists.test(voxel.list(), sink).is_break() {
                 return;
             }
-            let exits = course.exits(&cell);
-            let exit = nearest(exits);
+            let exit = course.exit(&voxel);
             // not finite: it leaves through no face, or the planes' parameters overflow
-            if sink.t_max() < exit
-                || !exit.is_finite()
-                || !course.advance(&mut at, &cell, exits, exit, resolution)
+            if sink.t_max() < exit.t
+                || !exit.t.is_finite()
+                || !course.advance(&mut at, &exit, &self.place)
             {
                 return;
             }
@@ -219,18 +232,16 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     fn closest_batch<P: PrimSet<S>>(
         &self,
-        prims: &P,
+        _prims: &P,
         rays: &[Ray<S>],
         reach: S,
         hits: &mut [Hit<S>],
     ) -> bool {
-        match &self.gathered {
-            Some(gathered) if prims.is_watertight() => {
-                self.trace_closest(gathered, rays, reach, hits);
-                true
-            }
-            _ => false,
+        if let Lists::Blocks(blocks) = &self.lists {
+            self.trace_closest(blocks, rays, reach, hits);
+            return true;
         }
+        false
     }
 
     fn occlusion_batch<P: PrimSet<S>>(
@@ -240,31 +251,44 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         blocked: &mut [bool],
     ) -> bool {
-        match &self.gathered {
-            Some(gathered) if prims.is_watertight() => {
-                self.trace_occlusions(gathered, prims, rays, reach, blocked);
-                true
-            }
-            _ => false,
+        if let Lists::Blocks(blocks) = &self.lists {
+            self.trace_occlusions(blocks, prims, rays, reach, blocked);
+            return true;
         }
+        false
     }
 
     fn shape(&self) -> Shape {
-        let cells = &self.cells;
-        let empty = cells.cells.iter().filter(|c| c.list == 0).count();
-        let bytes = size_of_val(cells.cells.as_slice())
-            + size_of_val(cells.entries.as_slice())
-            + size_of_val(cells.lists.as_slice())
-            + self.gathered.as_ref().map_or(0, Gathered::bytes);
-        Shape {
-            inner_cells: cells.divided,
-            cells: cells.cells.len() as u64,
-            empty_cells: empty as u64,
-            references: cells.references,
-            bytes: bytes as u64,
-            ..Shape::default()
+        self.shape
+    }
+}
+
+/// The records of all parts.
+fn voxels_of(cells: &Cells, lattice: &Lattice) -> Voxels {
+    let nothing = Voxel::leaf([0; 3], [0; 3], 0);
+    let mut records = vec![nothing; cells.entries.len()];
+    let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
+    let mut waiting = vec![(0, whole)];
+    while let Some((begin, division)) = waiting.pop() {
+        for part in 0..division.count() {
+            let entry = cells.entries[begin + part];
+            records[begin + part] = if entry & DIVIDED == 0 {
+                let cell = &cells.cells[entry as usize];
+                Voxel::leaf(cell.first, cell.last.map(|x| x + 1), cell.list)
+            } else {
+                let first = division.part(part);
+                let logs = [entry >> 29 & 3, entry >> 27 & 3, entry >> 25 & 3];
+                let shift = std::array::from_fn(|k| division.shift[k] - logs[k]);
+                let number = entry & FIRST_PART;
+                waiting.push((
+                    number as usize,
+                    Division { first, shift, parts: logs.map(|log| 1 << log) },
+                ));
+                Voxel::divided(first, shift, logs, number)
+            };
         }
     }
+    Voxels::new(records, lattice.top, lattice.levels)
 }
 
 /// The primitives with padded boxes.

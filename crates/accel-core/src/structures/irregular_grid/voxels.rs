@@ -1,0 +1,117 @@
+//! What a ray reads on its way: a record of 16 bytes for each part of the grid, found by the
+//! coordinates of a lattice point.
+
+use wide::{i32x4, u8x16, u32x4};
+
+use super::course::Point;
+
+/// Highest bit of the last word: the part is divided.
+const DIVIDED: u32 = 1 << 31;
+
+/// A part of the grid.
+///
+/// Undivided: the grown box, its first lattice coordinates and those after its last, 16 bits each;
+/// then 32 bits with the number of a list. Divided: how far to shift a point's coordinates to the
+/// right, and then the y and z ones to the left, and a number that their sum is added to: that
+/// of the part's record, modulo 2^31.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Voxel(u32x4);
+
+impl Voxel {
+    /// An undivided part.
+    pub(super) fn leaf(first: [u16; 3], end: [u16; 3], list: u32) -> Self {
+        Self::new(first, end, list & !DIVIDED)
+    }
+
+    /// One divided into `1 << logs` parts of sides `1 << shift`, the first of which is record
+    /// `number` and begins at lattice point `first`.
+    pub(super) fn divided(first: [u32; 3], shift: [u32; 3], logs: [u32; 3], number: u32) -> Self {
+        let left = [0, logs[0], logs[0] + logs[1]];
+        let start: u32 = (0..3).fold(0, |sum, k| sum.wrapping_add(first[k] >> shift[k] << left[k]));
+        let base = number.wrapping_sub(start) | DIVIDED;
+        Self::new(shift.map(|x| x as u16), left.map(|x| x as u16), base)
+    }
+
+    fn new(a: [u16; 3], b: [u16; 3], word: u32) -> Self {
+        let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
+        Self(u32x4::new([pair(a[0], a[1]), pair(a[2], b[0]), pair(b[1], b[2]), word]))
+    }
+
+    /// The last word.
+    #[inline(always)]
+    fn word(&self) -> u32 {
+        self.0.to_array()[3]
+    }
+
+    /// The number of its list.
+    #[inline(always)]
+    pub(super) fn list(&self) -> u32 {
+        self.word()
+    }
+
+    /// For [`Voxel::pick`]: the coordinates after the last, or the first on axes with -1.
+    #[inline(always)]
+    pub(super) fn far_coordinates(down: i32x4) -> u8x16 {
+        let bytes = |first: i32| first | (first + 1) << 8 | 0x8080_0000u32 as i32;
+        let up = i32x4::new([bytes(6), bytes(8), bytes(10), 0x8080_8080u32 as i32]);
+        // six bytes before, in both of the lower bytes
+        let back = i32x4::new([0x0606, 0x0606, 0x0606, 0]);
+        bytemuck::cast(up - (down & back))
+    }
+
+    /// Coordinates of the box.
+    #[inline(always)]
+    pub(super) fn pick(&self, which: u8x16) -> Point {
+        bytemuck::cast(bytemuck::cast::<_, u8x16>(self.0).shuffle(which))
+    }
+}
+
+/// The records.
+#[derive(Debug)]
+pub(super) struct Voxels {
+    /// Those of the top grid, x fastest, then those of parts.
+    pub(super) records: Vec<Voxel>,
+    shift: u32x4,
+    strides: u32x4,
+}
+
+impl Voxels {
+    pub(super) fn new(records: Vec<Voxel>, top: [u32; 3], levels: [u32; 3]) -> Self {
+        let [x, y, z] = levels;
+        Self {
+            records,
+            shift: u32x4::new([x, y, z, 0]),
+            strides: u32x4::new([1, top[0], top[0] * top[1], 0]),
+        }
+    }
+
+    /// The record of the undivided part at a lattice point.
+    #[inline(always)]
+    pub(super) fn at(&self, p: Point) -> Voxel {
+        let p: u32x4 = bytemuck::cast(p);
+        let [x, y, z, _] = (p.unbounded_shr(self.shift) * self.strides).to_array();
+        let mut voxel = self.records[x.wrapping_add(y).wrapping_add(z) as usize];
+        while voxel.word() & DIVIDED != 0 {
+            let right = pick(&voxel, RIGHT);
+            let left = pick(&voxel, LEFT);
+            let [x, y, z, _] = p.unbounded_shr(right).unbounded_shl(left).to_array();
+            let number = voxel.word().wrapping_add(x).wrapping_add(y).wrapping_add(z) & !DIVIDED;
+            voxel = self.records[number as usize];
+        }
+        voxel
+    }
+}
+
+const NONE: u8 = 0x80;
+/// The first three words of 16 bits.
+#[rustfmt::skip]
+const RIGHT: [u8; 16] = [0, 1, NONE, NONE, 2, 3, NONE, NONE, 4, 5, NONE, NONE, NONE, NONE, NONE, NONE];
+/// The next three.
+#[rustfmt::skip]
+const LEFT: [u8; 16] = [6, 7, NONE, NONE, 8, 9, NONE, NONE, 10, 11, NONE, NONE, NONE, NONE, NONE, NONE];
+
+#[inline(always)]
+fn pick(voxel: &Voxel, which: [u8; 16]) -> u32x4 {
+    bytemuck::cast(bytemuck::cast::<_, u8x16>(voxel.0).shuffle(u8x16::new(which)))
+}
