@@ -28,6 +28,7 @@ struct Growth<'a> {
 
 impl Growth<'_> {
     fn run(mut self) -> Cell {
+        let mut left = [self.most_neighbours; 6];
         // bit k: the lower face of axis k may still move; bit k + 3: the upper one
         let mut faces = 0b11_1111u32;
         while faces != 0 {
@@ -35,7 +36,7 @@ impl Growth<'_> {
                 if faces >> face & 1 == 0 {
                     continue;
                 }
-                if !self.move_face(face % 3, face >= 3) {
+                if !self.move_face(face % 3, face >= 3, &mut left[face]) {
                     faces &= !(1 << face);
                 }
             }
@@ -44,7 +45,7 @@ impl Growth<'_> {
     }
 
     /// Moves a face to the end of its nearest neighbour; false when it stays.
-    fn move_face(&mut self, k: usize, upper: bool) -> bool {
+    fn move_face(&mut self, k: usize, upper: bool, left: &mut usize) -> bool {
         let resolution = self.finder.resolution();
         let beyond = if upper {
             u32::from(self.cell.last[k]) + 1
@@ -61,16 +62,16 @@ impl Growth<'_> {
         let mut at: Point = [0; 3];
         at[k] = beyond;
         let mut nearest = if upper { u32::MAX } else { 0 };
-        let mut asked = 0;
         at[v] = self.cell.first[v].into();
         while at[v] <= u32::from(self.cell.last[v]) {
             let mut next_row = u32::MAX;
             at[u] = self.cell.first[u].into();
             while at[u] <= u32::from(self.cell.last[u]) {
-                asked += 1;
+                let Some(less) = left.checked_sub(1) else { return false };
+                *left = less;
                 let number = self.finder.cell_at(&self.cells.entries, at) as usize;
                 let neighbour = &self.cells.cells[number];
-                if asked > self.most_neighbours || !self.has_all_of(neighbour.list) {
+                if !self.has_all_of(neighbour.list) {
                     return false;
                 }
                 nearest = if upper {

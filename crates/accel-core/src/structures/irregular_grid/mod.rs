@@ -15,6 +15,7 @@
 
 mod batch;
 mod course;
+mod empty_boxes;
 mod expand;
 mod lattice;
 mod lists;

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use super::empty_boxes::EmptyBoxes;
 use super::lattice::{Division, Lattice};
 use super::overlap::Overlap;
 
@@ -195,12 +196,24 @@ impl Subdivision<'_> {
             self.ids[base + *at] = id;
             *at += 1;
         }
-        let mut start = 0;
-        for (part, &end) in ends.iter().enumerate().take(count) {
-            let entry =
-                self.entry(base + start..base + end, division.part(part), division.shift)?;
+        let begin = |part: usize| part.checked_sub(1).map_or(0, |before| ends[before]);
+        let empty = EmptyBoxes::new(division.parts, |part| begin(part) == ends[part]);
+        for part in 0..count {
+            let (start, end) = (begin(part), ends[part]);
+            let first = division.part(part);
+            let entry = if start < end {
+                self.entry(base + start..base + end, first, division.shift)?
+            } else {
+                let (corner, last) = empty.around(part);
+                if corner == part {
+                    self.cell(0..0, first, std::array::from_fn(|k| {
+                        division.first[k] + ((last[k] + 1) << division.shift[k]) - 1
+                    }))?
+                } else {
+                    self.cells.entries[first_entry + corner]
+                }
+            };
             self.cells.entries[first_entry + part] = entry;
-            start = end;
         }
         self.ids.truncate(base);
         Ok(first_entry as u32)
@@ -235,7 +248,7 @@ impl Subdivision<'_> {
                 return Ok(DIVIDED | logs[0] << 29 | logs[1] << 27 | logs[2] << 25 | entry);
             }
         }
-        self.cell(ids, first, levels)
+        self.cell(ids, first, std::array::from_fn(|k| first[k] + (1 << levels[k]) - 1))
     }
 
     /// Whether a part would have the whole list and others most of it again: all meet in a point or
@@ -270,7 +283,7 @@ impl Subdivision<'_> {
         &mut self,
         ids: Range<usize>,
         first: [u32; 3],
-        levels: [u32; 3],
+        last: [u32; 3],
     ) -> Result<u32, TooLarge> {
         self.cells.references += ids.len() as u64;
         let list = self.list(ids);
@@ -281,7 +294,7 @@ impl Subdivision<'_> {
         let number = self.cells.cells.len() as u32;
         self.cells.cells.push(Cell {
             first: first.map(|x| x as u16),
-            last: std::array::from_fn(|k| (first[k] + (1 << levels[k]) - 1) as u16),
+            last: last.map(|x| x as u16),
             list,
         });
         Ok(number)
