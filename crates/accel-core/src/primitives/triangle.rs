@@ -43,6 +43,11 @@ pub struct Shear<S: Scalar> {
     pub(super) shear: [S; 3],
 }
 
+/// The longest axis by `x > y`, `x > z`, `y > z`, the first of these the lowest bit; z in doubt.
+const LONGEST: [usize; 8] = [2, 2, 2, 0, 1, 2, 1, 0];
+/// The other two axes, so that a ray along it sees triangles wound as they are.
+const OTHERS: [[[usize; 2]; 2]; 3] = [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
+
 impl<S: Scalar> Shear<S> {
     /// The shear that maps `ray` to the +z axis through the origin.
     #[inline(always)]
@@ -50,21 +55,10 @@ impl<S: Scalar> Shear<S> {
         let d = ray.direction.to_array();
         let o = ray.origin.to_array();
         let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
-        let kz = if ax > ay {
-            if ax > az { 0 } else { 2 }
-        } else if ay > az {
-            1
-        } else {
-            2
-        };
-        let (mut kx, mut ky) = match kz {
-            0 => (1, 2),
-            1 => (2, 0),
-            _ => (0, 1),
-        };
-        if d[kz] < S::ZERO {
-            (kx, ky) = (ky, kx);
-        }
+        // by tables: which axis is the longest is as good as random, and a branch would guess
+        let order = usize::from(ax > ay) | usize::from(ax > az) << 1 | usize::from(ay > az) << 2;
+        let kz = LONGEST[order];
+        let [kx, ky] = OTHERS[kz][usize::from(d[kz] < S::ZERO)];
         let inv = S::ONE / d[kz];
         Self {
             axes: [kx, ky, kz],

@@ -50,8 +50,7 @@ impl<S: Scalar> IrregularGrid<S> {
             Place::Moved(near, by) => (near, by),
             Place::Nowhere => return None,
         };
-        let (start, _) = self.bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max)?;
-        let (course, at) = Course::of(&ray, start, &self.place);
+        let (course, at) = Course::of(&ray, &self.place)?;
         Some(Lane {
             at,
             voxel: self.voxels.at(at),

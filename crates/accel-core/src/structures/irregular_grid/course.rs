@@ -21,6 +21,8 @@ pub(super) struct Place<S: Scalar> {
     /// Lattice cells less one.
     last: Point,
     last_coordinate: FourOf<S>,
+    /// Lattice cells.
+    size: FourOf<S>,
 }
 
 impl<S: Scalar> Place<S> {
@@ -31,6 +33,7 @@ impl<S: Scalar> Place<S> {
             a_length: four(a_length),
             last,
             last_coordinate: FourOf::<S>::from_i32(last),
+            size: FourOf::<S>::from_i32(last + i32x4::splat(1)),
         }
     }
 
@@ -68,28 +71,41 @@ pub(super) struct Course<S: Scalar> {
 }
 
 impl<S: Scalar> Course<S> {
-    /// The course of a ray and its lattice point at parameter `start`.
+    /// The course of a ray and the lattice point where it enters, or starts; `None` when it passes
+    /// by.
     #[inline(always)]
-    pub(super) fn of(ray: &Ray<S>, start: S, place: &Place<S>) -> (Self, Point) {
+    pub(super) fn of(ray: &Ray<S>, place: &Place<S>) -> Option<(Self, Point)> {
+        let splat = FourOf::<S>::splat;
+        let (zero, infinity) = (splat(S::ZERO), splat(S::INFINITY));
         let origin = (four::<S>(ray.origin.to_array()) - place.low) * place.a_length;
         let direction = four::<S>(ray.direction.to_array()) * place.a_length;
-        let splat = FourOf::<S>::splat;
-        let zero = splat(S::ZERO);
         let inverse = splat(S::ONE) / direction;
         // not where it is too small to divide by, nor in the fourth lane: there every plane is at
         // infinity, and no point moves
         let moves = (inverse - inverse).at_most(zero);
+        let (low, high) = ((zero - origin) * inverse, (place.size - origin) * inverse);
+        let near = low.lesser(high).where_set(moves, zero - infinity);
+        // rounded up by two ulps, so that rounding never loses the lattice (Ize 2013)
+        let padding = splat(S::ONE + S::EPSILON + S::EPSILON);
+        let far = (low.greater(high) * padding).where_set(moves, infinity);
+        let [near, far] = [near.to_array(), far.to_array()];
+        let start = near[0].greater(near[1]).greater(near[2]).greater(ray.t_min);
+        let end = far[0].lesser(far[1]).lesser(far[2]).lesser(ray.t_max);
+        let is_inside = zero.at_most(origin) & origin.at_most(place.size) | moves;
+        if !(start <= end) || is_inside.to_bitmask() != 15 {
+            return None;
+        }
         let down = moves & !zero.at_most(direction);
         let direction = direction.where_set(moves, zero);
         let at = place.within(origin + direction * splat(start));
         let this = Self {
             origin: origin.where_set(moves, splat(-S::ONE)),
             direction,
-            inverse: inverse.where_set(moves, splat(S::INFINITY)),
+            inverse: inverse.where_set(moves, infinity),
             far: Voxel::far_coordinates(down),
             down,
         };
-        (this, at)
+        Some((this, at))
     }
 
     /// Where the ray leaves a voxel's box.

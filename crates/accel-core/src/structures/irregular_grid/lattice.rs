@@ -26,7 +26,7 @@ impl Lattice {
     /// not divide.
     pub(super) fn new<S: Scalar>(bounds: &Aabb<S>, top: [u32; 3], smallest: f64) -> Self {
         let size = bounds.size().to_array().map(S::to_f64);
-        let top = top.map(|n| n.clamp(1, MOST_CELLS));
+        let top = top.map(|n| filling(n.clamp(1, MOST_CELLS)));
         let levels = std::array::from_fn(|k| {
             let fits = |l: &u32| {
                 let cells = u64::from(top[k]) << l;
@@ -46,6 +46,18 @@ impl Lattice {
     /// World coordinate of lattice plane `i` of axis `k`.
     pub(super) fn plane(&self, k: usize, i: u32) -> f64 {
         self.low[k] + self.side[k] * f64::from(i)
+    }
+}
+
+/// The number of cells nearest to `n` of which halvings make nearly as many as there may be: a
+/// scene with all its detail in one place needs them.
+fn filling(n: u32) -> u32 {
+    let above = MOST_CELLS >> (MOST_CELLS / n).ilog2();
+    let below = above / 2;
+    if below > 0 && u64::from(n) * u64::from(n) < u64::from(above) * u64::from(below) {
+        below
+    } else {
+        above
     }
 }
 

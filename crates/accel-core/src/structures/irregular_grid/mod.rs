@@ -143,7 +143,6 @@ impl Finder {
 pub struct IrregularGrid<S: Scalar> {
     voxels: Voxels,
     lists: Lists<S>,
-    bounds: crate::aabb::Aabb<S>,
     place: Place<S>,
     /// Several rays of a batch are on their way at once.
     is_batch: bool,
@@ -196,12 +195,10 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let voxels = voxels_of(&cells, &lattice);
         shape.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
         let a_length = lattice.side.map(|side| S::from_f64(1.0 / side));
-        let bounds = boxes.scene();
         Ok(Self {
             voxels,
             lists,
-            bounds,
-            place: Place::new(bounds.min, a_length, finder.resolution()),
+            place: Place::new(boxes.scene().min, a_length, finder.resolution()),
             is_batch: params.text("query") == "batch",
             shape,
         })
@@ -209,11 +206,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let Some((start, _)) = self.bounds.clip(ray.origin, ray.direction, ray.t_min, sink.t_max())
-        else {
-            return;
-        };
-        let (course, mut at) = Course::of(ray, start, &self.place);
+        let Some((course, mut at)) = Course::of(ray, &self.place) else { return };
         loop {
             let voxel = self.voxels.at(at);
             sink.elementary_step(voxel.list() == 0);
