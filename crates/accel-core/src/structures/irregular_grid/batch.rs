@@ -41,6 +41,31 @@ pub(super) struct Lane<S: Scalar> {
     place: usize,
 }
 
+/// Some of the lanes.
+struct Chosen {
+    lanes: [u8; LANES],
+    n: usize,
+}
+
+impl Chosen {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { lanes: [0; LANES], n: 0 }
+    }
+
+    /// Adds a lane when it is wanted; lanes in order, each once.
+    #[inline(always)]
+    fn add(&mut self, lane: usize, wanted: bool) {
+        self.lanes[self.n.min(LANES - 1)] = lane as u8;
+        self.n += usize::from(wanted);
+    }
+
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = usize> {
+        self.lanes.iter().take(self.n).map(|&i| usize::from(i))
+    }
+}
+
 impl<S: Scalar> IrregularGrid<S> {
     /// A ray that is on its way; `None` when it meets nothing.
     #[inline(always)]
@@ -53,7 +78,7 @@ impl<S: Scalar> IrregularGrid<S> {
         let (course, at) = Course::of(&ray, &self.place)?;
         Some(Lane {
             at,
-            voxel: self.voxels.at(at),
+            voxel: Voxel::NOTHING,
             course,
             shear: Shear::of(&ray),
             moved_by,
@@ -84,22 +109,18 @@ impl<S: Scalar> IrregularGrid<S> {
         }
     }
 
-    /// Goes on to the next voxel; false when there is none, or what it has no longer matters.
+    /// Goes on to the point where the next voxel begins; false when there is none, or what it has
+    /// no longer matters.
     #[inline(always)]
     fn step(&self, lane: &mut Lane<S>) -> bool {
         let exit = lane.course.exit(&lane.voxel);
         // not finite: it leaves through no face, or the planes' parameters overflow
-        if lane.best.t < exit.t || !exit.t.is_finite() {
-            return false;
-        }
-        if !lane.course.advance(&mut lane.at, &exit, &self.place) {
-            return false;
-        }
-        lane.voxel = self.voxels.at(lane.at);
-        true
+        let goes_on = !(lane.best.t < exit.t) & exit.t.is_finite();
+        lane.course.advance(&mut lane.at, &exit, &self.place) & goes_on
     }
 
-    /// Answers all rays, several at once.
+    /// Answers all rays, several at once. What is done for each lane is done without branches where
+    /// it can be: one that depends on what a lane waits for would keep the others waiting.
     #[inline(always)]
     fn trace<Q: Query<S>>(
         &self,
@@ -125,22 +146,35 @@ impl<S: Scalar> IrregularGrid<S> {
             lanes.push(lane);
         }
         while !lanes.is_empty() {
-            // those that have something to test, without a branch
-            let (mut full, mut n) = ([0u8; LANES], 0);
+            let mut divided = Chosen::new();
+            for (i, lane) in lanes.iter_mut().enumerate() {
+                lane.voxel = self.voxels.top(lane.at);
+                divided.add(i, lane.voxel.is_divided());
+            }
+            while divided.n > 0 {
+                let mut still = Chosen::new();
+                for i in divided.iter() {
+                    let lane = &mut lanes[i];
+                    lane.voxel = self.voxels.part(&lane.voxel, lane.at);
+                    still.add(i, lane.voxel.is_divided());
+                }
+                divided = still;
+            }
+            let mut full = Chosen::new();
             for (i, lane) in lanes.iter().enumerate() {
-                full[n.min(LANES - 1)] = i as u8;
-                n += usize::from(lane.voxel.list() != 0);
+                full.add(i, lane.voxel.list() != 0);
             }
             let mut over = 0u32;
-            for &i in full.iter().take(n) {
-                let lane = &mut lanes[usize::from(i)];
-                over |= u32::from(self.test(blocks, lane, query)) << i;
+            for i in full.iter() {
+                over |= u32::from(self.test(blocks, &mut lanes[i], query)) << i;
+            }
+            for (i, lane) in lanes.iter_mut().enumerate() {
+                over |= u32::from(!self.step(lane)) << i;
             }
             // from the last: a lane that is not refilled is replaced by one already looked at
-            for i in (0..lanes.len()).rev() {
-                if over >> i & 1 == 0 && self.step(&mut lanes[i]) {
-                    continue;
-                }
+            while over != 0 {
+                let i = over.ilog2() as usize;
+                over ^= 1 << i;
                 let Lane { place, best, moved_by, .. } = lanes[i];
                 query.finish(place, Hit { t: best.t + moved_by, ..best });
                 match next(query) {
@@ -167,6 +201,7 @@ impl<S: Scalar> IrregularGrid<S> {
                 query.finish(place, Hit { t: ray.t_max, id: MISS });
                 continue;
             };
+            lane.voxel = self.voxels.at(lane.at);
             loop {
                 if lane.voxel.list() != 0 && self.test(blocks, &mut lane, query) {
                     break;
@@ -174,6 +209,7 @@ impl<S: Scalar> IrregularGrid<S> {
                 if !self.step(&mut lane) {
                     break;
                 }
+                lane.voxel = self.voxels.at(lane.at);
             }
             query.finish(place, Hit { t: lane.best.t + lane.moved_by, ..lane.best });
         }

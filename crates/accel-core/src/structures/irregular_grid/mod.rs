@@ -259,8 +259,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
 /// The records of all parts.
 fn voxels_of(cells: &Cells, lattice: &Lattice) -> Voxels {
-    let nothing = Voxel::leaf([0; 3], [0; 3], 0);
-    let mut records = vec![nothing; cells.entries.len()];
+    let mut records = vec![Voxel::NOTHING; cells.entries.len()];
     let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
     let mut waiting = vec![(0, whole)];
     while let Some((begin, division)) = waiting.pop() {

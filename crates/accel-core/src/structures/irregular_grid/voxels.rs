@@ -19,6 +19,9 @@ const DIVIDED: u32 = 1 << 31;
 pub(super) struct Voxel(u32x4);
 
 impl Voxel {
+    /// An empty box.
+    pub(super) const NOTHING: Self = Self(u32x4::ZERO);
+
     /// An undivided part.
     pub(super) fn leaf(first: [u16; 3], end: [u16; 3], list: u32) -> Self {
         Self::new(first, end, list & !DIVIDED)
@@ -42,6 +45,12 @@ impl Voxel {
     #[inline(always)]
     fn word(&self) -> u32 {
         self.0.to_array()[3]
+    }
+
+    /// True when it is divided.
+    #[inline(always)]
+    pub(super) fn is_divided(&self) -> bool {
+        self.word() & DIVIDED != 0
     }
 
     /// The number of its list.
@@ -86,18 +95,30 @@ impl Voxels {
         }
     }
 
+    /// The record of the part of the top grid at a lattice point.
+    #[inline(always)]
+    pub(super) fn top(&self, p: Point) -> Voxel {
+        let p: u32x4 = bytemuck::cast(p);
+        let [x, y, z, _] = (p.unbounded_shr(self.shift) * self.strides).to_array();
+        self.records[x.wrapping_add(y).wrapping_add(z) as usize]
+    }
+
+    /// The record of the part of a divided one.
+    #[inline(always)]
+    pub(super) fn part(&self, voxel: &Voxel, p: Point) -> Voxel {
+        let p: u32x4 = bytemuck::cast(p);
+        let (right, left) = (pick(voxel, RIGHT), pick(voxel, LEFT));
+        let [x, y, z, _] = p.unbounded_shr(right).unbounded_shl(left).to_array();
+        let number = voxel.word().wrapping_add(x).wrapping_add(y).wrapping_add(z) & !DIVIDED;
+        self.records[number as usize]
+    }
+
     /// The record of the undivided part at a lattice point.
     #[inline(always)]
     pub(super) fn at(&self, p: Point) -> Voxel {
-        let p: u32x4 = bytemuck::cast(p);
-        let [x, y, z, _] = (p.unbounded_shr(self.shift) * self.strides).to_array();
-        let mut voxel = self.records[x.wrapping_add(y).wrapping_add(z) as usize];
-        while voxel.word() & DIVIDED != 0 {
-            let right = pick(&voxel, RIGHT);
-            let left = pick(&voxel, LEFT);
-            let [x, y, z, _] = p.unbounded_shr(right).unbounded_shl(left).to_array();
-            let number = voxel.word().wrapping_add(x).wrapping_add(y).wrapping_add(z) & !DIVIDED;
-            voxel = self.records[number as usize];
+        let mut voxel = self.top(p);
+        while voxel.is_divided() {
+            voxel = self.part(&voxel, p);
         }
         voxel
     }
