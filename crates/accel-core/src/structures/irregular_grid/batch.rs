@@ -15,7 +15,7 @@ use crate::ray::{Hit, MISS, Ray};
 use crate::scalar::Scalar;
 
 /// Rays on their way at once.
-const LANES: usize = 16;
+const LANES: usize = 24;
 
 /// What a batch asks of each ray.
 pub(super) trait Query<S: Scalar> {

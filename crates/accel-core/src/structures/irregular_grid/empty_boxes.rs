@@ -30,6 +30,16 @@ impl EmptyBoxes {
         Self { parts, levels }
     }
 
+    /// Gives the parts of every box the entry of its first part.
+    pub(super) fn share(&self, entries: &mut [u32]) {
+        if self.levels.len() < 2 {
+            return;
+        }
+        for part in (0..entries.len()).filter(|&part| self.levels[0][part]) {
+            entries[part] = entries[self.around(part).0];
+        }
+    }
+
     /// The first part of the largest box with an empty part, and the last one's coordinates.
     pub(super) fn around(&self, part: usize) -> (usize, [u32; 3]) {
         let p = at(part, self.parts);

@@ -7,14 +7,20 @@
 //! Deviations: a face that has more than a set number of neighbours stays where it is, since
 //! looking at all of them takes most of the build; faces move in turn until none does.
 
+use rayon::prelude::*;
+
 use super::subdivide::{Cell, Cells};
 use super::{Finder};
 type Point=[u32;3];
 
 /// Grows all cells, looking at no more than `most_neighbours` for a step of a face.
 pub(super) fn expand(cells: &mut Cells, finder: &Finder, most_neighbours: usize) {
-    let grown =
-        cells.cells.iter().map(|&cell| Growth { cells, finder, most_neighbours, cell }.run());
+    let whole: &Cells = cells;
+    let grown = whole
+        .cells
+        .par_iter()
+        .with_min_len(256)
+        .map(|&cell| Growth { cells: whole, finder, most_neighbours, cell }.run());
     let grown: Vec<Cell> = grown.collect();
     cells.cells = grown;
 }

@@ -3,8 +3,10 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::empty_boxes::EmptyBoxes;
 use super::lattice::{Division, Lattice};
@@ -66,7 +68,43 @@ pub(super) struct Cells {
     pub(super) divided: u64,
 }
 
+/// Most parts of a part that is divided.
+const MOST_PARTS: usize = 512;
+
 impl Cells {
+    /// Whether its numbers still fit.
+    fn check(&self) -> Result<(), TooLarge> {
+        let (needed, limit) = (self.entries.len() as u64, u64::from(FIRST_PART));
+        if needed > limit {
+            return Err(TooLarge { what: "number of cells", needed, limit });
+        }
+        Ok(())
+    }
+
+    /// Takes in the cells of others; their first `roots` entries are given back, renumbered.
+    fn absorb(&mut self, other: Self, roots: usize) -> Result<Vec<u32>, TooLarge> {
+        let (entries, cells) = (self.entries.len() as u32, self.cells.len() as u32);
+        // both begin with the empty list
+        let lists = self.lists.len() as u32 - 1;
+        let renumbered = |entry: &u32| {
+            if entry & DIVIDED == 0 {
+                entry + cells
+            } else {
+                (entry & !FIRST_PART) | ((entry & FIRST_PART) + entries - roots as u32)
+            }
+        };
+        self.entries.extend(other.entries[roots..].iter().map(renumbered));
+        self.check()?;
+        self.cells.extend(other.cells.iter().map(|cell| Cell {
+            list: if cell.list == 0 { 0 } else { cell.list + lists },
+            ..*cell
+        }));
+        self.lists.extend_from_slice(&other.lists[1..]);
+        self.references += other.references;
+        self.divided += other.divided;
+        Ok(other.entries[..roots].iter().map(renumbered).collect())
+    }
+
     /// The ids of a list.
     #[inline(always)]
     pub(super) fn list(&self, at: u32) -> &[u32] {
@@ -86,45 +124,129 @@ pub(super) struct TooLarge {
     pub(super) limit: u64,
 }
 
-/// Divides.
+/// Divides. Parts with many primitives are divided by all threads of the pool; how the work is
+/// shared out depends on the scene alone, so that any number of threads gives the same cells.
 pub(super) fn subdivide(
     lattice: &Lattice,
-    source: &dyn Source,
+    source: &(dyn Source + Sync),
     settings: Settings,
 ) -> Result<Cells, TooLarge> {
-    let mut this = Subdivision {
-        lattice,
-        source,
-        settings,
-        cells: Cells { lists: vec![0], ..Cells::default() },
-        ids: Vec::new(),
-        pairs: Vec::new(),
-        known: HashMap::default(),
-    };
     let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
-    this.ids = (0..source.len()).collect();
-    this.place(0..source.len() as usize, &whole);
-    this.ids.clear();
-    this.divide(&whole)?;
-    Ok(this.cells)
+    let stored = AtomicU64::new(0);
+    let shared = Shared { lattice, source, settings, stored: &stored };
+    let ids: Vec<u32> = (0..source.len()).collect();
+    let pairs = shared.place_all(&ids, &whole);
+    shared.divide_large(&whole, &pairs)
 }
 
-struct Subdivision<'a> {
+/// Divisions of more references than this are shared out.
+const LARGE: usize = 1 << 13;
+/// Into about so many groups of parts.
+const GROUPS: usize = 32;
+
+/// Part and id.
+type Pair = (u32, u32);
+
+/// What all threads see.
+#[derive(Clone, Copy)]
+struct Shared<'a> {
     lattice: &'a Lattice,
-    source: &'a dyn Source,
+    source: &'a (dyn Source + Sync),
     settings: Settings,
-    cells: Cells,
-    /// Lists of the cells on the way down, the innermost last.
-    ids: Vec<u32>,
-    /// Part and id, of the division at hand.
-    pairs: Vec<(u32, u32)>,
-    /// Lists that are stored, by their hash.
-    known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
+    /// Ids stored by all together.
+    stored: &'a AtomicU64,
 }
 
-impl Subdivision<'_> {
+/// Pairs in the order of their parts: where each part's ids end, and the ids.
+struct ByPart {
+    ends: Vec<usize>,
+    ids: Vec<u32>,
+}
+
+impl ByPart {
+    fn new(parts: usize, pairs: &[Vec<Pair>]) -> Self {
+        let mut ends = vec![0usize; parts + 1];
+        for &(part, _) in pairs.iter().flatten() {
+            ends[part as usize + 1] += 1;
+        }
+        for i in 0..parts {
+            ends[i + 1] += ends[i];
+        }
+        let mut ids = vec![0; ends[parts]];
+        for &(part, id) in pairs.iter().flatten() {
+            // the beginning of a part becomes its end
+            let at = &mut ends[part as usize];
+            ids[*at] = id;
+            *at += 1;
+        }
+        ends.truncate(parts);
+        Self { ends, ids }
+    }
+
+    fn begin(&self, part: usize) -> usize {
+        part.checked_sub(1).map_or(0, |before| self.ends[before])
+    }
+
+    fn of(&self, part: usize) -> &[u32] {
+        &self.ids[self.begin(part)..self.ends[part]]
+    }
+}
+
+impl<'a> Shared<'a> {
+    /// The parts that each of these ids goes to, ids ascending.
+    fn place_all(&self, ids: &[u32], division: &Division) -> Vec<Vec<Pair>> {
+        let part = |ids: &[u32]| {
+            let mut pairs = Vec::with_capacity(ids.len() * 2);
+            self.place(ids, division, &mut pairs);
+            pairs
+        };
+        ids.par_chunks(LARGE).map(part).collect()
+    }
+
+    /// Cells of the parts of a division, whose entries come first.
+    fn divide_large(&self, division: &Division, pairs: &[Vec<Pair>]) -> Result<Cells, TooLarge> {
+        let count = division.count();
+        let by_part = ByPart::new(count, pairs);
+        let empty = EmptyBoxes::new(division.parts, |part| by_part.of(part).is_empty());
+        let mut groups: Vec<Range<usize>> = Vec::new();
+        let wanted = (by_part.ids.len() + count) / GROUPS + 1;
+        let (mut start, mut weight) = (0, 0);
+        for part in 0..count {
+            weight += by_part.of(part).len() + 1;
+            if weight >= wanted || part + 1 == count {
+                groups.push(start..part + 1);
+                (start, weight) = (part + 1, 0);
+            }
+        }
+        let divide = |group: &Range<usize>| {
+            let mut worker = Worker::new(*self);
+            worker.cells.entries.resize(group.len(), 0);
+            for (i, part) in group.clone().enumerate() {
+                worker.ids.clear();
+                worker.ids.extend_from_slice(by_part.of(part));
+                let n = worker.ids.len();
+                worker.cells.entries[i] = worker.part(0..n, part, division, &empty)?;
+            }
+            Ok(worker.cells)
+        };
+        let groups: Vec<(Range<usize>, Cells)> = groups
+            .into_par_iter()
+            .map(|group| Ok((group.clone(), divide(&group)?)))
+            .collect::<Result<_, TooLarge>>()?;
+        let mut cells = Cells { lists: vec![0], ..Cells::default() };
+        cells.entries.resize(count, 0);
+        cells.divided = 1;
+        for (group, part) in groups {
+            let n = group.len();
+            let roots = cells.absorb(part, n)?;
+            cells.entries[group].copy_from_slice(&roots);
+        }
+        empty.share(&mut cells.entries[..count]);
+        Ok(cells)
+    }
+
     /// Fills `pairs` with the parts that each of these ids goes to, ids ascending.
-    fn place(&mut self, ids: Range<usize>, division: &Division) {
+    fn place(&self, ids: &[u32], division: &Division, pairs: &mut Vec<Pair>) {
         let (lattice, margin) = (self.lattice, self.source.margin());
         let along = |k: usize, x: f64| {
             let side = lattice.side[k] * f64::from(1u32 << division.shift[k]);
@@ -139,14 +261,14 @@ impl Subdivision<'_> {
             lattice.side[k] * f64::from(1u32 << division.shift[k])
         }));
         let size = side + 2.0 * margin;
-        self.pairs.clear();
-        for &id in &self.ids[ids] {
+        pairs.clear();
+        for &id in ids {
             let (lo, hi) = self.source.bounds(id);
             let first: [u32; 3] = std::array::from_fn(|k| along(k, lo[k]));
             let last: [u32; 3] = std::array::from_fn(|k| along(k, hi[k]));
             let index = |x: u32, y: u32, z: u32| x + nx * (y + ny * z);
             if first == last {
-                self.pairs.push((index(first[0], first[1], first[2]), id));
+                pairs.push((index(first[0], first[1], first[2]), id));
                 continue;
             }
             let overlap = self.source.triangle(id).map(|corners| {
@@ -163,26 +285,47 @@ impl Subdivision<'_> {
                             None => self.source.overlaps(id, at, at + size),
                         };
                         if touches {
-                            self.pairs.push((index(x, y, z), id));
+                            pairs.push((index(x, y, z), id));
                         }
                     }
                 }
             }
         }
     }
+}
+
+/// One thread's work.
+struct Worker<'a> {
+    shared: Shared<'a>,
+    cells: Cells,
+    /// Lists of the cells on the way down, the innermost last.
+    ids: Vec<u32>,
+    /// Of the division at hand.
+    pairs: Vec<Pair>,
+    /// Lists that are stored, by their hash.
+    known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
+}
+
+impl<'a> Worker<'a> {
+    fn new(shared: Shared<'a>) -> Self {
+        Self {
+            shared,
+            cells: Cells { lists: vec![0], ..Cells::default() },
+            ids: Vec::new(),
+            pairs: Vec::new(),
+            known: HashMap::default(),
+        }
+    }
 
     /// Makes entries for the parts that `pairs` speaks of; the number of the first.
     fn divide(&mut self, division: &Division) -> Result<u32, TooLarge> {
         let (first_entry, count) = (self.cells.entries.len(), division.count());
-        let limit = u64::from(FIRST_PART);
-        if (first_entry + count) as u64 > limit {
-            let needed = (first_entry + count) as u64;
-            return Err(TooLarge { what: "number of cells", needed, limit });
-        }
         self.cells.entries.resize(first_entry + count, 0);
+        self.cells.check()?;
         self.cells.divided += 1;
         let base = self.ids.len();
-        let mut ends = vec![0usize; count + 1];
+        // the beginning of each part becomes its end
+        let mut ends = [0usize; MOST_PARTS + 1];
         for &(part, _) in &self.pairs {
             ends[part as usize + 1] += 1;
         }
@@ -191,7 +334,6 @@ impl Subdivision<'_> {
         }
         self.ids.resize(base + self.pairs.len(), 0);
         for &(part, id) in &self.pairs {
-            // ends[part] becomes the end of that part
             let at = &mut ends[part as usize];
             self.ids[base + *at] = id;
             *at += 1;
@@ -199,24 +341,34 @@ impl Subdivision<'_> {
         let begin = |part: usize| part.checked_sub(1).map_or(0, |before| ends[before]);
         let empty = EmptyBoxes::new(division.parts, |part| begin(part) == ends[part]);
         for part in 0..count {
-            let (start, end) = (begin(part), ends[part]);
-            let first = division.part(part);
-            let entry = if start < end {
-                self.entry(base + start..base + end, first, division.shift)?
-            } else {
-                let (corner, last) = empty.around(part);
-                if corner == part {
-                    self.cell(0..0, first, std::array::from_fn(|k| {
-                        division.first[k] + ((last[k] + 1) << division.shift[k]) - 1
-                    }))?
-                } else {
-                    self.cells.entries[first_entry + corner]
-                }
-            };
+            let ids = base + begin(part)..base + ends[part];
+            let entry = self.part(ids, part, division, &empty)?;
             self.cells.entries[first_entry + part] = entry;
         }
+        empty.share(&mut self.cells.entries[first_entry..first_entry + count]);
         self.ids.truncate(base);
         Ok(first_entry as u32)
+    }
+
+    /// The entry of a part with these ids; of no meaning for an empty one that another part's
+    /// entry stands for.
+    fn part(
+        &mut self,
+        ids: Range<usize>,
+        part: usize,
+        division: &Division,
+        empty: &EmptyBoxes,
+    ) -> Result<u32, TooLarge> {
+        let first = division.part(part);
+        if !ids.is_empty() {
+            return self.entry(ids, first, division.shift);
+        }
+        let (corner, last) = empty.around(part);
+        if corner != part {
+            return Ok(0);
+        }
+        let last = |k: usize| division.first[k] + ((last[k] + 1) << division.shift[k]) - 1;
+        self.cell(0..0, first, std::array::from_fn(last))
     }
 
     /// The entry of a cell with these ids: it is divided if that pays.
@@ -226,25 +378,45 @@ impl Subdivision<'_> {
         first: [u32; 3],
         levels: [u32; 3],
     ) -> Result<u32, TooLarge> {
-        if ids.len() > self.settings.longest_list
-            && let Some(division) = self.division(ids.len(), first, levels)
-        {
-            self.place(ids.clone(), &division);
+        let n = ids.len();
+        let settings = self.shared.settings;
+        if n > settings.longest_list && let Some(division) = self.division(n, first, levels) {
+            let large = if n > LARGE {
+                let pairs = self.shared.place_all(&self.ids[ids.clone()], &division);
+                self.pairs.clear();
+                self.pairs.extend(pairs.iter().flatten());
+                Some(pairs)
+            } else {
+                let mut pairs = std::mem::take(&mut self.pairs);
+                self.shared.place(&self.ids[ids.clone()], &division, &mut pairs);
+                self.pairs = pairs;
+                None
+            };
             let parts = division.count() as f64;
             let size = |shift: [u32; 3]| {
                 DVec3::from_array(std::array::from_fn(|k| {
-                    self.lattice.side[k] * f64::from(1u32 << shift[k])
+                    self.shared.lattice.side[k] * f64::from(1u32 << shift[k])
                 }))
             };
             let half_area = |s: DVec3| s.x * s.y + s.y * s.z + s.z * s.x;
             // a line that meets the cell meets a part with this probability
             let met = half_area(size(division.shift)) / half_area(size(levels));
-            let step = self.settings.step_cost;
+            let step = settings.step_cost;
             let divided = (step * parts + self.pairs.len() as f64) * met;
-            let pays = divided < step + ids.len() as f64;
-            if pays && !self.repeats(ids.len(), division.count()) {
+            let pays = divided < step + n as f64;
+            if pays && !self.repeats(n, division.count()) {
                 let logs: [u32; 3] = std::array::from_fn(|k| levels[k] - division.shift[k]);
-                let entry = self.divide(&division)?;
+                let entry = match large {
+                    Some(pairs) => {
+                        let cells = self.shared.divide_large(&division, &pairs)?;
+                        let at = self.cells.entries.len();
+                        self.cells.entries.resize(at + division.count(), 0);
+                        let roots = self.cells.absorb(cells, division.count())?;
+                        self.cells.entries[at..at + division.count()].copy_from_slice(&roots);
+                        at as u32
+                    }
+                    None => self.divide(&division)?,
+                };
                 return Ok(DIVIDED | logs[0] << 29 | logs[1] << 27 | logs[2] << 25 | entry);
             }
         }
@@ -257,7 +429,7 @@ impl Subdivision<'_> {
         if self.pairs.len() < 2 * n {
             return false;
         }
-        let mut counts = [0usize; 512];
+        let mut counts = [0usize; MOST_PARTS];
         for &(part, _) in &self.pairs {
             counts[part as usize] += 1;
         }
@@ -267,9 +439,9 @@ impl Subdivision<'_> {
     /// How to divide a cell with so many primitives, if it can be.
     fn division(&self, n: usize, first: [u32; 3], levels: [u32; 3]) -> Option<Division> {
         let size: [f64; 3] =
-            std::array::from_fn(|k| self.lattice.side[k] * f64::from(1u32 << levels[k]));
+            std::array::from_fn(|k| self.shared.lattice.side[k] * f64::from(1u32 << levels[k]));
         let volume: f64 = size.iter().product();
-        let a_length = (self.settings.density * n as f64 / volume).cbrt();
+        let a_length = (self.shared.settings.density * n as f64 / volume).cbrt();
         let shift: [u32; 3] = std::array::from_fn(|k| {
             let log = (size[k] * a_length).log2().round().clamp(0.0, 3.0);
             levels[k].saturating_sub(log as u32)
@@ -286,8 +458,9 @@ impl Subdivision<'_> {
         last: [u32; 3],
     ) -> Result<u32, TooLarge> {
         self.cells.references += ids.len() as u64;
+        let stored = self.shared.stored.fetch_add(ids.len() as u64, Ordering::Relaxed);
         let list = self.list(ids);
-        let (stored, limit) = (self.cells.lists.len() as u64, self.settings.max_references);
+        let limit = self.shared.settings.max_references;
         if stored > limit.min(u64::from(u32::MAX)) {
             return Err(TooLarge { what: "references in cells", needed: stored, limit });
         }
