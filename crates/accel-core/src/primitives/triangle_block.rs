@@ -1,16 +1,15 @@
 //! Eight triangles against one ray: the watertight test in lanes, equal to it to the last bit.
 //!
 //! Paper: as `triangle.rs`. The arithmetic is that of `Watertight::intersect`, operation by
-//! operation, in vectors. A lane whose edge function rounds to zero is left to the scalar test, which finds its
-//! exact sign.
+//! operation, in vectors. A lane whose edge function rounds to zero is left to the scalar test,
+//! which finds its exact sign.
 
 use super::triangle::{Shear, TriangleTest, Watertight};
 use crate::lanes::{Eight, EightOf, Lanes};
 use crate::ray::{Hit, MISS, Ray};
 use crate::scalar::Scalar;
 
-/// Triangles in a block.
-pub const LANES: usize = 8;
+const LANES: usize = 8;
 
 /// In `ids[0]`: another block of the same list follows.
 const MORE: u32 = 1 << 31;
@@ -25,6 +24,8 @@ pub struct TriangleBlock<S> {
 }
 
 impl<S: Scalar> TriangleBlock<S> {
+    /// Triangles in a block.
+    pub const LANES: usize = LANES;
     /// The largest number of primitives that ids in blocks can tell apart.
     pub const MOST_IDS: usize = MORE as usize;
 
@@ -60,7 +61,7 @@ impl<S: Scalar> TriangleBlock<S> {
     pub fn ids(&self) -> ([u32; LANES], usize) {
         let mut ids = self.ids;
         ids[0] &= !MORE;
-        (ids, ids.iter().take_while(|id| **id != MISS & !MORE && **id != MISS).count())
+        (ids, ids.iter().take_while(|id| **id | MORE != MISS).count())
     }
 
     /// The id in a lane that has one.

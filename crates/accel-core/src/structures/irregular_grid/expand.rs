@@ -7,27 +7,29 @@
 //! Deviations: a face that has more than a set number of neighbours stays where it is, since
 //! looking at all of them takes most of the build; faces move in turn until none does.
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
+use wide::i32x4;
 
 use super::subdivide::{Cell, Cells};
-use super::{Finder};
-type Point=[u32;3];
+use super::voxels::Voxels;
 
 /// Grows all cells, looking at no more than `most_neighbours` for a step of a face.
-pub(super) fn expand(cells: &mut Cells, finder: &Finder, most_neighbours: usize) {
+pub(super) fn expand(cells: &mut Cells, voxels: &Voxels, most_neighbours: usize) {
     let whole: &Cells = cells;
     let grown = whole
         .cells
         .par_iter()
         .with_min_len(256)
-        .map(|&cell| Growth { cells: whole, finder, most_neighbours, cell }.run());
+        .map(|&cell| Growth { cells: whole, voxels, most_neighbours, cell }.run());
     let grown: Vec<Cell> = grown.collect();
     cells.cells = grown;
 }
 
 struct Growth<'a> {
     cells: &'a Cells,
-    finder: &'a Finder,
+    voxels: &'a Voxels,
     most_neighbours: usize,
     cell: Cell,
 }
@@ -52,7 +54,6 @@ impl Growth<'_> {
 
     /// Moves a face to the end of its nearest neighbour; false when it stays.
     fn move_face(&mut self, k: usize, upper: bool, left: &mut usize) -> bool {
-        let resolution = self.finder.resolution();
         let beyond = if upper {
             u32::from(self.cell.last[k]) + 1
         } else {
@@ -61,11 +62,11 @@ impl Growth<'_> {
                 None => return false,
             }
         };
-        if beyond >= resolution[k] {
+        if beyond >= self.voxels.resolution()[k] {
             return false;
         }
         let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-        let mut at: Point = [0; 3];
+        let mut at = [0u32; 3];
         at[k] = beyond;
         let mut nearest = if upper { u32::MAX } else { 0 };
         at[v] = self.cell.first[v].into();
@@ -75,18 +76,14 @@ impl Growth<'_> {
             while at[u] <= u32::from(self.cell.last[u]) {
                 let Some(less) = left.checked_sub(1) else { return false };
                 *left = less;
-                let number = self.finder.cell_at(&self.cells.entries, at) as usize;
-                let neighbour = &self.cells.cells[number];
-                if !self.has_all_of(neighbour.list) {
+                let neighbour = self.voxels.at(i32x4::new([at[0], at[1], at[2], 0].map(|x| x as i32)));
+                if !self.has_all_of(neighbour.list()) {
                     return false;
                 }
-                nearest = if upper {
-                    nearest.min(neighbour.last[k].into())
-                } else {
-                    nearest.max(neighbour.first[k].into())
-                };
-                next_row = next_row.min(u32::from(neighbour.last[v]) + 1);
-                at[u] = u32::from(neighbour.last[u]) + 1;
+                let (first, end) = neighbour.bounds();
+                nearest = if upper { nearest.min(end[k] - 1) } else { nearest.max(first[k]) };
+                next_row = next_row.min(end[v]);
+                at[u] = end[u];
             }
             at[v] = next_row;
         }
@@ -103,7 +100,25 @@ impl Growth<'_> {
         if list == 0 || list == self.cell.list {
             return true;
         }
-        let mut own = self.cells.list(self.cell.list).iter();
-        self.cells.list(list).iter().all(|id| own.any(|mine| mine == id))
+        if self.cell.list == 0 {
+            return false;
+        }
+        let (mut own, others) = (self.cells.list(self.cell.list), self.cells.list(list));
+        if others.len() > own.len() {
+            return false;
+        }
+        for id in others {
+            // what is left of both lists is ascending
+            loop {
+                let Some((mine, rest)) = own.split_first() else { return false };
+                own = rest;
+                match mine.cmp(id) {
+                    Ordering::Less => {}
+                    Ordering::Equal => break,
+                    Ordering::Greater => return false,
+                }
+            }
+        }
+        true
     }
 }

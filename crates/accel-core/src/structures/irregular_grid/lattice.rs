@@ -43,6 +43,11 @@ impl Lattice {
         }
     }
 
+    /// Lattice cells on each axis.
+    pub(super) fn resolution(&self) -> [u32; 3] {
+        std::array::from_fn(|k| self.top[k] << self.levels[k])
+    }
+
     /// World coordinate of lattice plane `i` of axis `k`.
     pub(super) fn plane(&self, k: usize, i: u32) -> f64 {
         self.low[k] + self.side[k] * f64::from(i)

@@ -2,10 +2,38 @@
 
 use std::ops::ControlFlow;
 
-use super::subdivide::{Cell, Cells};
+use super::subdivide::{Cells, DIVIDED};
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;
+
+/// Where the blocks of a list begin.
+struct Run {
+    list: u32,
+    first: usize,
+}
+
+/// Writes the blocks of all these lists; `blocks` begins with block `first`.
+fn write_all<B: Send>(
+    runs: &[Run],
+    first: usize,
+    blocks: &mut [B],
+    write: &(impl Fn(&Run, &mut [B]) + Sync),
+) {
+    if runs.len() < 512 {
+        for run in runs {
+            write(run, &mut blocks[run.first - first..]);
+        }
+        return;
+    }
+    let (before, after) = runs.split_at(runs.len() / 2);
+    let middle = after[0].first;
+    let (low, high) = blocks.split_at_mut(middle - first);
+    rayon::join(
+        || write_all(before, first, low, write),
+        || write_all(after, middle, high, write),
+    );
+}
 
 /// Lists by the numbers that voxels have; 0 is the empty one.
 #[derive(Debug)]
@@ -20,41 +48,59 @@ impl<S: Scalar> Lists<S> {
     /// The lists of all cells, which get their numbers. Blocks where all primitives are triangles
     /// at rest, and not too many.
     pub(super) fn of<P: PrimSet<S>>(cells: &mut Cells, prims: &P) -> Self {
-        if prims.is_watertight() && prims.len() <= TriangleBlock::<S>::MOST_IDS {
-            let renumbered = Self::blocks(cells, prims);
-            if let Some((blocks, renumbered)) = renumbered {
-                cells.cells = renumbered;
-                return Self::Blocks(blocks);
-            }
+        if prims.is_watertight()
+            && prims.len() <= TriangleBlock::<S>::MOST_IDS
+            && (0..prims.len() as u32).all(|id| prims.corners(id).is_some())
+            && let Some((runs, n)) = Self::number(cells)
+        {
+            return Self::Blocks(Self::blocks(cells, prims, &runs, n));
         }
         Self::Ids(std::mem::take(&mut cells.lists))
+    }
+
+    /// Numbers the blocks of all lists, the first being that of the empty one: where each list's
+    /// begin, and how many there are. `None` when there are too many for their numbers.
+    fn number(cells: &mut Cells) -> Option<(Vec<Run>, usize)> {
+        // the first block of the list that begins at that place
+        let mut known = vec![0u32; cells.lists.len()];
+        let mut runs: Vec<Run> = Vec::new();
+        let mut next = 1u32;
+        for cell in cells.cells.iter().filter(|cell| cell.list != 0) {
+            let first = &mut known[cell.list as usize];
+            if *first == 0 {
+                *first = next;
+                runs.push(Run { list: cell.list, first: next as usize });
+                let blocks = cells.list(cell.list).len().div_ceil(TriangleBlock::<S>::LANES);
+                let after = u32::try_from(blocks).ok().and_then(|n| next.checked_add(n));
+                next = after.filter(|next| next & DIVIDED == 0)?;
+            }
+        }
+        for cell in &mut cells.cells {
+            cell.list = known[cell.list as usize];
+        }
+        Some((runs, next as usize))
     }
 
     fn blocks<P: PrimSet<S>>(
         cells: &Cells,
         prims: &P,
-    ) -> Option<(Vec<TriangleBlock<S>>, Vec<Cell>)> {
+        runs: &[Run],
+        n: usize,
+    ) -> Vec<TriangleBlock<S>> {
         let corners = |id| prims.corners(id).map(|corners| corners.map(|p| p.to_array()));
-        if (0..prims.len() as u32).any(|id| corners(id).is_none()) {
-            return None;
-        }
-        let mut blocks = vec![TriangleBlock::new(std::iter::empty(), false)];
-        // the first block of the list that begins at that place
-        let mut first = vec![0u32; cells.lists.len()];
-        let mut renumbered = cells.cells.clone();
-        for cell in renumbered.iter_mut().filter(|cell| cell.list != 0) {
-            let begin = &mut first[cell.list as usize];
-            if *begin == 0 {
-                *begin = u32::try_from(blocks.len()).ok()?;
-                let mut parts = cells.list(cell.list).chunks(8).peekable();
-                while let Some(part) = parts.next() {
-                    let triangles = part.iter().filter_map(|&id| Some((id, corners(id)?)));
-                    blocks.push(TriangleBlock::new(triangles, parts.peek().is_some()));
-                }
+        let block = |ids: &[u32], more| {
+            TriangleBlock::new(ids.iter().filter_map(|&id| Some((id, corners(id)?))), more)
+        };
+        let mut blocks = vec![TriangleBlock::new(std::iter::empty(), false); n];
+        let write = |run: &Run, blocks: &mut [TriangleBlock<S>]| {
+            let ids = cells.list(run.list);
+            let mut parts = ids.chunks(TriangleBlock::<S>::LANES).zip(blocks).peekable();
+            while let Some((part, into)) = parts.next() {
+                *into = block(part, parts.peek().is_some());
             }
-            cell.list = *begin;
-        }
-        Some((blocks, renumbered))
+        };
+        write_all(runs, 1, &mut blocks[1..], &write);
+        blocks
     }
 
     /// Hands a list to a sink.

@@ -5,13 +5,15 @@
 //! Computer Graphics Forum 36(2), Eurographics 2017.
 //!
 //! Deviations: cells are divided until lists are short or it no longer pays, by 1 to 8 along each
-//! axis, where the paper gives every cell of the top grid one resolution; cells are not merged
-//! before they grow; equal lists are stored once; a step never goes back along any axis, so that
-//! rounding cannot trap a ray; CPU, one thread.
+//! axis, where the paper gives every cell of the top grid one resolution; of cells, only empty ones
+//! are merged before they grow, to cubes (`empty_boxes.rs`); equal lists are stored once; a step
+//! never goes back along any axis, so that rounding cannot trap a ray; CPU.
 //!
-//! A step: find the cell of a lattice point (`subdivide.rs`), test its list, leave its grown box
-//! (`expand.rs`), go on at the lattice point there. Points are off by a few ulps of the scene, lists
-//! have what lies within the padding of the box of their cell, which is more.
+//! A step: find the record of a lattice point (`voxels.rs`), test its list (`lists.rs`), leave its
+//! grown box (`course.rs`), go on at the lattice point there. Points are off by a few ulps of the
+//! scene, lists have what lies within the padding of the box of their cell, which is more.
+//!
+//! Built by all threads of the pool in which it is built, to the same bits by any number of them.
 
 mod batch;
 mod course;
@@ -36,21 +38,21 @@ use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;
 use course::{Course, Place};
-use lattice::{Division, Lattice};
+use lattice::Lattice;
 use lists::Lists;
-use subdivide::{Cells, DIVIDED, FIRST_PART, Settings, Source, TooLarge, subdivide};
-use voxels::{Voxel, Voxels};
+use subdivide::{FIRST_PART, Settings, Source, TooLarge, subdivide};
+use voxels::Voxels;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "irregular-grid",
     summary: "coarse grid, crowded cells divided, boxes of cells grown over their neighbours",
     paper: "Perard-Gayot, Kalojanov, Slusallek 2017",
-    deviations: "recursive division by cost, no merging, equal lists shared, CPU",
+    deviations: "recursive division by cost, only empty cells merged, equal lists shared, CPU",
     params: &[
         ParamSpec {
             name: "build",
-            summary: "quality divides further and lets boxes grow over more neighbours",
+            summary: "quality divides to shorter lists and lets boxes grow over more neighbours",
             default: "quality",
             kind: ParamKind::Choice(&["fast", "quality"]),
         },
@@ -62,9 +64,10 @@ pub static INFO: StructureInfo = StructureInfo {
         },
         ParamSpec {
             name: "longest-list",
-            summary: "cells with no more primitives are not divided",
-            default: "16",
-            kind: ParamKind::Integer { min: 1, max: 1 << 20 },
+            summary: "cells with no more primitives are not divided; 0: 32 for build=quality, 64 for \
+                      build=fast",
+            default: "0",
+            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
         },
         ParamSpec {
             name: "step-cost",
@@ -74,8 +77,8 @@ pub static INFO: StructureInfo = StructureInfo {
         },
         ParamSpec {
             name: "query",
-            summary: "batch keeps 16 rays of a batch on their way at once and tests 8 triangles at \
-                      a time; sets of other primitives are walked one ray after the other",
+            summary: "batch keeps 24 rays of a batch on their way at once; sets with other \
+                      primitives than triangles are walked one ray after the other",
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),
         },
@@ -100,44 +103,15 @@ pub static INFO: StructureInfo = StructureInfo {
 
 /// What the two builds differ in.
 struct Effort {
+    longest_list: u64,
+    /// Parts wanted for each primitive of a cell that is divided.
     density: f64,
+    /// That a face of a box may look at while it moves outward.
     most_neighbours: usize,
 }
 
-const FAST: Effort = Effort { density: 0.125, most_neighbours: 4 };
-const QUALITY: Effort = Effort { density: 0.25, most_neighbours: 64 };
-
-/// How to find the cell of a lattice point.
-#[derive(Debug, Clone, Copy)]
-struct Finder {
-    top: [u32; 3],
-    levels: [u32; 3],
-}
-
-impl Finder {
-    fn resolution(&self) -> [u32; 3] {
-        std::array::from_fn(|k| self.top[k] << self.levels[k])
-    }
-
-    /// The number of the cell at `p`.
-    #[inline(always)]
-    fn cell_at(&self, entries: &[u32], p: [u32; 3]) -> u32 {
-        let mut shift = self.levels;
-        let [x, y, z] = [p[0] >> shift[0], p[1] >> shift[1], p[2] >> shift[2]];
-        let mut entry = entries[(x + self.top[0] * (y + self.top[1] * z)) as usize];
-        while entry & DIVIDED != 0 {
-            let logs = [entry >> 29 & 3, entry >> 27 & 3, entry >> 25 & 3];
-            let mut part = [0; 3];
-            for k in 0..3 {
-                shift[k] -= logs[k];
-                part[k] = p[k] >> shift[k] & ((1 << logs[k]) - 1);
-            }
-            let part = part[0] | part[1] << logs[0] | part[2] << (logs[0] + logs[1]);
-            entry = entries[((entry & FIRST_PART) + part) as usize];
-        }
-        entry
-    }
-}
+const FAST: Effort = Effort { longest_list: 64, density: 0.125, most_neighbours: 2 };
+const QUALITY: Effort = Effort { longest_list: 32, density: 0.25, most_neighbours: 24 };
 
 /// The structure.
 pub struct IrregularGrid<S: Scalar> {
@@ -173,7 +147,10 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             .map_err(|needed| too_large("number of cells", needed, input.max_cells.into()))?;
         let lattice = Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
         let settings = Settings {
-            longest_list: params.integer("longest-list") as usize,
+            longest_list: match params.integer("longest-list") {
+                0 => effort.longest_list,
+                given => given,
+            } as usize,
             density: effort.density,
             step_cost: params.real("step-cost"),
             max_references: params.integer("max-references"),
@@ -181,8 +158,8 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let mut cells = subdivide(&lattice, &Padded(&boxes), settings).map_err(
             |TooLarge { what, needed, limit }| too_large(what, needed.into(), limit.into()),
         )?;
-        let finder = Finder { top: lattice.top, levels: lattice.levels };
-        expand::expand(&mut cells, &finder, effort.most_neighbours);
+        let mut voxels = Voxels::new(&cells, &lattice);
+        expand::expand(&mut cells, &voxels, effort.most_neighbours);
         let empty = cells.cells.iter().filter(|cell| cell.list == 0).count();
         let mut shape = Shape {
             inner_cells: cells.divided,
@@ -192,13 +169,13 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             ..Shape::default()
         };
         let lists = Lists::of(&mut cells, prims);
-        let voxels = voxels_of(&cells, &lattice);
+        voxels.fill(&cells);
         shape.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
         let a_length = lattice.side.map(|side| S::from_f64(1.0 / side));
         Ok(Self {
             voxels,
             lists,
-            place: Place::new(boxes.scene().min, a_length, finder.resolution()),
+            place: Place::new(boxes.scene().min, a_length, lattice.resolution()),
             is_batch: params.text("query") == "batch",
             shape,
         })
@@ -255,33 +232,6 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     fn shape(&self) -> Shape {
         self.shape
     }
-}
-
-/// The records of all parts.
-fn voxels_of(cells: &Cells, lattice: &Lattice) -> Voxels {
-    let mut records = vec![Voxel::NOTHING; cells.entries.len()];
-    let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
-    let mut waiting = vec![(0, whole)];
-    while let Some((begin, division)) = waiting.pop() {
-        for part in 0..division.count() {
-            let entry = cells.entries[begin + part];
-            records[begin + part] = if entry & DIVIDED == 0 {
-                let cell = &cells.cells[entry as usize];
-                Voxel::leaf(cell.first, cell.last.map(|x| x + 1), cell.list)
-            } else {
-                let first = division.part(part);
-                let logs = [entry >> 29 & 3, entry >> 27 & 3, entry >> 25 & 3];
-                let shift = std::array::from_fn(|k| division.shift[k] - logs[k]);
-                let number = entry & FIRST_PART;
-                waiting.push((
-                    number as usize,
-                    Division { first, shift, parts: logs.map(|log| 1 << log) },
-                ));
-                Voxel::divided(first, shift, logs, number)
-            };
-        }
-    }
-    Voxels::new(records, lattice.top, lattice.levels)
 }
 
 /// The primitives with padded boxes.

@@ -68,9 +68,6 @@ pub(super) struct Cells {
     pub(super) divided: u64,
 }
 
-/// Most parts of a part that is divided.
-const MOST_PARTS: usize = 512;
-
 impl Cells {
     /// Whether its numbers still fit.
     fn check(&self) -> Result<(), TooLarge> {
@@ -325,7 +322,7 @@ impl<'a> Worker<'a> {
         self.cells.divided += 1;
         let base = self.ids.len();
         // the beginning of each part becomes its end
-        let mut ends = [0usize; MOST_PARTS + 1];
+        let mut ends = vec![0usize; count + 1];
         for &(part, _) in &self.pairs {
             ends[part as usize + 1] += 1;
         }
@@ -429,11 +426,11 @@ impl<'a> Worker<'a> {
         if self.pairs.len() < 2 * n {
             return false;
         }
-        let mut counts = [0usize; MOST_PARTS];
+        let mut counts = vec![0usize; parts];
         for &(part, _) in &self.pairs {
             counts[part as usize] += 1;
         }
-        counts[..parts].contains(&n)
+        counts.contains(&n)
     }
 
     /// How to divide a cell with so many primitives, if it can be.

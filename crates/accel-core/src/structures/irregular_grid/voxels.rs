@@ -1,12 +1,12 @@
 //! What a ray reads on its way: a record of 16 bytes for each part of the grid, found by the
 //! coordinates of a lattice point.
 
+use rayon::prelude::*;
 use wide::{i32x4, u8x16, u32x4};
 
 use super::course::Point;
-
-/// Highest bit of the last word: the part is divided.
-const DIVIDED: u32 = 1 << 31;
+use super::lattice::{Division, Lattice};
+use super::subdivide::{Cells, DIVIDED, FIRST_PART};
 
 /// A part of the grid.
 ///
@@ -59,6 +59,14 @@ impl Voxel {
         self.word()
     }
 
+    /// First lattice coordinates of an undivided part's box, and those after its last.
+    #[inline(always)]
+    pub(super) fn bounds(&self) -> ([u32; 3], [u32; 3]) {
+        let ([a, b, c, _], [d, e, f, _]) =
+            (pick(self, FIRST_THREE).to_array(), pick(self, NEXT_THREE).to_array());
+        ([a, b, c], [d, e, f])
+    }
+
     /// For [`Voxel::pick`]: the coordinates after the last, or the first on axes with -1.
     #[inline(always)]
     pub(super) fn far_coordinates(down: i32x4) -> u8x16 {
@@ -83,16 +91,56 @@ pub(super) struct Voxels {
     pub(super) records: Vec<Voxel>,
     shift: u32x4,
     strides: u32x4,
+    resolution: [u32; 3],
 }
 
 impl Voxels {
-    pub(super) fn new(records: Vec<Voxel>, top: [u32; 3], levels: [u32; 3]) -> Self {
-        let [x, y, z] = levels;
-        Self {
+    /// The records of all entries.
+    pub(super) fn new(cells: &Cells, lattice: &Lattice) -> Self {
+        let mut records = vec![Voxel::NOTHING; cells.entries.len()];
+        let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
+        let mut waiting = vec![(0, whole)];
+        while let Some((begin, division)) = waiting.pop() {
+            for part in 0..division.count() {
+                let entry = cells.entries[begin + part];
+                if entry & DIVIDED == 0 {
+                    continue;
+                }
+                let first = division.part(part);
+                let logs = [entry >> 29 & 3, entry >> 27 & 3, entry >> 25 & 3];
+                let shift = std::array::from_fn(|k| division.shift[k] - logs[k]);
+                let number = entry & FIRST_PART;
+                let parts = logs.map(|log| 1 << log);
+                waiting.push((number as usize, Division { first, shift, parts }));
+                records[begin + part] = Voxel::divided(first, shift, logs, number);
+            }
+        }
+        let ([x, y, z], top) = (lattice.levels, lattice.top);
+        let mut this = Self {
             records,
             shift: u32x4::new([x, y, z, 0]),
             strides: u32x4::new([1, top[0], top[0] * top[1], 0]),
-        }
+            resolution: lattice.resolution(),
+        };
+        this.fill(cells);
+        this
+    }
+
+    /// Writes boxes and lists of cells into the records of undivided parts.
+    pub(super) fn fill(&mut self, cells: &Cells) {
+        self.records.par_iter_mut().zip(&cells.entries).with_min_len(1 << 12).for_each(
+            |(record, entry)| {
+                if entry & DIVIDED == 0 {
+                    let cell = &cells.cells[*entry as usize];
+                    *record = Voxel::leaf(cell.first, cell.last.map(|x| x + 1), cell.list);
+                }
+            },
+        );
+    }
+
+    /// Lattice cells on each axis.
+    pub(super) fn resolution(&self) -> [u32; 3] {
+        self.resolution
     }
 
     /// The record of the part of the top grid at a lattice point.
@@ -107,7 +155,7 @@ impl Voxels {
     #[inline(always)]
     pub(super) fn part(&self, voxel: &Voxel, p: Point) -> Voxel {
         let p: u32x4 = bytemuck::cast(p);
-        let (right, left) = (pick(voxel, RIGHT), pick(voxel, LEFT));
+        let (right, left) = (pick(voxel, FIRST_THREE), pick(voxel, NEXT_THREE));
         let [x, y, z, _] = p.unbounded_shr(right).unbounded_shl(left).to_array();
         let number = voxel.word().wrapping_add(x).wrapping_add(y).wrapping_add(z) & !DIVIDED;
         self.records[number as usize]
@@ -127,10 +175,10 @@ impl Voxels {
 const NONE: u8 = 0x80;
 /// The first three words of 16 bits.
 #[rustfmt::skip]
-const RIGHT: [u8; 16] = [0, 1, NONE, NONE, 2, 3, NONE, NONE, 4, 5, NONE, NONE, NONE, NONE, NONE, NONE];
+const FIRST_THREE: [u8; 16] = [0, 1, NONE, NONE, 2, 3, NONE, NONE, 4, 5, NONE, NONE, NONE, NONE, NONE, NONE];
 /// The next three.
 #[rustfmt::skip]
-const LEFT: [u8; 16] = [6, 7, NONE, NONE, 8, 9, NONE, NONE, 10, 11, NONE, NONE, NONE, NONE, NONE, NONE];
+const NEXT_THREE: [u8; 16] = [6, 7, NONE, NONE, 8, 9, NONE, NONE, 10, 11, NONE, NONE, NONE, NONE, NONE, NONE];
 
 #[inline(always)]
 fn pick(voxel: &Voxel, which: [u8; 16]) -> u32x4 {
