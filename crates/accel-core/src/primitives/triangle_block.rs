@@ -149,10 +149,7 @@ impl<S: Scalar> TriangleBlock<S> {
 
 /// The corners of all lanes in the sheared space, as `Shear::apply` has them.
 #[inline(always)]
-fn sheared<S: Scalar>(
-    corners: &[[[S; LANES]; 3]; 3],
-    shear: &Shear<S>,
-) -> [[EightOf<S>; 3]; 3] {
+fn sheared<S: Scalar>(corners: &[[[S; LANES]; 3]; 3], shear: &Shear<S>) -> [[EightOf<S>; 3]; 3] {
     let splat = EightOf::<S>::splat;
     let [kx, ky, kz] = shear.axes.map(|k| k.min(2));
     let (origin, factors) = (shear.origin.map(splat), shear.shear.map(splat));

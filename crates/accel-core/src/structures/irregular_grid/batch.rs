@@ -12,7 +12,7 @@ use super::voxels::Voxel;
 use crate::far_ray::{self, Place};
 use crate::primitives::{PrimSet, Shear, TriangleBlock};
 use crate::ray::{Hit, MISS, Ray};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Vec3, Vector};
 
 /// Rays on their way at once.
 const LANES: usize = 24;
@@ -41,6 +41,25 @@ pub(super) struct Lane<S: Scalar> {
     place: usize,
 }
 
+/// The place of a lane without a ray.
+const IDLE: usize = usize::MAX;
+
+impl<S: Scalar> Lane<S> {
+    fn idle() -> Self {
+        let ray = Ray::new(Vec3::<S>::splat(S::ZERO), Vec3::<S>::splat(S::ONE));
+        Self {
+            course: Course::idle(),
+            at: Point::ZERO,
+            voxel: Voxel::NOTHING,
+            shear: Shear::of(&ray),
+            ray,
+            best: Hit { t: S::ZERO, id: MISS },
+            moved_by: S::ZERO,
+            place: IDLE,
+        }
+    }
+}
+
 /// Some of the lanes.
 struct Chosen {
     lanes: [u8; LANES],
@@ -67,25 +86,23 @@ impl Chosen {
 }
 
 impl<S: Scalar> IrregularGrid<S> {
-    /// A ray that is on its way; `None` when it meets nothing.
+    /// Sets a ray on its way; false when it meets nothing.
     #[inline(always)]
-    fn lane(&self, ray: &Ray<S>, place: usize, reach: S) -> Option<Lane<S>> {
+    fn start(&self, lane: &mut Lane<S>, ray: &Ray<S>, place: usize, reach: S) -> bool {
         let (ray, moved_by) = match far_ray::place(ray, reach) {
             Place::Near => (*ray, S::ZERO),
             Place::Moved(near, by) => (near, by),
-            Place::Nowhere => return None,
+            Place::Nowhere => return false,
         };
-        let (course, at) = Course::of(&ray, &self.place)?;
-        Some(Lane {
-            at,
-            voxel: Voxel::NOTHING,
-            course,
-            shear: Shear::of(&ray),
-            moved_by,
-            best: Hit { t: ray.t_max, id: MISS },
-            ray,
-            place,
-        })
+        let Some((course, at)) = Course::of(&ray, &self.place) else { return false };
+        lane.course = course;
+        lane.at = at;
+        lane.shear = Shear::of(&ray);
+        lane.best = Hit { t: ray.t_max, id: MISS };
+        lane.ray = ray;
+        lane.moved_by = moved_by;
+        lane.place = place;
+        true
     }
 
     /// Tests a lane's list; true when its query is over.
@@ -115,7 +132,7 @@ impl<S: Scalar> IrregularGrid<S> {
     fn step(&self, lane: &mut Lane<S>) -> bool {
         let exit = lane.course.exit(&lane.voxel);
         // not finite: it leaves through no face, or the planes' parameters overflow
-        let goes_on = !(lane.best.t < exit.t) & exit.t.is_finite();
+        let goes_on = (exit.t <= lane.best.t) & exit.t.is_finite();
         lane.course.advance(&mut lane.at, &exit, &self.place) & goes_on
     }
 
@@ -130,22 +147,31 @@ impl<S: Scalar> IrregularGrid<S> {
         query: &mut Q,
     ) {
         let mut waiting = rays.iter().enumerate();
-        let mut next = |query: &mut Q| {
-            for (place, ray) in waiting.by_ref() {
-                match self.lane(ray, place, reach) {
-                    Some(lane) => return Some(lane),
-                    None => query.finish(place, Hit { t: ray.t_max, id: MISS }),
+        let mut lanes = vec![Lane::idle(); LANES];
+        let mut over = u32::MAX >> (u32::BITS as usize - LANES);
+        loop {
+            // from the last: a lane that is not refilled is replaced by one already looked at
+            while over != 0 {
+                let i = over.ilog2() as usize;
+                over ^= 1 << i;
+                let Lane { place, best, moved_by, .. } = lanes[i];
+                if place != IDLE {
+                    query.finish(place, Hit { t: best.t + moved_by, ..best });
+                }
+                loop {
+                    let Some((place, ray)) = waiting.next() else {
+                        lanes.swap_remove(i);
+                        break;
+                    };
+                    if self.start(&mut lanes[i], ray, place, reach) {
+                        break;
+                    }
+                    query.finish(place, Hit { t: ray.t_max, id: MISS });
                 }
             }
-            None
-        };
-        let mut lanes: Vec<Lane<S>> = Vec::with_capacity(LANES);
-        while lanes.len() < LANES
-            && let Some(lane) = next(query)
-        {
-            lanes.push(lane);
-        }
-        while !lanes.is_empty() {
+            if lanes.is_empty() {
+                return;
+            }
             let mut divided = Chosen::new();
             for (i, lane) in lanes.iter_mut().enumerate() {
                 lane.voxel = self.voxels.top(lane.at);
@@ -164,25 +190,11 @@ impl<S: Scalar> IrregularGrid<S> {
             for (i, lane) in lanes.iter().enumerate() {
                 full.add(i, lane.voxel.list() != 0);
             }
-            let mut over = 0u32;
             for i in full.iter() {
                 over |= u32::from(self.test(blocks, &mut lanes[i], query)) << i;
             }
             for (i, lane) in lanes.iter_mut().enumerate() {
                 over |= u32::from(!self.step(lane)) << i;
-            }
-            // from the last: a lane that is not refilled is replaced by one already looked at
-            while over != 0 {
-                let i = over.ilog2() as usize;
-                over ^= 1 << i;
-                let Lane { place, best, moved_by, .. } = lanes[i];
-                query.finish(place, Hit { t: best.t + moved_by, ..best });
-                match next(query) {
-                    Some(lane) => lanes[i] = lane,
-                    None => {
-                        lanes.swap_remove(i);
-                    }
-                }
             }
         }
     }
@@ -196,11 +208,12 @@ impl<S: Scalar> IrregularGrid<S> {
         reach: S,
         query: &mut Q,
     ) {
+        let mut lane = Lane::idle();
         for (place, ray) in rays.iter().enumerate() {
-            let Some(mut lane) = self.lane(ray, place, reach) else {
+            if !self.start(&mut lane, ray, place, reach) {
                 query.finish(place, Hit { t: ray.t_max, id: MISS });
                 continue;
-            };
+            }
             lane.voxel = self.voxels.at(lane.at);
             loop {
                 if lane.voxel.list() != 0 && self.test(blocks, &mut lane, query) {

@@ -71,6 +71,14 @@ pub(super) struct Course<S: Scalar> {
 }
 
 impl<S: Scalar> Course<S> {
+    /// Of no ray.
+    pub(super) fn idle() -> Self {
+        let zero = FourOf::<S>::splat(S::ZERO);
+        let down = Point::ZERO;
+        let far = Voxel::far_coordinates(down);
+        Self { origin: zero, direction: zero, inverse: zero, far, down }
+    }
+
     /// The course of a ray and the lattice point where it enters, or starts; `None` when it passes
     /// by.
     #[inline(always)]
@@ -82,7 +90,7 @@ impl<S: Scalar> Course<S> {
         let inverse = splat(S::ONE) / direction;
         // not where it is too small to divide by, nor in the fourth lane: there every plane is at
         // infinity, and no point moves
-        let moves = (inverse - inverse).at_most(zero);
+        let moves = (inverse * zero).at_most(zero);
         let (low, high) = ((zero - origin) * inverse, (place.size - origin) * inverse);
         let near = low.lesser(high).where_set(moves, zero - infinity);
         // rounded up by two ulps, so that rounding never loses the lattice (Ize 2013)
@@ -92,7 +100,7 @@ impl<S: Scalar> Course<S> {
         let start = near[0].greater(near[1]).greater(near[2]).greater(ray.t_min);
         let end = far[0].lesser(far[1]).lesser(far[2]).lesser(ray.t_max);
         let is_inside = zero.at_most(origin) & origin.at_most(place.size) | moves;
-        if !(start <= end) || is_inside.to_bitmask() != 15 {
+        if start > end || is_inside.to_bitmask() != 15 {
             return None;
         }
         let down = moves & !zero.at_most(direction);

@@ -40,11 +40,11 @@ impl Growth<'_> {
         // bit k: the lower face of axis k may still move; bit k + 3: the upper one
         let mut faces = 0b11_1111u32;
         while faces != 0 {
-            for face in 0..6 {
+            for (face, left) in left.iter_mut().enumerate() {
                 if faces >> face & 1 == 0 {
                     continue;
                 }
-                if !self.move_face(face % 3, face >= 3, &mut left[face]) {
+                if !self.move_face(face % 3, face >= 3, left) {
                     faces &= !(1 << face);
                 }
             }
@@ -76,7 +76,8 @@ impl Growth<'_> {
             while at[u] <= u32::from(self.cell.last[u]) {
                 let Some(less) = left.checked_sub(1) else { return false };
                 *left = less;
-                let neighbour = self.voxels.at(i32x4::new([at[0], at[1], at[2], 0].map(|x| x as i32)));
+                let neighbour =
+                    self.voxels.at(i32x4::new([at[0], at[1], at[2], 0].map(|x| x as i32)));
                 if !self.has_all_of(neighbour.list()) {
                     return false;
                 }

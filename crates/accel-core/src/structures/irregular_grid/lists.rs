@@ -29,10 +29,7 @@ fn write_all<B: Send>(
     let (before, after) = runs.split_at(runs.len() / 2);
     let middle = after[0].first;
     let (low, high) = blocks.split_at_mut(middle - first);
-    rayon::join(
-        || write_all(before, first, low, write),
-        || write_all(after, middle, high, write),
-    );
+    rayon::join(|| write_all(before, first, low, write), || write_all(after, middle, high, write));
 }
 
 /// Lists by the numbers that voxels have; 0 is the empty one.

@@ -337,9 +337,8 @@ impl<'a> Worker<'a> {
         }
         let begin = |part: usize| part.checked_sub(1).map_or(0, |before| ends[before]);
         let empty = EmptyBoxes::new(division.parts, |part| begin(part) == ends[part]);
-        for part in 0..count {
-            let ids = base + begin(part)..base + ends[part];
-            let entry = self.part(ids, part, division, &empty)?;
+        for (part, &end) in ends.iter().enumerate().take(count) {
+            let entry = self.part(base + begin(part)..base + end, part, division, &empty)?;
             self.cells.entries[first_entry + part] = entry;
         }
         empty.share(&mut self.cells.entries[first_entry..first_entry + count]);
@@ -377,7 +376,9 @@ impl<'a> Worker<'a> {
     ) -> Result<u32, TooLarge> {
         let n = ids.len();
         let settings = self.shared.settings;
-        if n > settings.longest_list && let Some(division) = self.division(n, first, levels) {
+        if n > settings.longest_list
+            && let Some(division) = self.division(n, first, levels)
+        {
             let large = if n > LARGE {
                 let pairs = self.shared.place_all(&self.ids[ids.clone()], &division);
                 self.pairs.clear();
