@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 use wide::i32x4;
 
-use super::subdivide::{Cell, Cells};
+use super::cells::{Cell, Cells};
 use super::voxels::Voxels;
 
 /// Grows all cells, looking at no more than `most_neighbours` for a step of a face.

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::subdivide::{Cells, DIVIDED};
+use super::cells::{Cells, DIVIDED};
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;

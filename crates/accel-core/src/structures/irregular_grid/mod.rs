@@ -16,12 +16,14 @@
 //! Built by all threads of the pool in which it is built, to the same bits by any number of them.
 
 mod batch;
+mod cells;
 mod course;
 mod empty_boxes;
 mod expand;
 mod lattice;
 mod lists;
 mod overlap;
+mod place;
 mod subdivide;
 mod voxels;
 
@@ -37,10 +39,12 @@ use crate::ray::{Hit, Ray};
 use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::scalar::{Scalar, Vector};
 use crate::sink::Sink;
+use cells::{FIRST_PART, TooLarge};
 use course::{Course, Place};
 use lattice::Lattice;
 use lists::Lists;
-use subdivide::{FIRST_PART, Settings, Source, TooLarge, subdivide};
+use place::Source;
+use subdivide::{Settings, subdivide};
 use voxels::Voxels;
 
 /// Registry line.

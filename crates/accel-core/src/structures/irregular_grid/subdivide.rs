@@ -8,23 +8,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::cells::{Cell, Cells, DIVIDED, TooLarge};
 use super::empty_boxes::EmptyBoxes;
 use super::lattice::{Division, Lattice};
-use super::overlap::Overlap;
-
-/// What is built over, whatever the scalar and the set.
-pub(super) trait Source {
-    /// Number of primitives.
-    fn len(&self) -> u32;
-    /// The padded box of a primitive.
-    fn bounds(&self, id: u32) -> (DVec3, DVec3);
-    /// The corners of one that is a triangle at rest.
-    fn triangle(&self, id: u32) -> Option<[DVec3; 3]>;
-    /// Whether another touches the box between these corners.
-    fn overlaps(&self, id: u32, low: DVec3, high: DVec3) -> bool;
-    /// By how much boxes are padded.
-    fn margin(&self) -> f64;
-}
+use super::place::{ByPart, Pair, Placement, Source};
 
 /// How cells are divided.
 #[derive(Debug, Clone, Copy)]
@@ -38,89 +25,6 @@ pub(super) struct Settings {
     /// Limit for the references in all lists.
     pub(super) max_references: u64,
 }
-
-/// An entry of the tree that is divided: this bit, three times two bits with the logarithms of the
-/// parts on each axis, and the number of the first part's entry. Any other is a cell's number.
-pub(super) const DIVIDED: u32 = 1 << 31;
-/// The bits of the number of the first part's entry.
-pub(super) const FIRST_PART: u32 = (1 << 25) - 1;
-
-/// A cell: its first and last lattice coordinates, and where its list begins.
-#[repr(C, align(16))]
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
-    pub(super) first: [u16; 3],
-    pub(super) last: [u16; 3],
-    pub(super) list: u32,
-}
-
-/// The cells and how to find them.
-#[derive(Debug, Default)]
-pub(super) struct Cells {
-    /// The top grid's entries, then those of parts.
-    pub(super) entries: Vec<u32>,
-    pub(super) cells: Vec<Cell>,
-    /// At a cell's `list`: the number of ids, then the ids, ascending. 0 is the empty list.
-    pub(super) lists: Vec<u32>,
-    /// References in the cells together; cells share equal lists.
-    pub(super) references: u64,
-    /// Divided entries, the top grid among them.
-    pub(super) divided: u64,
-}
-
-impl Cells {
-    /// Whether its numbers still fit.
-    fn check(&self) -> Result<(), TooLarge> {
-        let (needed, limit) = (self.entries.len() as u64, u64::from(FIRST_PART));
-        if needed > limit {
-            return Err(TooLarge { what: "number of cells", needed, limit });
-        }
-        Ok(())
-    }
-
-    /// Takes in the cells of others; their first `roots` entries are given back, renumbered.
-    fn absorb(&mut self, other: Self, roots: usize) -> Result<Vec<u32>, TooLarge> {
-        let (entries, cells) = (self.entries.len() as u32, self.cells.len() as u32);
-        // both begin with the empty list
-        let lists = self.lists.len() as u32 - 1;
-        let renumbered = |entry: &u32| {
-            if entry & DIVIDED == 0 {
-                entry + cells
-            } else {
-                (entry & !FIRST_PART) | ((entry & FIRST_PART) + entries - roots as u32)
-            }
-        };
-        self.entries.extend(other.entries[roots..].iter().map(renumbered));
-        self.check()?;
-        self.cells.extend(other.cells.iter().map(|cell| Cell {
-            list: if cell.list == 0 { 0 } else { cell.list + lists },
-            ..*cell
-        }));
-        self.lists.extend_from_slice(&other.lists[1..]);
-        self.references += other.references;
-        self.divided += other.divided;
-        Ok(other.entries[..roots].iter().map(renumbered).collect())
-    }
-
-    /// The ids of a list.
-    #[inline(always)]
-    pub(super) fn list(&self, at: u32) -> &[u32] {
-        let at = at as usize;
-        match self.lists.get(at) {
-            Some(&n) => self.lists.get(at + 1..at + 1 + n as usize).unwrap_or(&[]),
-            None => &[],
-        }
-    }
-}
-
-/// Something would be larger than it may.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooLarge {
-    pub(super) what: &'static str,
-    pub(super) needed: u64,
-    pub(super) limit: u64,
-}
-
 /// Divides. Parts with many primitives are divided by all threads of the pool; how the work is
 /// shared out depends on the scene alone, so that any number of threads gives the same cells.
 pub(super) fn subdivide(
@@ -130,9 +34,10 @@ pub(super) fn subdivide(
 ) -> Result<Cells, TooLarge> {
     let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
     let stored = AtomicU64::new(0);
-    let shared = Shared { lattice, source, settings, stored: &stored };
+    let placement = Placement { lattice, source };
+    let shared = Shared { placement, settings, stored: &stored };
     let ids: Vec<u32> = (0..source.len()).collect();
-    let pairs = shared.place_all(&ids, &whole);
+    let pairs = shared.placement.place_all(&ids, &whole);
     shared.divide_large(&whole, &pairs)
 }
 
@@ -140,66 +45,15 @@ pub(super) fn subdivide(
 const LARGE: usize = 1 << 13;
 /// Into about so many groups of parts.
 const GROUPS: usize = 32;
-
-/// Part and id.
-type Pair = (u32, u32);
-
 /// What all threads see.
 #[derive(Clone, Copy)]
 struct Shared<'a> {
-    lattice: &'a Lattice,
-    source: &'a (dyn Source + Sync),
+    placement: Placement<'a>,
     settings: Settings,
     /// Ids stored by all together.
     stored: &'a AtomicU64,
 }
-
-/// Pairs in the order of their parts: where each part's ids end, and the ids.
-struct ByPart {
-    ends: Vec<usize>,
-    ids: Vec<u32>,
-}
-
-impl ByPart {
-    fn new(parts: usize, pairs: &[Vec<Pair>]) -> Self {
-        let mut ends = vec![0usize; parts + 1];
-        for &(part, _) in pairs.iter().flatten() {
-            ends[part as usize + 1] += 1;
-        }
-        for i in 0..parts {
-            ends[i + 1] += ends[i];
-        }
-        let mut ids = vec![0; ends[parts]];
-        for &(part, id) in pairs.iter().flatten() {
-            // the beginning of a part becomes its end
-            let at = &mut ends[part as usize];
-            ids[*at] = id;
-            *at += 1;
-        }
-        ends.truncate(parts);
-        Self { ends, ids }
-    }
-
-    fn begin(&self, part: usize) -> usize {
-        part.checked_sub(1).map_or(0, |before| self.ends[before])
-    }
-
-    fn of(&self, part: usize) -> &[u32] {
-        &self.ids[self.begin(part)..self.ends[part]]
-    }
-}
-
 impl<'a> Shared<'a> {
-    /// The parts that each of these ids goes to, ids ascending.
-    fn place_all(&self, ids: &[u32], division: &Division) -> Vec<Vec<Pair>> {
-        let part = |ids: &[u32]| {
-            let mut pairs = Vec::with_capacity(ids.len() * 2);
-            self.place(ids, division, &mut pairs);
-            pairs
-        };
-        ids.par_chunks(LARGE).map(part).collect()
-    }
-
     /// Cells of the parts of a division, whose entries come first.
     fn divide_large(&self, division: &Division, pairs: &[Vec<Pair>]) -> Result<Cells, TooLarge> {
         let count = division.count();
@@ -240,54 +94,6 @@ impl<'a> Shared<'a> {
         }
         empty.share(&mut cells.entries[..count]);
         Ok(cells)
-    }
-
-    /// Fills `pairs` with the parts that each of these ids goes to, ids ascending.
-    fn place(&self, ids: &[u32], division: &Division, pairs: &mut Vec<Pair>) {
-        let (lattice, margin) = (self.lattice, self.source.margin());
-        let along = |k: usize, x: f64| {
-            let side = lattice.side[k] * f64::from(1u32 << division.shift[k]);
-            let at = (x - lattice.plane(k, division.first[k])) / side;
-            at.clamp(0.0, f64::from(division.parts[k] - 1)) as u32
-        };
-        let [nx, ny, _] = division.parts;
-        let low = DVec3::from_array(std::array::from_fn(|k| {
-            lattice.plane(k, division.first[k]) - margin
-        }));
-        let side = DVec3::from_array(std::array::from_fn(|k| {
-            lattice.side[k] * f64::from(1u32 << division.shift[k])
-        }));
-        let size = side + 2.0 * margin;
-        pairs.clear();
-        for &id in ids {
-            let (lo, hi) = self.source.bounds(id);
-            let first: [u32; 3] = std::array::from_fn(|k| along(k, lo[k]));
-            let last: [u32; 3] = std::array::from_fn(|k| along(k, hi[k]));
-            let index = |x: u32, y: u32, z: u32| x + nx * (y + ny * z);
-            if first == last {
-                pairs.push((index(first[0], first[1], first[2]), id));
-                continue;
-            }
-            let overlap = self.source.triangle(id).map(|corners| {
-                let far = DVec3::from_array(division.parts.map(f64::from)) * side + 2.0 * margin;
-                let reach = (low - corners[0]).abs().max((low + far - corners[0]).abs());
-                Overlap::new(corners, size, reach.max_element())
-            });
-            for z in first[2]..=last[2] {
-                for y in first[1]..=last[1] {
-                    for x in first[0]..=last[0] {
-                        let at = low + DVec3::new(x.into(), y.into(), z.into()) * side;
-                        let touches = match &overlap {
-                            Some(overlap) => overlap.touches(at),
-                            None => self.source.overlaps(id, at, at + size),
-                        };
-                        if touches {
-                            pairs.push((index(x, y, z), id));
-                        }
-                    }
-                }
-            }
-        }
     }
 }
 
@@ -380,20 +186,20 @@ impl<'a> Worker<'a> {
             && let Some(division) = self.division(n, first, levels)
         {
             let large = if n > LARGE {
-                let pairs = self.shared.place_all(&self.ids[ids.clone()], &division);
+                let pairs = self.shared.placement.place_all(&self.ids[ids.clone()], &division);
                 self.pairs.clear();
                 self.pairs.extend(pairs.iter().flatten());
                 Some(pairs)
             } else {
                 let mut pairs = std::mem::take(&mut self.pairs);
-                self.shared.place(&self.ids[ids.clone()], &division, &mut pairs);
+                self.shared.placement.place(&self.ids[ids.clone()], &division, &mut pairs);
                 self.pairs = pairs;
                 None
             };
             let parts = division.count() as f64;
             let size = |shift: [u32; 3]| {
                 DVec3::from_array(std::array::from_fn(|k| {
-                    self.shared.lattice.side[k] * f64::from(1u32 << shift[k])
+                    self.shared.placement.lattice.side[k] * f64::from(1u32 << shift[k])
                 }))
             };
             let half_area = |s: DVec3| s.x * s.y + s.y * s.z + s.z * s.x;
@@ -436,8 +242,9 @@ impl<'a> Worker<'a> {
 
     /// How to divide a cell with so many primitives, if it can be.
     fn division(&self, n: usize, first: [u32; 3], levels: [u32; 3]) -> Option<Division> {
-        let size: [f64; 3] =
-            std::array::from_fn(|k| self.shared.lattice.side[k] * f64::from(1u32 << levels[k]));
+        let size: [f64; 3] = std::array::from_fn(|k| {
+            self.shared.placement.lattice.side[k] * f64::from(1u32 << levels[k])
+        });
         let volume: f64 = size.iter().product();
         let a_length = (self.shared.settings.density * n as f64 / volume).cbrt();
         let shift: [u32; 3] = std::array::from_fn(|k| {

@@ -4,9 +4,9 @@
 use rayon::prelude::*;
 use wide::{i32x4, u8x16, u32x4};
 
+use super::cells::{Cells, DIVIDED, FIRST_PART};
 use super::course::Point;
 use super::lattice::{Division, Lattice};
-use super::subdivide::{Cells, DIVIDED, FIRST_PART};
 
 /// A part of the grid.
 ///

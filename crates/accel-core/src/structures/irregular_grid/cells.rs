@@ -1,0 +1,83 @@
+//! The cells of the grid while it is built, and the tree of entries that finds them.
+
+/// An entry of the tree that is divided: this bit, three times two bits with the logarithms of the
+/// parts on each axis, and the number of the first part's entry. Any other is a cell's number.
+pub(super) const DIVIDED: u32 = 1 << 31;
+/// The bits of the number of the first part's entry.
+pub(super) const FIRST_PART: u32 = (1 << 25) - 1;
+
+/// A cell: its first and last lattice coordinates, and where its list begins.
+#[repr(C, align(16))]
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell {
+    pub(super) first: [u16; 3],
+    pub(super) last: [u16; 3],
+    pub(super) list: u32,
+}
+
+/// The cells and how to find them.
+#[derive(Debug, Default)]
+pub(super) struct Cells {
+    /// The top grid's entries, then those of parts.
+    pub(super) entries: Vec<u32>,
+    pub(super) cells: Vec<Cell>,
+    /// At a cell's `list`: the number of ids, then the ids, ascending. 0 is the empty list.
+    pub(super) lists: Vec<u32>,
+    /// References in the cells together; cells share equal lists.
+    pub(super) references: u64,
+    /// Divided entries, the top grid among them.
+    pub(super) divided: u64,
+}
+
+impl Cells {
+    /// Whether its numbers still fit.
+    pub(super) fn check(&self) -> Result<(), TooLarge> {
+        let (needed, limit) = (self.entries.len() as u64, u64::from(FIRST_PART));
+        if needed > limit {
+            return Err(TooLarge { what: "number of cells", needed, limit });
+        }
+        Ok(())
+    }
+
+    /// Takes in the cells of others; their first `roots` entries are given back, renumbered.
+    pub(super) fn absorb(&mut self, other: Self, roots: usize) -> Result<Vec<u32>, TooLarge> {
+        let (entries, cells) = (self.entries.len() as u32, self.cells.len() as u32);
+        // both begin with the empty list
+        let lists = self.lists.len() as u32 - 1;
+        let renumbered = |entry: &u32| {
+            if entry & DIVIDED == 0 {
+                entry + cells
+            } else {
+                (entry & !FIRST_PART) | ((entry & FIRST_PART) + entries - roots as u32)
+            }
+        };
+        self.entries.extend(other.entries[roots..].iter().map(renumbered));
+        self.check()?;
+        self.cells.extend(other.cells.iter().map(|cell| Cell {
+            list: if cell.list == 0 { 0 } else { cell.list + lists },
+            ..*cell
+        }));
+        self.lists.extend_from_slice(&other.lists[1..]);
+        self.references += other.references;
+        self.divided += other.divided;
+        Ok(other.entries[..roots].iter().map(renumbered).collect())
+    }
+
+    /// The ids of a list.
+    #[inline(always)]
+    pub(super) fn list(&self, at: u32) -> &[u32] {
+        let at = at as usize;
+        match self.lists.get(at) {
+            Some(&n) => self.lists.get(at + 1..at + 1 + n as usize).unwrap_or(&[]),
+            None => &[],
+        }
+    }
+}
+
+/// Something would be larger than it may.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TooLarge {
+    pub(super) what: &'static str,
+    pub(super) needed: u64,
+    pub(super) limit: u64,
+}

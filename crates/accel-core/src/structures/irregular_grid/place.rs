@@ -1,0 +1,128 @@
+//! Which parts of a division each primitive goes to.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::lattice::{Division, Lattice};
+use super::overlap::Overlap;
+
+/// What is built over, whatever the scalar and the set.
+pub(super) trait Source {
+    /// Number of primitives.
+    fn len(&self) -> u32;
+    /// The padded box of a primitive.
+    fn bounds(&self, id: u32) -> (DVec3, DVec3);
+    /// The corners of one that is a triangle at rest.
+    fn triangle(&self, id: u32) -> Option<[DVec3; 3]>;
+    /// Whether another touches the box between these corners.
+    fn overlaps(&self, id: u32, low: DVec3, high: DVec3) -> bool;
+    /// By how much boxes are padded.
+    fn margin(&self) -> f64;
+}
+/// Part and id.
+pub(super) type Pair = (u32, u32);
+
+/// So many ids are placed at a time.
+const CHUNK: usize = 1 << 13;
+
+/// Primitives and the lattice that they are placed on.
+#[derive(Clone, Copy)]
+pub(super) struct Placement<'a> {
+    pub(super) lattice: &'a Lattice,
+    pub(super) source: &'a (dyn Source + Sync),
+}
+
+impl Placement<'_> {
+    /// The parts that each of these ids goes to, ids ascending.
+    pub(super) fn place_all(&self, ids: &[u32], division: &Division) -> Vec<Vec<Pair>> {
+        let part = |ids: &[u32]| {
+            let mut pairs = Vec::with_capacity(ids.len() * 2);
+            self.place(ids, division, &mut pairs);
+            pairs
+        };
+        ids.par_chunks(CHUNK).map(part).collect()
+    }
+
+    /// Fills `pairs` with the parts that each of these ids goes to, ids ascending.
+    pub(super) fn place(&self, ids: &[u32], division: &Division, pairs: &mut Vec<Pair>) {
+        let (lattice, margin) = (self.lattice, self.source.margin());
+        let along = |k: usize, x: f64| {
+            let side = lattice.side[k] * f64::from(1u32 << division.shift[k]);
+            let at = (x - lattice.plane(k, division.first[k])) / side;
+            at.clamp(0.0, f64::from(division.parts[k] - 1)) as u32
+        };
+        let [nx, ny, _] = division.parts;
+        let low = DVec3::from_array(std::array::from_fn(|k| {
+            lattice.plane(k, division.first[k]) - margin
+        }));
+        let side = DVec3::from_array(std::array::from_fn(|k| {
+            lattice.side[k] * f64::from(1u32 << division.shift[k])
+        }));
+        let size = side + 2.0 * margin;
+        pairs.clear();
+        for &id in ids {
+            let (lo, hi) = self.source.bounds(id);
+            let first: [u32; 3] = std::array::from_fn(|k| along(k, lo[k]));
+            let last: [u32; 3] = std::array::from_fn(|k| along(k, hi[k]));
+            let index = |x: u32, y: u32, z: u32| x + nx * (y + ny * z);
+            if first == last {
+                pairs.push((index(first[0], first[1], first[2]), id));
+                continue;
+            }
+            let overlap = self.source.triangle(id).map(|corners| {
+                let far = DVec3::from_array(division.parts.map(f64::from)) * side + 2.0 * margin;
+                let reach = (low - corners[0]).abs().max((low + far - corners[0]).abs());
+                Overlap::new(corners, size, reach.max_element())
+            });
+            for z in first[2]..=last[2] {
+                for y in first[1]..=last[1] {
+                    for x in first[0]..=last[0] {
+                        let at = low + DVec3::new(x.into(), y.into(), z.into()) * side;
+                        let touches = match &overlap {
+                            Some(overlap) => overlap.touches(at),
+                            None => self.source.overlaps(id, at, at + size),
+                        };
+                        if touches {
+                            pairs.push((index(x, y, z), id));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Pairs in the order of their parts: where each part's ids end, and the ids.
+pub(super) struct ByPart {
+    pub(super) ends: Vec<usize>,
+    pub(super) ids: Vec<u32>,
+}
+
+impl ByPart {
+    pub(super) fn new(parts: usize, pairs: &[Vec<Pair>]) -> Self {
+        let mut ends = vec![0usize; parts + 1];
+        for &(part, _) in pairs.iter().flatten() {
+            ends[part as usize + 1] += 1;
+        }
+        for i in 0..parts {
+            ends[i + 1] += ends[i];
+        }
+        let mut ids = vec![0; ends[parts]];
+        for &(part, id) in pairs.iter().flatten() {
+            // the beginning of a part becomes its end
+            let at = &mut ends[part as usize];
+            ids[*at] = id;
+            *at += 1;
+        }
+        ends.truncate(parts);
+        Self { ends, ids }
+    }
+
+    fn begin(&self, part: usize) -> usize {
+        part.checked_sub(1).map_or(0, |before| self.ends[before])
+    }
+
+    pub(super) fn of(&self, part: usize) -> &[u32] {
+        &self.ids[self.begin(part)..self.ends[part]]
+    }
+}
