@@ -20,6 +20,8 @@ const HIGH: u64 = 0x8080_8080_8080_8080;
 const SEVEN: u32 = 0x7f7f_7f7f;
 /// By how many spots bounds grow against the rounding of what they are made from.
 const SLACK: f64 = 1e-6;
+/// Outlines of half as many spots are not cut.
+const SMALL: f64 = 2.0;
 
 /// Where a ray passes through a cell.
 #[derive(Debug, Clone, Copy)]
@@ -105,7 +107,9 @@ impl Clip {
         self.points.clear();
         self.points.extend([from, DVec2::new(to.x, from.y), to, DVec2::new(from.x, to.y)]);
         let (center, half) = ((from + to) * 0.5, (to - from) * 0.5);
-        for side in sides {
+        // within few spots a rectangle says as much as the outline
+        let is_small = half.cmplt(spot * SMALL).all();
+        for side in if is_small { &[] } else { sides } {
             // most cut nothing off
             if side.normal.dot(center) + side.normal.abs().dot(half) > side.limit {
                 self.cut(side);

@@ -158,8 +158,7 @@ impl Tile {
         let near = balls.iter().map(|b| b.center.z).fold(f64::INFINITY, f64::min);
         let far = balls.iter().map(|b| b.center.z).fold(0.0, f64::max);
         let radius = margins.position;
-        // also refuses NaN
-        if !(near > radius * 16.0) {
+        if near.is_nan() || near <= radius * 16.0 {
             return None;
         }
         let on_face = |b: &Ball| b.center.truncate() / b.center.z;
