@@ -58,10 +58,10 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec {
             name: "resolution",
-            summary: "finest cells a side of a face, at most",
-            default: "16384",
+            summary: "finest cells a side of a face, at most; auto: 16384, or 1024 on demand",
+            default: "auto",
             kind: ParamKind::Choice(&[
-                "16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384",
+                "16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto",
             ]),
         },
         ParamSpec {
@@ -165,9 +165,17 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
     Ok(Box::new(OnDemand::new(prims, any, lights, &margins, bits)?))
 }
 
+/// Bits of a resolution that is not given: where cells are divided only as lists call for it, and
+/// where each one is there from the start.
+const AUTO_BITS: [u32; 2] = [14, 10];
+
 /// Finest cells a side of a face, as a power of 2.
 fn resolution_bits(params: &Params) -> u32 {
-    (params.integer("resolution") as u32).max(1).ilog2()
+    match (params.text("resolution"), params.text("fill")) {
+        ("auto", "before") => AUTO_BITS[0],
+        ("auto", _) => AUTO_BITS[1],
+        _ => (params.integer("resolution") as u32).max(1).ilog2(),
+    }
 }
 
 fn is_below(
