@@ -194,6 +194,6 @@ fn wrong_names_and_settings_are_errors_that_help() {
         assert!(ended.err.contains(said), "{arguments}: {}", ended.err);
     }
     let listed = run("list occluders");
-    assert!(listed.out.contains("light-buffer: ") && listed.out.contains("resolution = 1024"));
+    assert!(listed.out.contains("light-buffer: ") && listed.out.contains("resolution = auto"));
     assert!(run("list occluders --format json").out.contains("\"resolution\""));
 }

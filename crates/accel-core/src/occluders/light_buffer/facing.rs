@@ -3,6 +3,8 @@
 //!
 //! Along a plane 1/z is linear in u and v, so its bounds over a cell are those at two corners.
 
+use std::ops::Range;
+
 use glam::{DVec2, DVec3};
 
 use super::footprint::Seen;
@@ -23,9 +25,9 @@ pub(super) struct Facing {
     distance: f64,
     /// By how much rounding may move it.
     shift: f64,
-    /// Unit normals of the planes through the light and the edges, towards the inside; empty when
-    /// the outline is not convex or not flat.
-    edges: Vec<DVec3>,
+    /// Unit normals of the planes through the light and the edges, towards the inside, in a store
+    /// of all; none when the outline is not convex or not flat.
+    pub(super) edges: Range<u32>,
     /// Margin in world units for the inside test.
     margin: f64,
 }
@@ -40,7 +42,7 @@ fn range(n: DVec3, center: DVec2, half: DVec2) -> (f64, f64) {
 
 impl Facing {
     /// The plane of an outline; `None` when it is seen too obliquely, or is no plane.
-    pub(super) fn of(seen: &Seen, margins: &Margins) -> Option<Self> {
+    pub(super) fn of(seen: &Seen, margins: &Margins, store: &mut Vec<DVec3>) -> Option<Self> {
         let balls = seen.balls.as_slice();
         let [first, rest @ ..] = balls else { return None };
         if !seen.is_outline || balls.len() < 3 {
@@ -67,7 +69,11 @@ impl Facing {
             return None;
         }
         let is_flat = first.radius <= margins.position * 2.0;
-        let edges = if is_flat { convex_edges(seen, area.dot(normal) < 0.0) } else { Vec::new() };
+        let start = store.len();
+        if !(is_flat && push_convex_edges(seen, area.dot(normal) < 0.0, store)) {
+            store.truncate(start);
+        }
+        let edges = start as u32..store.len() as u32;
         Some(Self { normal, distance, shift, edges, margin: margins.position * 4.0 })
     }
 
@@ -78,8 +84,9 @@ impl Facing {
     }
 
     /// When the primitive certainly covers the rectangle: an upper bound on its depth there.
-    pub(super) fn covers(&self, center: DVec2, half: DVec2) -> Option<f64> {
-        if self.edges.is_empty() || self.shift > self.distance * LARGEST_SHIFT {
+    /// `edges` are its own.
+    pub(super) fn covers(&self, edges: &[DVec3], center: DVec2, half: DVec2) -> Option<f64> {
+        if edges.is_empty() || self.shift > self.distance * LARGEST_SHIFT {
             return None;
         }
         let (lo, _) = range(self.normal, center, half);
@@ -93,24 +100,20 @@ impl Facing {
         }
         let inside = self.margin / near;
         let is_inside = |m: &DVec3| range(*m, center, half).0 > inside;
-        self.edges.iter().all(is_inside).then(|| (self.distance + self.shift) / lo + self.margin)
+        edges.iter().all(is_inside).then(|| (self.distance + self.shift) / lo + self.margin)
     }
 }
 
-/// The planes through the light and the edges of a convex outline; none for any other outline.
-fn convex_edges(seen: &Seen, is_turned: bool) -> Vec<DVec3> {
+/// Stores the planes through the light and the edges of a convex outline; false for any other
+/// outline.
+fn push_convex_edges(seen: &Seen, is_turned: bool, store: &mut Vec<DVec3>) -> bool {
     let balls = seen.balls.as_slice();
     let sign = if is_turned { -1.0 } else { 1.0 };
-    let mut edges = Vec::with_capacity(balls.len());
-    for (i, a) in balls.iter().enumerate() {
-        let Some(b) = balls.get((i + 1) % balls.len()) else { return Vec::new() };
-        let Some(edge) = (a.center.cross(b.center) * sign).try_normalize() else {
-            return Vec::new();
-        };
-        if balls.iter().any(|c| edge.dot(c.center) < -a.radius) {
-            return Vec::new();
-        }
-        edges.push(edge);
-    }
-    edges
+    balls.iter().zip(balls.iter().cycle().skip(1)).all(|(a, b)| {
+        // the product of two long corners would cancel where they are near to each other
+        let across = a.center.cross(b.center - a.center) * sign;
+        let Some(edge) = across.try_normalize() else { return false };
+        store.push(edge);
+        balls.iter().all(|c| edge.dot(c.center) >= -c.radius)
+    })
 }

@@ -30,6 +30,8 @@ pub(super) struct HalfPlane {
 pub(super) struct Footprint {
     /// The primitive.
     pub(super) id: u32,
+    /// The body it was made from.
+    pub(super) body: u32,
     /// Its lower and upper bounds on the face.
     pub(super) low: DVec2,
     /// See `low`.
@@ -69,7 +71,20 @@ impl Seen {
     fn bounds(&self, normal: DVec2) -> Option<(f64, f64)> {
         let flat = |b: &Ball| (normal.x * b.center.x + normal.y * b.center.y, b.center.z);
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        if self.balls.iter().all(|b| b.center.z > 2.0 * b.radius) {
+        let is_before = self.balls.iter().all(|b| b.center.z > 2.0 * b.radius);
+        if is_before && self.is_outline {
+            // a point of the ball is seen within radius (1 + |p|) / (z - radius) of its centre
+            for b in &self.balls {
+                let inverse = 1.0 / b.center.z;
+                let at = flat(b).0 * inverse;
+                let slant = 1.0 + b.center.truncate().length() * inverse;
+                let reach = b.radius * slant / (b.center.z - b.radius);
+                lo = lo.min(at - reach);
+                hi = hi.max(at + reach);
+            }
+            return Some((lo, hi));
+        }
+        if is_before {
             // tangents of a disc, in the plane of the normal and the axis
             for b in &self.balls {
                 let ((a, z), r) = (flat(b), b.radius);
@@ -172,20 +187,26 @@ impl Projection<'_> {
         }
         *self.normals = normals;
         let sides = first..self.sides.len() as u32;
-        Some(Footprint { id, low, high, sides, near: seen.least_depth(), plane: None })
+        Some(Footprint { id, body: 0, low, high, sides, near: seen.least_depth(), plane: None })
     }
 }
 
 impl Footprint {
-    /// Whether it may reach into the rectangle.
+    /// Whether its bounds hold the rectangle: what covers that does.
     #[inline(always)]
-    pub(super) fn overlaps(&self, sides: &[HalfPlane], center: DVec2, half: DVec2) -> bool {
+    pub(super) fn spans(&self, center: DVec2, half: DVec2) -> bool {
+        let (low, high) = (center - half, center + half);
+        self.low.cmple(low).all() && self.high.cmpge(high).all()
+    }
+
+    /// Whether it may reach into the rectangle; `own` are its half-planes.
+    #[inline(always)]
+    pub(super) fn overlaps(&self, own: &[HalfPlane], center: DVec2, half: DVec2) -> bool {
         let (low, high) = (center - half, center + half);
         if self.low.x > high.x || self.high.x < low.x || self.low.y > high.y || self.high.y < low.y
         {
             return false;
         }
-        let own = &sides[self.sides.start as usize..self.sides.end as usize];
         own.iter().all(|s| s.normal.dot(center) - s.normal.abs().dot(half) <= s.limit)
     }
 }

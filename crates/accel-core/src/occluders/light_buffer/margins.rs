@@ -19,6 +19,9 @@ pub(super) struct Margins {
     pub(super) end: f64,
     /// A part of a depth that no rounding of it exceeds.
     pub(super) depth: f64,
+    /// Products of coordinates and of their last places are numbers: neither too large nor nothing.
+    /// Where they are not, the exact test may miss what is there.
+    pub(super) can_multiply: bool,
 }
 
 /// Ulps (of the largest coordinate of scene and lights) from a hit to its primitive, as for the
@@ -35,11 +38,15 @@ impl Margins {
         let epsilon = S::EPSILON.to_f64();
         // a scene at the very origin still needs a margin
         let ulp = (epsilon * magnitude).max(1e-30);
+        let (large, last) = (S::from_f64(magnitude * 16.0), S::from_f64(ulp));
+        let can_multiply =
+            (large * large * large).is_finite() && last * last * S::EPSILON > S::ZERO;
         Self {
             position: ulp * (HIT_ULPS + END_ULPS * 2.0 + BUILD_ULPS),
             direction: epsilon * 16.0,
             end: ulp * END_ULPS,
             depth: epsilon * 8.0,
+            can_multiply,
         }
     }
 }

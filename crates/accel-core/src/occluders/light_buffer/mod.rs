@@ -7,26 +7,34 @@
 //! Deviations: a face is not one grid but covers only what it shows, and its cells divide into
 //! 4 x 4 where lists are long, down to the resolution asked for (a flat cube fails on scenes whose
 //! detail is clustered); lists that remain long are left to a structure; a cell that one primitive
-//! covers lists nothing behind that one; depths are lengths along the axis of the face, which
-//! order as distances do. Everything is conservative (see `margins.rs`), so that answers are those
-//! of every structure.
+//! covers, or triangles that share their edges do together (`layers.rs`), lists nothing behind
+//! them; records say in which part of a cell a primitive is seen (`cell_part.rs`), so that few are
+//! tested; depths are lengths along the axis of the face, which order as distances do. Everything
+//! is conservative (see `margins.rs`), so that answers are those of every structure.
 
+mod cell_part;
 mod direction_cube;
 mod face_tree;
 mod facing;
 mod fill;
+mod filling;
 mod footprint;
+#[cfg(test)]
+mod layer_tests;
+mod layers;
 mod margins;
 mod on_demand;
 mod remainder;
+mod sheets;
 #[cfg(test)]
 mod tests;
 
 use glam::DVec3;
 
 use self::direction_cube::{FACES, Place, place};
-use self::face_tree::{COVERED, Cells, Face, LONG, Limits};
+use self::face_tree::{COVERED, Cells, Face, LONG};
 use self::fill::{Bodies, ID_LIMIT, INDEX_LIMIT, largest_index};
+use self::filling::Limits;
 use self::margins::Margins;
 use self::on_demand::OnDemand;
 use self::remainder::Remainder;
@@ -45,15 +53,15 @@ pub static INFO: StructureInfo = StructureInfo {
     name: "light-buffer",
     summary: "a cube of directions around each light, lists of occluders sorted by depth",
     paper: "Haines, Greenberg 1986",
-    deviations: "faces cover only what they show; cells divide 4 x 4 where lists are long; lists \
-                 that stay long are left to a BVH",
+    deviations: "faces cover only what they show; cells divide 4 x 4 where lists are long and list \
+                 nothing behind what covers them; lists that stay long are left to a BVH",
     params: &[
         ParamSpec {
             name: "resolution",
-            summary: "finest cells a side of a face",
-            default: "1024",
+            summary: "finest cells a side of a face, at most; auto: 16384, or 1024 on demand",
+            default: "auto",
             kind: ParamKind::Choice(&[
-                "16", "32", "64", "128", "256", "512", "1024", "2048", "4096",
+                "16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto",
             ]),
         },
         ParamSpec {
@@ -66,7 +74,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "divide",
             summary: "cells with longer lists are divided",
-            default: "4",
+            default: "16",
             kind: ParamKind::Integer { min: 1, max: 1_000_000 },
         },
         ParamSpec {
@@ -78,12 +86,19 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "longest",
             summary: "longer lists are left to obvhs-cwbvh",
-            default: "64",
+            default: "512",
+            kind: ParamKind::Integer { min: 1, max: 1_000_000 },
+        },
+        ParamSpec {
+            name: "memory",
+            summary: "MiB for the cells and lists of all lights; the rays to lights for which there \
+                      is no room are left to obvhs-cwbvh",
+            default: "2048",
             kind: ParamKind::Integer { min: 1, max: 1_000_000 },
         },
         ParamSpec {
             name: "cut-off",
-            summary: "full: what a cell's covering primitive hides is not listed; none: it is",
+            summary: "full: what something that covers a cell hides is not listed; none: it is",
             default: "full",
             kind: ParamKind::Choice(&["full", "none"]),
         },
@@ -95,6 +110,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "resolution=16 divide=1 longest=2",
         "resolution=512 divide=1000000 longest=1000000",
         "resolution=4096 divide=1 growth=64",
+        "resolution=1024 divide=16 longest=64 memory=1",
         "fill=demand resolution=64",
     ],
     known_defect: no_defect,
@@ -149,9 +165,17 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
     Ok(Box::new(OnDemand::new(prims, any, lights, &margins, bits)?))
 }
 
+/// Bits of a resolution that is not given: where cells are divided only as lists call for it, and
+/// where each one is there from the start.
+const AUTO_BITS: [u32; 2] = [14, 10];
+
 /// Finest cells a side of a face, as a power of 2.
 fn resolution_bits(params: &Params) -> u32 {
-    (params.integer("resolution") as u32).max(1).ilog2()
+    match (params.text("resolution"), params.text("fill")) {
+        ("auto", "before") => AUTO_BITS[0],
+        ("auto", _) => AUTO_BITS[1],
+        _ => (params.integer("resolution") as u32).max(1).ilog2(),
+    }
 }
 
 fn is_below(
@@ -237,17 +261,23 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
         let mut cubes = Vec::with_capacity(lights.len());
+        let most_bytes = (params.integer("memory") as usize) << 20;
         for &light in lights {
             let position = Vec3::<S>::from_dvec3(light);
+            let before = cells.extent();
             let faces = fill::faces(&bodies, position.to_dvec3(), limits, &margins, &mut cells);
             let needed = largest_index(&cells);
             is_below("number of cells or references", needed, INDEX_LIMIT, params.structure())?;
+            if cells.bytes() > most_bytes {
+                cells.cut(before);
+                break;
+            }
             cubes.push(Cube { position, faces });
         }
         cells.cells.shrink_to_fit();
         cells.records.shrink_to_fit();
         let remainder = Remainder::new(prims, any);
-        if cells.tally.long > 0 {
+        if cells.tally.long > 0 || cubes.len() < lights.len() {
             remainder.make()?;
         }
         Ok(Self { prims, cubes, cells, aim: Aim::new(prims, &margins), remainder })
@@ -259,22 +289,22 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         let Some(cube) = self.cubes.get(light as usize) else { return Answer::Unknown };
         let Some(place) = self.aim.place(ray, cube.position) else { return Answer::Unknown };
         let Some(face) = cube.faces.get(place.face) else { return Answer::Unknown };
-        let Some((first, levels)) = face.find(&self.cells.cells, place.at) else {
+        let Some(found) = face.find(&self.cells.cells, place.at) else {
             counters.elementary_step(true);
             return Answer::Free;
         };
         if C::ENABLED {
-            (1..levels).for_each(|_| counters.inner_step());
-            counters.elementary_step(first == 0);
+            (1..found.levels).for_each(|_| counters.inner_step());
+            counters.elementary_step(found.first == 0);
         }
-        let Some(mut list) = self.cells.records.get(first as usize..) else {
+        let Some(mut list) = self.cells.records.get(found.first as usize..) else {
             return Answer::Unknown;
         };
         if let [head, rest @ ..] = list
             && head.id == COVERED
         {
             if place.depth > head.near {
-                // the covering primitive is hit at a parameter of at least t_min
+                // what covers the cell is hit at a parameter of at least t_min
                 let room = (place.depth - head.near) * ray.t_max;
                 let certain = room > ray.t_min * place.depth * S::from_f64(1.001);
                 return if certain { Answer::Blocked } else { Answer::Unknown };
@@ -285,6 +315,9 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         for record in list {
             if record.near > place.depth {
                 break;
+            }
+            if !record.part.holds(found.spot) {
+                continue;
             }
             if record.id >= LONG {
                 return Answer::Unknown;
@@ -336,9 +369,7 @@ impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
 
     fn shape(&self) -> Shape {
         let (cells, tally) = (&self.cells, &self.cells.tally);
-        let bytes = size_of_val(cells.cells.as_slice())
-            + size_of_val(cells.records.as_slice())
-            + size_of_val(self.cubes.as_slice());
+        let bytes = cells.bytes() + size_of_val(self.cubes.as_slice());
         Shape {
             inner_cells: tally.inner,
             cells: tally.leaves,

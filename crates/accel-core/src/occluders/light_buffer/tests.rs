@@ -248,6 +248,33 @@ fn a_covering_primitive_answers_without_a_test() {
 }
 
 #[test]
+fn lights_without_room_are_left_to_the_structure() {
+    let set = mixed_scene::<f32>(300, 1, [1.0; 3]);
+    let all = lights(&set).repeat(40);
+    let (rays, to) = shadow_rays(&set, &all, 2000);
+    let small = buffer(&set, &all, "memory=1");
+    let served = small.cubes.len();
+    assert!(served > 1 && served < all.len(), "{served}");
+    assert!(small.cells.bytes() <= 1 << 20);
+    let mut blocked = vec![false; rays.len()];
+    small.occlusions(&rays, &to, &mut blocked);
+    assert_eq!(blocked, brute_force(&set, &rays));
+}
+
+#[test]
+fn cells_do_not_depend_on_the_number_of_threads() {
+    let set = mixed_scene::<f32>(5000, 1, [1.0; 3]);
+    let built = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| buffer(&set, &lights(&set)[..2], "").cells)
+    };
+    let (one, three) = (built(1), built(3));
+    assert_eq!(one.cells, three.cells);
+    let words = |r: &super::face_tree::Record<f32>| (r.near.to_bits(), r.id, r.part);
+    assert!(one.records.iter().map(words).eq(three.records.iter().map(words)));
+}
+
+#[test]
 fn what_lets_light_pass_blocks_nothing_and_is_not_listed() {
     let mut set = MixedSetBuilder::<f32>::default();
     set.sphere(DVec3::ZERO, 1.0).unwrap();

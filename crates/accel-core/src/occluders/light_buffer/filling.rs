@@ -1,0 +1,370 @@
+//! How the cells of a face are made: a coarse grid, and in its cells divisions where lists are
+//! long and become shorter by it.
+//!
+//! What lies behind something that hides the whole cell, a primitive or a layer of them, is left
+//! out first; a division is judged by what then remains.
+
+use glam::{DVec2, dvec2};
+use rayon::prelude::*;
+
+use super::cell_part::{Clip, SPOT_BITS};
+use super::face_tree::{COVERED, Cells, DIVIDED, Face, LEVEL_BITS, LONG, Record};
+use super::fill::Sight;
+use super::layers::Layers;
+use super::margins::Margins;
+use super::sheets::Shown;
+use crate::scalar::Scalar;
+
+/// Subcells of a cell.
+const FAN: usize = 16;
+/// References that the cells of a coarse grid may have for each primitive, about.
+const COARSE_GROWTH: f64 = 8.0;
+/// Layers are looked for in lists longer than the first and no longer than the second: shorter
+/// ones gain little, and a layer of more has edges in the cell.
+const LAYER_LISTS: [usize; 2] = [6, 512];
+/// One in so many of a list must lie behind what may be a layer.
+const LAYER_PART: usize = 3;
+/// In lists no longer than this it is not looked for what a division hides, if it only pays then.
+const SHORT: usize = 48;
+/// Rows of the coarse grid that are kept apart at once.
+const ROWS_AT_ONCE: u32 = 32;
+
+/// What bounds the work of a build.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Finest cells a side of a face: 2 to this power, or the one below.
+    pub(super) bits: u32,
+    /// Lists longer than this are divided.
+    pub(super) divide: usize,
+    /// Cells are not divided where that makes more references than this of one of the coarse
+    /// grid: a stack of large primitives would otherwise be divided along its edge without end.
+    pub(super) growth: f64,
+    /// Lists that remain longer than this are left to a structure.
+    pub(super) longest: usize,
+    /// Whether what covers a cell cuts its list off.
+    pub(super) cut_off: bool,
+}
+
+/// Makes the cells of a face.
+pub(super) fn fill_face<S: Scalar>(
+    shown: &Shown,
+    sight: &Sight<'_>,
+    limits: Limits,
+    margins: &Margins,
+    out: &mut Cells<S>,
+) -> Face<S> {
+    let mut all = shown.footprints();
+    let Some(first) = all.next() else { return Face::empty() };
+    let bounds = (first.low, first.high);
+    let (low, high) = all.fold(bounds, |(l, h), f| (l.min(f.low), h.max(f.high)));
+    let bits = coarse_bits(shown, high - low).min(limits.bits);
+    // whole levels below
+    let shift = (limits.bits - bits) / LEVEL_BITS * LEVEL_BITS;
+    let first = out.cells.len() as u32;
+    let (face, low, step) = Face::over(low, high, margins, [bits + shift, bits], first);
+    out.cells.resize(out.cells.len() + (1 << (2 * bits)), 0);
+    out.tally.inner += 1;
+    let plan = Plan { shown, sight, limits, margins, low, step, shift, bits };
+    plan.coarse(first, out);
+    face
+}
+
+/// What all cells of a face are made from.
+struct Plan<'a> {
+    shown: &'a Shown,
+    sight: &'a Sight<'a>,
+    limits: Limits,
+    margins: &'a Margins,
+    low: DVec2,
+    /// Extent of a finest cell.
+    step: DVec2,
+    /// Levels below the coarse grid, in bits.
+    shift: u32,
+    /// Bits of the coarse grid.
+    bits: u32,
+}
+
+impl Plan<'_> {
+    /// Makes the cells of the coarse grid, whose first is there.
+    fn coarse<S: Scalar>(&self, first: u32, out: &mut Cells<S>) {
+        let side = 1u32 << self.bits;
+        let (starts, numbers) = self.coarse_lists();
+        let row = |y: u32| {
+            let mut filling = Filling::new(self);
+            let words: Vec<u32> = (0..side)
+                .map(|x| {
+                    let c = ((y << self.bits) + x) as usize;
+                    let mut list = numbers[starts[c] as usize..starts[c + 1] as usize].to_vec();
+                    let at = [x << self.shift, y << self.shift];
+                    let (center, half) = self.rectangle(at, self.shift);
+                    let cover = filling.prune(&mut list, center, half);
+                    filling.cell(&list, cover, at, self.shift, [1.0, 1.0])
+                })
+                .collect();
+            (words, filling.out)
+        };
+        for start in (0..side).step_by(ROWS_AT_ONCE as usize) {
+            let end = (start + ROWS_AT_ONCE).min(side);
+            let rows: Vec<_> = (start..end).into_par_iter().map(row).collect();
+            for (y, (words, cells)) in (start..end).zip(rows) {
+                let moved = out.append(cells);
+                let to = (first + (y << self.bits)) as usize;
+                for (cell, word) in out.cells[to..].iter_mut().zip(words) {
+                    *cell = moved.word(word);
+                }
+            }
+        }
+    }
+
+    /// The numbers of the footprints in each cell of the coarse grid: where each list starts, and
+    /// all lists.
+    fn coarse_lists(&self) -> (Vec<u32>, Vec<u32>) {
+        let cells = 1usize << (2 * self.bits);
+        let sheets = 0..self.shown.sheets().len();
+        let pairs: Vec<Vec<(u32, u32)>> =
+            sheets.into_par_iter().map(|sheet| self.coarse_pairs(sheet)).collect();
+        let mut starts = vec![0u32; cells + 1];
+        for (cell, _) in pairs.iter().flatten() {
+            starts[*cell as usize + 1] += 1;
+        }
+        let mut total = 0;
+        for start in &mut starts {
+            total += *start;
+            *start = total;
+        }
+        let mut ends = starts.clone();
+        let mut numbers = vec![0; total as usize];
+        for (cell, number) in pairs.into_iter().flatten() {
+            let end = &mut ends[cell as usize];
+            numbers[*end as usize] = number;
+            *end += 1;
+        }
+        (starts, numbers)
+    }
+
+    /// The cells of the coarse grid that show a sheet's footprints, with the numbers of these.
+    fn coarse_pairs(&self, sheet: usize) -> Vec<(u32, u32)> {
+        let mut pairs = Vec::new();
+        for i in 0..self.shown.sheets()[sheet].footprints.len() {
+            let number = Shown::number(sheet, i);
+            self.cells_of(number, [0, 0], self.shift, self.bits, |c| pairs.push((c, number)));
+        }
+        pairs
+    }
+
+    /// Calls `emit` with each cell of a grid that shows the footprint: one of 2 to the power `bits`
+    /// cells a side, of that size, which starts at `at`, in finest cells.
+    fn cells_of(
+        &self,
+        number: u32,
+        at: [u32; 2],
+        shift: u32,
+        bits: u32,
+        mut emit: impl FnMut(u32),
+    ) {
+        let print = self.shown.print(number);
+        let f = print.footprint;
+        let (first, half) = self.rectangle(at, shift);
+        let (cell, low) = (half * 2.0, first - half);
+        // half a cell more on every side: the test below decides
+        let last = DVec2::splat(f64::from((1u32 << bits) - 1));
+        let from = ((f.low - low) / cell - 0.5).max(DVec2::ZERO);
+        let to = ((f.high - low) / cell + 0.5).min(last);
+        for y in from.y as u32..=to.y as u32 {
+            for x in from.x as u32..=to.x as u32 {
+                let center = first + dvec2(f64::from(x), f64::from(y)) * cell;
+                if f.overlaps(print.sides(), center, half) {
+                    emit((y << bits) + x);
+                }
+            }
+        }
+    }
+
+    /// Centre and half extent of the cell of that size at `at`, in finest cells.
+    fn rectangle(&self, at: [u32; 2], shift: u32) -> (DVec2, DVec2) {
+        let half = self.step * (f64::from(1u32 << shift) * 0.5);
+        (self.low + dvec2(f64::from(at[0]), f64::from(at[1])) * self.step + half, half)
+    }
+
+    /// A lower bound on the depth of a footprint within a cell.
+    fn near(&self, number: u32, center: DVec2, half: DVec2) -> f64 {
+        let print = self.shown.print(number);
+        print.plane().map_or(0.0, |p| p.near(center, half)).max(print.footprint.near)
+    }
+}
+
+/// Makes cells one after the other.
+struct Filling<'a, S> {
+    plan: &'a Plan<'a>,
+    out: Cells<S>,
+    clip: Clip,
+    layers: Layers,
+    entries: Vec<(f64, u32)>,
+}
+
+impl<'a, S: Scalar> Filling<'a, S> {
+    fn new(plan: &'a Plan<'a>) -> Self {
+        let (clip, layers) = (Clip::default(), Layers::default());
+        Self { plan, out: Cells::new(), clip, layers, entries: Vec::new() }
+    }
+
+    /// Leaves out of a cell's list what is hidden everywhere in it; says from which depth on
+    /// everything is.
+    fn prune(&mut self, list: &mut Vec<u32>, center: DVec2, half: DVec2) -> Option<f64> {
+        let Plan { limits, margins, .. } = self.plan;
+        if !(limits.cut_off && margins.can_multiply) {
+            return None;
+        }
+        let leave = |list: &mut Vec<u32>, far: f64| {
+            let far = far * (1.0 + margins.depth);
+            list.retain(|&i| self.plan.near(i, center, half) <= far);
+            far
+        };
+        // directions that rounding brings into the cell are covered too
+        let grown = half + margins.direction * 2.0;
+        let far = |&i: &u32| {
+            let print = self.plan.shown.print(i);
+            // a little less: footprints end where the face does, cells may not
+            let plane = print.footprint.spans(center, half * 0.99).then(|| print.plane())??;
+            plane.covers(print.edges(plane), center, grown)
+        };
+        let mut cover = list.iter().filter_map(far).min_by(f64::total_cmp);
+        cover = cover.map(|far| leave(list, far));
+        if let Some(far) = self.layer(list, center, half, grown)
+            && cover.is_none_or(|cover| far < cover)
+        {
+            cover = Some(leave(list, far));
+        }
+        cover
+    }
+
+    /// The depth at which a layer ends that hides the cell, where one can be worth looking for.
+    fn layer(&mut self, list: &[u32], center: DVec2, half: DVec2, grown: DVec2) -> Option<f64> {
+        let plan = self.plan;
+        let [above, most] = LAYER_LISTS;
+        if !plan.sight.is_tight() || list.len() <= above || list.len() > most {
+            return None;
+        }
+        // no layer ends before the nearest thing in the middle does
+        let at_middle = |i: &&u32| {
+            let print = plan.shown.print(**i);
+            print.footprint.overlaps(print.sides(), center, DVec2::ZERO)
+        };
+        let first = list.iter().filter(at_middle).map(|&i| plan.near(i, center, DVec2::ZERO));
+        let first = first.min_by(f64::total_cmp)?;
+        let behind = list.iter().filter(|&&i| plan.near(i, center, half) > first).count();
+        if behind * LAYER_PART < list.len() {
+            return None;
+        }
+        let triangle = |&i: &u32| plan.sight.triangle(plan.shown.print(i).footprint.body);
+        let triangles = list.iter().filter_map(triangle);
+        self.layers.hidden_beyond(triangles, center, grown, plan.margins)
+    }
+
+    /// Makes a cell of the footprints in `list`, dividing it where that pays. The first of
+    /// `growth` says how many references each of those of the coarse cell has become, the second
+    /// by how much the last division made them more: the next makes them more by at least about
+    /// as much, so that one which would be given up need not be tried.
+    fn cell(
+        &mut self,
+        list: &[u32],
+        cover: Option<f64>,
+        at: [u32; 2],
+        shift: u32,
+        growth: [f64; 2],
+    ) -> u32 {
+        let limits = self.plan.limits;
+        let is_given_up = growth[0] * growth[1] > limits.growth;
+        if list.len() <= limits.divide || shift < LEVEL_BITS || is_given_up {
+            return self.leaf(list, cover, at, shift);
+        }
+        let below = shift - LEVEL_BITS;
+        let sub = |k: u32| [at[0] + ((k & 3) << below), at[1] + ((k >> LEVEL_BITS) << below)];
+        let mut parts: [(Vec<u32>, Option<f64>); FAN] = Default::default();
+        let mut total = 0;
+        for &i in list {
+            self.plan.cells_of(i, at, below, LEVEL_BITS, |k| parts[k as usize].0.push(i));
+        }
+        let all: usize = parts.iter().map(|(part, _)| part.len()).sum();
+        let is_hopeless = all as f64 * growth[0] > limits.growth * list.len() as f64;
+        if is_hopeless && list.len() <= SHORT {
+            return self.leaf(list, cover, at, shift);
+        }
+        for (k, (part, part_cover)) in parts.iter_mut().enumerate() {
+            let (center, half) = self.plan.rectangle(sub(k as u32), below);
+            *part_cover = self.prune(part, center, half);
+            total += part.len();
+        }
+        let more = (total as f64 / list.len() as f64).max(1.0);
+        let growth = [growth[0] * more, more];
+        // not worth it where nearly every primitive is seen in nearly every part
+        if total * 4 > list.len() * FAN * 3 || growth[0] > limits.growth {
+            return self.leaf(list, cover, at, shift);
+        }
+        let first = self.out.cells.len();
+        self.out.cells.resize(first + FAN, 0);
+        self.out.tally.inner += 1;
+        for (k, (part, cover)) in parts.iter().enumerate() {
+            let word = self.cell(part, *cover, sub(k as u32), below, growth);
+            self.out.cells[first + k] = word;
+        }
+        first as u32 | DIVIDED
+    }
+
+    /// Writes a list.
+    fn leaf(&mut self, list: &[u32], cover: Option<f64>, at: [u32; 2], shift: u32) -> u32 {
+        let tally = &mut self.out.tally;
+        tally.leaves += 1;
+        if list.is_empty() {
+            tally.empty += 1;
+            return 0;
+        }
+        let plan = self.plan;
+        let (center, half) = plan.rectangle(at, shift);
+        self.entries.clear();
+        self.entries.extend(list.iter().map(|&i| (plan.near(i, center, half), i)));
+        self.entries.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let first = self.out.records.len() as u32;
+        let below = |x: f64| S::from_f64(x * (1.0 - plan.margins.depth)).next_down();
+        let records = &mut self.out.records;
+        if let Some(far) = cover {
+            let near = S::from_f64(far).next_up();
+            records.push(Record { near, id: COVERED, ..Record::end() });
+            tally.covered += 1;
+        }
+        if self.entries.len() > plan.limits.longest {
+            tally.long += 1;
+            let near = below(self.entries.first().map_or(0.0, |e| e.0));
+            records.push(Record { near, id: LONG, ..Record::end() });
+        } else {
+            tally.references += self.entries.len() as u64;
+            let spot = half * (2.0 / f64::from(1u32 << SPOT_BITS));
+            for &(near, i) in &self.entries {
+                let print = plan.shown.print(i);
+                let f = print.footprint;
+                let part = self.clip.part([f.low, f.high], print.sides(), center - half, spot);
+                records.push(Record { near: below(near), id: f.id, part });
+            }
+        }
+        records.push(Record::end());
+        first
+    }
+}
+
+/// The resolution of a coarse grid, 2 to this power: about as many cells as footprints, fewer
+/// where these are large.
+fn coarse_bits(shown: &Shown, size: DVec2) -> u32 {
+    let (mut n, mut area, mut edges) = (0.0, 0.0, 0.0);
+    for f in shown.footprints() {
+        let part = (f.high - f.low) / size;
+        n += 1.0;
+        area += part.x * part.y;
+        edges += part.x + part.y;
+    }
+    let references = |r: f64| area * r * r + edges * r + n;
+    let fits = |&bits: &u32| {
+        let side = f64::from(1u32 << bits);
+        side * side <= n * 2.0 && references(side) <= n * COARSE_GROWTH
+    };
+    (0..=8).rev().find(fits).unwrap_or(0)
+}
