@@ -116,6 +116,11 @@ pub fn peak_rss() -> Option<u64> {
     kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM")
 }
 
+/// Resident set of a process now, by its number or `self`, bytes.
+pub fn resident(process: &str) -> Option<u64> {
+    kibibytes(&fs::read_to_string(format!("/proc/{process}/status")).ok()?, "VmRSS")
+}
+
 /// Begins a new peak where the system lets us; else the peak goes on from the start.
 pub fn reset_peak_rss() {
     let _ = fs::write("/proc/self/clear_refs", "5");
