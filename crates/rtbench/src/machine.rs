@@ -121,9 +121,10 @@ pub fn resident(process: &str) -> Option<u64> {
     kibibytes(&fs::read_to_string(format!("/proc/{process}/status")).ok()?, "VmRSS")
 }
 
-/// Begins a new peak where the system lets us; else the peak goes on from the start.
-pub fn reset_peak_rss() {
-    let _ = fs::write("/proc/self/clear_refs", "5");
+/// Begins a new peak where the system lets us, and says whether it did; else the peak goes on from
+/// the start.
+pub fn reset_peak_rss() -> bool {
+    fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
 /// The text after `key` and the separator on the first line that begins with them.

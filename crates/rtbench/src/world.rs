@@ -94,7 +94,7 @@ impl World for SystemWorld {
     }
 
     fn reset_peak_rss(&self) {
-        machine::reset_peak_rss();
+        let _ = machine::reset_peak_rss();
     }
 
     fn trial_build(&self, trial: &TrialBuild) -> Outcome {

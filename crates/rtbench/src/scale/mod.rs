@@ -77,7 +77,9 @@ impl<'r> Scale<'r> {
         if structures.is_empty() {
             // each at its defaults: variants are for `run`
             structures.extend(registry.iter().map(|e| e.info.name.to_owned()));
-            structures.extend(occluders.iter().map(|e| e.info.name.to_owned()));
+            if rays_of(&args.measuring).iter().any(|kind| kind == "shadow") {
+                structures.extend(occluders.iter().map(|e| e.info.name.to_owned()));
+            }
         }
         let of_run = RunArgs {
             scenes: sizes.iter().map(|size| size.name.clone()).collect(),
@@ -125,12 +127,14 @@ fn sizes_of(args: &ScaleArgs, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord
     Ok(found)
 }
 
+/// The kinds of rays named, or those that are asked for when none are.
+fn rays_of(args: &MeasuringArgs) -> Vec<String> {
+    if args.rays.is_empty() { RAYS.map(str::to_owned).into() } else { args.rays.clone() }
+}
+
 /// The options that all commands have which measure, with this one's defaults.
 fn measuring(args: &MeasuringArgs) -> MeasuringArgs {
-    let mut args = args.clone();
-    if args.rays.is_empty() {
-        args.rays = RAYS.map(str::to_owned).into();
-    }
+    let mut args = MeasuringArgs { rays: rays_of(args), ..args.clone() };
     if !args.quick {
         args.size.get_or_insert(SIZE);
     }
@@ -175,6 +179,7 @@ mod tests {
         assert!(REGISTRY.iter().all(|e| labels.iter().any(|l| l == e.info.name)), "{labels:?}");
         let s = scale("tetra --sizes 64 --set uniform-grid.density=4 --rays primary").unwrap();
         assert!(s.plan.rows.iter().any(|row| row.label() == "uniform-grid density=4"));
+        assert_eq!(s.plan.rows.len(), REGISTRY.len(), "no shadow rays, no occluder");
     }
 
     #[test]

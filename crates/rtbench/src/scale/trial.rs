@@ -4,7 +4,8 @@
 //! a peak of memory that says something: an allocator keeps what earlier builds gave back, and hands
 //! it out again unseen. The peak is the largest resident set during the build (`VmHWM`, begun anew
 //! through `/proc/self/clear_refs`, proc(5)) less the resident set before it; what loading gave back
-//! is counted as there before. Elsewhere than on Linux there is no peak and only the time is limited.
+//! is counted as there before, and the kernel counts in steps of up to a few hundred KiB. Elsewhere
+//! than on Linux there is no peak and only the time is limited.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
@@ -29,9 +30,6 @@ use crate::scene_source::LoadedScene;
 
 /// How often the memory of a trial is looked at.
 const POLL: Duration = Duration::from_millis(10);
-
-/// How much more than the resident set a peak may be that was begun anew just now.
-const SLACK: u64 = 1 << 20;
 
 /// What a build may take.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -236,18 +234,14 @@ fn built<S: Buildable + OccluderScalar>(
     let pool = pools::pool(usize::from(threads))?;
     say(context, &Event::Loaded)?;
     let before = machine::resident("self");
-    context.world.reset_peak_rss();
-    let is_new = context.world.peak_rss().zip(before).is_some_and(|(peak, n)| peak <= n + SLACK);
+    let is_new = machine::reset_peak_rss();
     let start = context.clock.now();
     let built = pool.install(|| row.build(geometry.prims(), &lights));
     let build_s = context.clock.seconds_since(start);
-    let process_bytes = context.world.peak_rss();
-    let peak = process_bytes.zip(before).map(|(peak, before)| peak.saturating_sub(before));
-    let peak_bytes = peak.filter(|_| is_new);
+    let process_bytes = machine::peak_rss().filter(|_| is_new);
+    let peak_bytes = process_bytes.zip(before).map(|(peak, before)| peak.saturating_sub(before));
     Ok(match built {
-        Ok(_) => {
-            Event::Built { peak_bytes, process_bytes: process_bytes.filter(|_| is_new), build_s }
-        }
+        Ok(_) => Event::Built { peak_bytes, process_bytes, build_s },
         Err(_) => Event::Refused,
     })
 }
