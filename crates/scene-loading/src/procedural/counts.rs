@@ -106,7 +106,6 @@ pub(super) fn stadium(size: u32) -> ShapeCounts {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::procedural::generators;
     use crate::scene::Shape;
     use crate::tessellate::{TessellationOptions, tessellate};
