@@ -155,8 +155,9 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Plan(PlanError::Scene(e)) | Self::Load(e) => {
+                use LoadError::{NoSizes, Procedural, UnknownScene};
                 let is_usage =
-                    matches!(e, LoadError::UnknownScene { .. } | LoadError::Procedural { .. });
+                    matches!(e, UnknownScene { .. } | Procedural { .. } | NoSizes { .. });
                 if is_usage { USAGE } else { FAILURE }
             }
             Self::Compare(CompareError::Filter { .. } | CompareError::NothingMatches { .. }) => {

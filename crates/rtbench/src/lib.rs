@@ -3,7 +3,8 @@
 //! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
 //! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
 //! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`], [`report`]. A
-//! [`sweep`] is such a run whose rows are the values of one parameter. [`warnings`] says what is wrong
+//! [`sweep`] is such a run whose rows are the values of one parameter, a [`scale`] one whose scenes
+//! are the sizes of one scene. [`warnings`] says what is wrong
 //! with a run as a whole; [`record_file`] reads records back, [`comparison`] puts them side by side,
 //! the [`gate`] holds a run against an earlier one.
 
@@ -68,6 +69,7 @@ pub mod reference;
 pub mod report;
 pub mod reproduce;
 pub mod rows;
+pub mod scale;
 pub mod scene_run;
 pub mod scene_source;
 pub mod schedule;
@@ -204,6 +206,7 @@ pub fn run_in(
     let ended = match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color, &arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
+        Command::Scale(args) => commands::scale::run(context, args, cli.color, &arguments),
         Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),

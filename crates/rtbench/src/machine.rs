@@ -116,9 +116,15 @@ pub fn peak_rss() -> Option<u64> {
     kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM")
 }
 
-/// Begins a new peak where the system lets us; else the peak goes on from the start.
-pub fn reset_peak_rss() {
-    let _ = fs::write("/proc/self/clear_refs", "5");
+/// Resident set of a process now, by its number or `self`, bytes.
+pub fn resident(process: &str) -> Option<u64> {
+    kibibytes(&fs::read_to_string(format!("/proc/{process}/status")).ok()?, "VmRSS")
+}
+
+/// Begins a new peak where the system lets us, and says whether it did; else the peak goes on from
+/// the start.
+pub fn reset_peak_rss() -> bool {
+    fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
 /// The text after `key` and the separator on the first line that begins with them.

@@ -14,6 +14,8 @@ use crate::measured_row::{self, MeasuredRow};
 use crate::plan_part::PlannedPart;
 use crate::ray_overrides;
 use crate::rows::Row;
+use crate::scale::ScaleError;
+use crate::scale::trial::BuildLimits;
 use crate::scene_source::{KnownScene, LoadError, SceneSource};
 use crate::shard::Shard;
 use crate::strides::FixedStrides;
@@ -152,6 +154,9 @@ pub enum PlanError {
     /// Nothing that can be swept.
     #[error(transparent)]
     Sweep(#[from] SweepError),
+    /// Nothing that can be scaled.
+    #[error(transparent)]
+    Scale(#[from] ScaleError),
     /// No such scene or set.
     #[error(transparent)]
     Scene(#[from] LoadError),
@@ -244,6 +249,8 @@ pub struct Plan<'r> {
     pub strides: FixedStrides,
     /// Where this is a part of a run: that part.
     pub part: Option<PlannedPart>,
+    /// What a build may take, where each is tried in a process of its own first.
+    pub build_limits: Option<BuildLimits>,
 }
 
 impl<'r> Plan<'r> {
@@ -326,6 +333,7 @@ impl<'r> Plan<'r> {
             quick: args.quick,
             strides: FixedStrides::default(),
             part: None,
+            build_limits: None,
         })
     }
 }

@@ -1,9 +1,22 @@
-//! Counts as people write them: `5000`, `10k`, `2M`, `1e6`, `1_000`.
+//! Counts as people write them: `5000`, `10k`, `2M`, `1e6`, `1_000`; and bytes: `8GiB`, `500MB`.
 
 use std::ops::RangeInclusive;
 
 /// The suffixes, powers of 1000.
 const SUFFIXES: [(&str, f64); 3] = [("k", 1e3), ("M", 1e6), ("G", 1e9)];
+
+/// The units of memory.
+const BYTES: [(&str, f64); 9] = [
+    ("TiB", 1_099_511_627_776.0),
+    ("GiB", 1_073_741_824.0),
+    ("MiB", 1_048_576.0),
+    ("KiB", 1024.0),
+    ("TB", 1e12),
+    ("GB", 1e9),
+    ("MB", 1e6),
+    ("kB", 1e3),
+    ("B", 1.0),
+];
 
 /// Counts above this are not told apart by f64.
 const LARGEST: f64 = 9_007_199_254_740_992.0;
@@ -43,6 +56,23 @@ pub fn parse(text: &str) -> Option<u64> {
     (value.fract() == 0.0 && (0.0..=LARGEST).contains(&value)).then_some(value as u64)
 }
 
+/// Parses a size of memory for clap: a number with a unit, `8GiB`, `1.5GB`, `512 MiB`.
+///
+/// # Errors
+/// A message that says what is valid.
+pub fn bytes(text: &str) -> Result<u64, String> {
+    let expected = || {
+        let units: Vec<&str> = BYTES.iter().map(|(unit, _)| *unit).collect();
+        format!("expected a number with a unit: 8GiB, 1.5GB; units: {}", units.join(", "))
+    };
+    let with_unit = BYTES.iter().find_map(|(u, scale)| Some((text.strip_suffix(u)?, *scale)));
+    let (number, scale) = with_unit.ok_or_else(expected)?;
+    let number = number.trim_end();
+    let is_plain = number.starts_with(|c: char| c.is_ascii_digit());
+    let value = number.parse::<f64>().ok().filter(|_| is_plain).ok_or_else(expected)? * scale;
+    (1.0..=LARGEST).contains(&value).then_some(value as u64).ok_or_else(expected)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,6 +94,23 @@ mod tests {
         for bad in ["", "k", "-1", "1.5", "1e-3", "inf", "1e99", "10kk", "10 k", "+5", "1_", "0x10"]
         {
             assert_eq!(parse(bad), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn sizes_of_memory() {
+        for (text, expected) in [
+            ("8GiB", 8 << 30),
+            ("1.5MiB", 3 << 19),
+            ("512 MiB", 512 << 20),
+            ("2GB", 2_000_000_000),
+            ("10kB", 10_000),
+            ("7B", 7),
+        ] {
+            assert_eq!(bytes(text), Ok(expected), "{text}");
+        }
+        for bad in ["", "8", "GiB", "-1GiB", "0B", "8gib", "infGiB", "nanB", "1e99TiB", "8 Gi B"] {
+            assert!(bytes(bad).unwrap_err().contains("8GiB"), "{bad}");
         }
     }
 

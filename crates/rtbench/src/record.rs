@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::scale::record::ScaleRecord;
 use crate::shard::ShardRecord;
 use crate::statistics::Estimate;
 use crate::statistics::outliers::outliers;
@@ -56,6 +57,9 @@ pub struct RunRecord {
     /// The parts that it was joined of; empty unless `rtbench merge` made it.
     #[serde(default)]
     pub parts: Vec<PartRecord>,
+    /// The sizes and slopes, where the scenes are the sizes of one (`rtbench scale`).
+    #[serde(default)]
+    pub scale: Option<ScaleRecord>,
 }
 
 /// A part that a run was joined of.
@@ -233,6 +237,9 @@ pub enum Verdict {
     /// It panicked while it was built, checked or timed.
     #[serde(rename = "panicked")]
     Panicked,
+    /// Building it takes more time or memory than it may, at this size or at a smaller one.
+    #[serde(rename = "over limit")]
+    OverLimit,
 }
 
 impl Verdict {
@@ -244,6 +251,7 @@ impl Verdict {
             Self::WrongAsShipped => "wrong (as shipped)",
             Self::NotBuilt => "not built",
             Self::Panicked => "panicked",
+            Self::OverLimit => "over limit",
         }
     }
 
@@ -356,7 +364,7 @@ pub struct RowRecord {
     pub verdict: Verdict,
     /// The defect it keeps on purpose.
     pub known_defect: Option<String>,
-    /// Why it was not built, or what its panic said.
+    /// Why it was not built, what its panic said, or which limit it is over.
     pub error: Option<String>,
     /// What was built.
     pub shape: Option<ShapeRecord>,
@@ -395,6 +403,10 @@ pub struct RowRecord {
     /// Visits far from the others; they count like all others.
     #[serde(default)]
     pub outliers: Outliers,
+    /// Bytes that a process of its own took more at the peak of the build than before it; measured
+    /// by `rtbench scale` only.
+    #[serde(default)]
+    pub peak_build_bytes: Option<u64>,
 }
 
 /// Samples of a row beyond the fences of [`outliers`], none of them dropped.

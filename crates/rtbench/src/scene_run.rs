@@ -22,6 +22,7 @@ use crate::pools::Pools;
 use crate::progress::Progress;
 use crate::record::{Answered, Outliers, RowRecord, Sample, SceneRecord, Verdict};
 use crate::reference::{Reference, Stage};
+use crate::scale::trial::Outcome;
 use crate::scene_source::LoadedScene;
 use crate::statistics::{estimate, median};
 use crate::world::World;
@@ -36,6 +37,8 @@ pub struct Equipment<'a> {
     pub world: &'a dyn World,
     /// The bar.
     pub progress: &'a Progress,
+    /// How the trial build of each row ended; empty where there were none.
+    pub trials: &'a [Outcome],
 }
 
 /// Measures all rows of the plan on a scene, in the precision `S`. With a time budget, rounds go
@@ -72,7 +75,17 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
     };
     let mut checked: Vec<Option<Checked>> = Vec::with_capacity(plan.rows.len());
     let mut refused: Vec<Option<Refused>> = Vec::with_capacity(plan.rows.len());
-    for row in &plan.rows {
+    for (i, row) in plan.rows.iter().enumerate() {
+        let refusal = match equipment.trials.get(i) {
+            Some(Outcome::OverLimit(reason)) => Some(Refused::Limit(reason.clone())),
+            Some(Outcome::Died(reason)) => Some(Refused::Death(reason.clone())),
+            Some(Outcome::Ended { .. }) | None => None,
+        };
+        if refusal.is_some() {
+            checked.push(None);
+            refused.push(refusal);
+            continue;
+        }
         progress.message(format!("{}: checking {}", scene.name, row.label()));
         let (known, why) = match caught(|| check(&scope, row)) {
             Ok(Ok(known)) => (Some(known), None),
@@ -96,6 +109,11 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         .collect();
     if let Some(baseline) = rows.get_mut(plan.baseline) {
         baseline.is_reference = true;
+    }
+    for (row, trial) in rows.iter_mut().zip(equipment.trials) {
+        if let Outcome::Ended { peak_bytes } = trial {
+            row.peak_build_bytes = *peak_bytes;
+        }
     }
     compare_with_baseline(&mut rows, plan);
     Ok(SceneRecord {
@@ -130,6 +148,10 @@ fn by_kind<S: Buildable>(
 enum Refused {
     Build(BuildError),
     Panic(Panicked),
+    /// It took too much in its trial.
+    Limit(String),
+    /// Its trial ended the process.
+    Death(String),
 }
 
 /// What there is to record of a row.
@@ -146,13 +168,15 @@ impl RowParts<'_, '_> {
         // one that panics once is not trusted any more
         let refused = timed.panicked.map(Refused::Panic).or(refused);
         let mut verdict = match (&refused, &checked) {
-            (Some(Refused::Panic(_)), _) => Verdict::Panicked,
+            (Some(Refused::Panic(_) | Refused::Death(_)), _) => Verdict::Panicked,
+            (Some(Refused::Limit(_)), _) => Verdict::OverLimit,
             (_, Some(checked)) => checked.verdict,
             (_, None) => Verdict::NotBuilt,
         };
         let error = refused.map(|refused| match refused {
             Refused::Build(error) => error.to_string(),
             Refused::Panic(panicked) => panicked.to_string(),
+            Refused::Limit(reason) | Refused::Death(reason) => reason,
         });
         // Answers are compared in every round again: a structure may be wrong only sometimes.
         let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
@@ -181,16 +205,6 @@ impl RowParts<'_, '_> {
             Some((kind.clone(), *rays as f64 / seconds / 1e6))
         };
         RowRecord {
-            structure: row.structure().into(),
-            settings: row.settings(),
-            is_reference: false,
-            answers: match row.is_occluder() {
-                true => Answered::ShadowRays,
-                false => Answered::AllRays,
-            },
-            verdict,
-            known_defect: row.known_defect().map(Into::into),
-            error,
             shape: checked.as_ref().map(|c| c.shape.clone()),
             work: checked.as_ref().map(|c| c.work.clone()),
             checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
@@ -204,12 +218,45 @@ impl RowParts<'_, '_> {
             trace_s: of(Sample::total_trace_s).filter(|_| !rays_by_kind.is_empty()),
             mrays: rays_by_kind.iter().filter_map(rate).collect(),
             rays_by_kind,
-            ratio: None,
-            build_ratio: None,
             render_s: timed.render_s.filter(|_| verdict.is_timed()),
             outliers: Outliers::of(&samples),
             samples,
+            ..unmeasured(row, verdict, error)
         }
+    }
+}
+
+/// The record of a row of which there is nothing but a verdict.
+pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>) -> RowRecord {
+    RowRecord {
+        structure: row.structure().into(),
+        settings: row.settings(),
+        is_reference: false,
+        answers: match row.is_occluder() {
+            true => Answered::ShadowRays,
+            false => Answered::AllRays,
+        },
+        verdict,
+        known_defect: row.known_defect().map(Into::into),
+        error,
+        shape: None,
+        work: None,
+        checked_rays: 0,
+        mismatches: 0,
+        answers_sha256: None,
+        example: None,
+        stride: 1,
+        rays: 0,
+        rays_by_kind: BTreeMap::new(),
+        build_s: None,
+        trace_s: None,
+        mrays: BTreeMap::new(),
+        ratio: None,
+        build_ratio: None,
+        render_s: None,
+        samples: Vec::new(),
+        outliers: Outliers::default(),
+        peak_build_bytes: None,
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use scene_loading::procedural::{SpecError, generators};
 
-pub use scene_loading::{LoadError, LoadedScene, SceneCatalogue, SceneRef};
+pub use scene_loading::{LoadError, LoadedScene, SceneCatalogue, SceneRef, SceneSizes};
 
 /// A scene that is known but not loaded.
 pub trait KnownScene: Debug + Send + Sync {
@@ -39,6 +39,14 @@ pub trait SceneSource {
     /// [`LoadError`] when the catalogue is damaged.
     fn scenes(&self) -> Result<Vec<(String, String)>, LoadError>;
 
+    /// The sizes of a scene.
+    ///
+    /// # Errors
+    /// [`LoadError::NoSizes`] for what comes in one size, and for unknown names.
+    fn sizes(&self, name: &str) -> Result<SceneSizes, LoadError> {
+        Err(LoadError::NoSizes { name: name.to_owned(), valid: "none".to_owned() })
+    }
+
     /// Every set: name and scenes.
     ///
     /// # Errors
@@ -63,6 +71,10 @@ impl SceneSource for Installed {
         let generated = generators().map(|s| (s.name.to_owned(), s.summary.to_owned()));
         let described = catalogue.scenes().map(|s| (s.name.clone(), s.title.clone()));
         Ok(generated.chain(described).collect())
+    }
+
+    fn sizes(&self, name: &str) -> Result<SceneSizes, LoadError> {
+        SceneCatalogue::open(None)?.sizes(name)
     }
 
     fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {

@@ -38,7 +38,7 @@ fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryR
     let count = |v: Verdict| verdicts.iter().filter(|x| **x == v).count() as u64;
     let (wrong, shipped) = (count(Verdict::Wrong), count(Verdict::WrongAsShipped));
     let panicked = count(Verdict::Panicked);
-    let not_built = count(Verdict::NotBuilt) + panicked;
+    let not_built = count(Verdict::NotBuilt) + panicked + count(Verdict::OverLimit);
     SummaryRow {
         structure: row.structure.clone(),
         settings: row.settings.clone(),

@@ -43,6 +43,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
         warnings: Vec::new(),
         shard: None,
         parts: Vec::new(),
+        scale: None,
     }
 }
 

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::machine;
 use crate::record::{Compiler, Machine, Tool};
+use crate::scale::trial::{Outcome, TrialBuild};
 
 /// The world as far as results repeat it.
 pub trait World: Sync {
@@ -27,6 +28,8 @@ pub trait World: Sync {
     fn peak_rss(&self) -> Option<u64>;
     /// Begins a new peak where the system lets us.
     fn reset_peak_rss(&self);
+    /// Builds a row in a process of its own.
+    fn trial_build(&self, trial: &TrialBuild) -> Outcome;
     /// How busy the machine has been until now.
     fn load(&self) -> Load;
     /// The folder that has the system's `proc` and `sys`.
@@ -91,7 +94,11 @@ impl World for SystemWorld {
     }
 
     fn reset_peak_rss(&self) {
-        machine::reset_peak_rss();
+        let _ = machine::reset_peak_rss();
+    }
+
+    fn trial_build(&self, trial: &TrialBuild) -> Outcome {
+        trial.run()
     }
 
     fn load(&self) -> Load {
@@ -112,6 +119,8 @@ pub struct FixedWorld {
     pub compiler: Compiler,
     /// What the loads are, one reading after another; the last one stays.
     pub loads: Mutex<VecDeque<Load>>,
+    /// How trial builds end.
+    pub trials: fn(&TrialBuild) -> Outcome,
 }
 
 impl Default for FixedWorld {
@@ -133,6 +142,7 @@ impl Default for FixedWorld {
                 opt_level: Some("3".into()),
             },
             loads: Mutex::default(),
+            trials: |_| Outcome::Ended { peak_bytes: Some(1 << 20) },
         }
     }
 }
@@ -163,6 +173,10 @@ impl World for FixedWorld {
     }
 
     fn reset_peak_rss(&self) {}
+
+    fn trial_build(&self, trial: &TrialBuild) -> Outcome {
+        (self.trials)(trial)
+    }
 
     fn load(&self) -> Load {
         let mut loads = self.loads.lock().unwrap_or_else(PoisonError::into_inner);

@@ -66,6 +66,14 @@ const SNAPSHOTS: &[Snapshot] = &[
     },
     of("planted-run", "run tetra:2 --size 16 --rounds 6 -s dropper,obvhs-cwbvh"),
     of("sweep", "sweep tetra:2 -s uniform-grid -p density --values 1,4 --size 16"),
+    Snapshot {
+        files: &["scale.csv", "slopes.csv"],
+        ..of(
+            "scale",
+            "scale tetra --sizes 16,60,250 -s uniform-grid,obvhs-cwbvh --size 16 --rounds 2 -o DIR",
+        )
+    },
+    of("planted-scale", "scale tetra --sizes 16..64 -s dropper,obvhs-cwbvh --size 16 --rounds 1"),
     Snapshot { before: RUNS, ..of("compare", "compare DIR/a DIR/b") },
     Snapshot { before: RUNS, ..of("compare-csv", "compare DIR/a DIR/b --format csv -q") },
     Snapshot {

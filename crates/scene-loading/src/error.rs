@@ -258,6 +258,14 @@ pub enum LoadError {
         /// All valid names and forms.
         valid: String,
     },
+    /// A scene of which there is but one size.
+    #[error("`{name}` does not come in sizes; those that do: {valid}")]
+    NoSizes {
+        /// The name as given.
+        name: String,
+        /// The names of scenes that have sizes.
+        valid: String,
+    },
     /// A scene that ships inside a package is not on this machine yet.
     #[error(
         "scene `{scene}` comes with the package {package} and is not on this machine (looked for {path}); fetch it with: rtbench scenes fetch {scene}"

@@ -48,6 +48,7 @@ pub mod source_hash;
 pub mod source_names;
 mod source_procedural;
 pub mod source_read;
+pub mod source_sizes;
 #[allow(clippy::indexing_slicing)]
 pub mod tessellate;
 pub mod texture;
@@ -59,4 +60,5 @@ pub use scene::{
     Warning,
 };
 pub use source::{LoadedScene, SceneCatalogue, SceneRef};
+pub use source_sizes::SceneSizes;
 pub use texture::{Texture, Wrap};

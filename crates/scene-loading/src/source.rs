@@ -1,7 +1,8 @@
 //! From a name on the command line to a scene.
 //!
 //! A name is the path of a scene file or scene description, the name of a set, of a scene
-//! description in the catalogue, or a generator's specification (`balls`, `balls:5`). The
+//! description in the catalogue (`balls-tess`; of a generated scene also `balls-tess:5`), or a
+//! generator's specification (`balls`, `balls:5`). The
 //! catalogue holds what `scenes/` held when the program was compiled, then a folder `scenes` in
 //! the current one, then a folder named by the user; later entries replace earlier ones.
 
@@ -25,17 +26,17 @@ use crate::source_read::{extension, lossy_text, read_file, scene_name};
 /// All scenes that have a name.
 #[derive(Debug, Clone, Default)]
 pub struct SceneCatalogue {
-    scenes: BTreeMap<String, Described>,
+    pub(crate) scenes: BTreeMap<String, Described>,
     sets: BTreeMap<String, SceneSet>,
 }
 
 /// A scene description and where it was found.
 #[derive(Debug, Clone, PartialEq)]
-struct Described {
+pub(crate) struct Described {
     path: PathBuf,
     /// From the program itself, which then has the files it refers to as well.
     embedded: bool,
-    file: SceneFile,
+    pub(crate) file: SceneFile,
 }
 
 /// A scene that is known but not loaded.
@@ -170,6 +171,10 @@ impl SceneCatalogue {
     fn find(&self, name: &str) -> Result<SceneRef, LoadError> {
         if let Some(described) = self.scenes.get(name) {
             let from = From::Described(Box::new(described.clone()));
+            return Ok(SceneRef { name: name.to_string(), from });
+        }
+        if let Some(described) = self.of_size(name)? {
+            let from = From::Described(Box::new(described));
             return Ok(SceneRef { name: name.to_string(), from });
         }
         let family = name.split(':').next().unwrap_or(name);

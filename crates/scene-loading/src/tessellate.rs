@@ -70,7 +70,7 @@ pub fn tessellate(
     if n == 0 {
         return Err(TessellationError::ZeroResolution);
     }
-    check_size(scene, n)?;
+    let [triangles, vertices] = check_size(scene, n)?;
     let mut out = Output {
         scene: Scene {
             spheres: Vec::new(),
@@ -81,6 +81,9 @@ pub fn tessellate(
             ..scene.clone()
         },
     };
+    // without room made at once, a list that grows has up to twice what it needs
+    out.scene.primitives.reserve_exact(triangles as usize);
+    out.scene.vertices.reserve_exact((vertices as usize).saturating_sub(scene.vertices.len()));
     let ball = if scene.spheres.is_empty() { Mesh::default() } else { Mesh::unit_sphere(n) };
     for (id, &primitive) in scene.primitives.iter().enumerate() {
         let material = primitive.material;
@@ -108,8 +111,9 @@ pub fn tessellate(
     Ok(out.scene)
 }
 
-/// Refuses what is too large, before anything is allocated.
-fn check_size(scene: &Scene, n: u32) -> Result<(), TessellationError> {
+/// The most triangles and vertices that the result may have. Refuses what is too large, before
+/// anything is allocated.
+fn check_size(scene: &Scene, n: u32) -> Result<[u64; 2], TessellationError> {
     let n = u64::from(n);
     let (mut triangles, mut vertices) = (0_u64, scene.vertices.len() as u64);
     for primitive in &scene.primitives {
@@ -128,7 +132,7 @@ fn check_size(scene: &Scene, n: u32) -> Result<(), TessellationError> {
         let resolution = u32::try_from(n).unwrap_or(u32::MAX);
         return Err(TessellationError::TooLarge { resolution, triangles });
     }
-    Ok(())
+    Ok([triangles, vertices])
 }
 
 /// The scene being built; holds no curved primitives.

@@ -1,4 +1,4 @@
-//! `rtbench check`, and what it starts as processes of their own.
+//! `rtbench check`, and what commands start as processes of their own.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, Subcommand};
 
 use crate::args::baseline::FolderArgs;
-use crate::args::{Precision, scene_name};
+use crate::args::{Precision, TrialArgs, scene_name};
 
 /// `rtbench check`.
 #[derive(Debug, Clone, Args)]
@@ -112,16 +112,16 @@ pub struct AgainstArgs {
     pub size: Option<u32>,
 }
 
-/// What `check` starts.
+/// What `check` and `scale` start.
 #[derive(Debug, Clone, Args)]
 pub struct ChildArgs {
-    /// What to do; the record that says of what comes on standard input.
+    /// What to do; the record that says of what comes on standard input, but for `build`.
     #[command(subcommand)]
     pub action: ChildAction,
 }
 
 /// What a child does with the record on its standard input; it answers in JSON.
-#[derive(Debug, Clone, Copy, Subcommand)]
+#[derive(Debug, Clone, Subcommand)]
 pub enum ChildAction {
     /// Measure the record's rows anew
     Measure {
@@ -134,6 +134,8 @@ pub enum ChildAction {
     },
     /// Build and ask each row once, for a counter of instructions
     CountInstructions,
+    /// Build one row and say how much memory that took; ends when standard input ends
+    Build(TrialArgs),
 }
 
 /// Percent as typed, `3` or `3%`, as a share.

@@ -12,6 +12,7 @@ mod printed;
 mod render;
 mod report;
 mod reproduce;
+mod scale;
 mod verify;
 
 pub use accuracy::AccuracyArgs;
@@ -26,6 +27,7 @@ pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
+pub use scale::{ScaleArgs, TrialArgs};
 pub use verify::VerifyArgs;
 
 use std::path::PathBuf;
@@ -76,6 +78,8 @@ pub enum Command {
     Run(RunArgs),
     /// Measure one parameter of a structure over its values
     Sweep(SweepArgs),
+    /// Measure one scene in several sizes: how build, trace and memory grow
+    Scale(ScaleArgs),
     /// Put the results of two or more runs side by side
     Compare(CompareArgs),
     /// List what there is
@@ -100,7 +104,7 @@ pub enum Command {
     Check(CheckArgs),
     /// Keep results to check against
     Baseline(BaselineArgs),
-    /// What `check` starts as processes of their own
+    /// What `check` and `scale` start as processes of their own
     #[command(hide = true)]
     Child(ChildArgs),
     /// Join the parts of a run that `--shard` made
@@ -127,6 +131,7 @@ impl Command {
             self,
             Self::Run(_)
                 | Self::Sweep(_)
+                | Self::Scale(_)
                 | Self::Cost(_)
                 | Self::CompareTracers(_)
                 | Self::Accuracy(_)

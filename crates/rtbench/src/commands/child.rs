@@ -1,5 +1,6 @@
 //! What `rtbench check` starts as processes of their own: a record on standard input says what to
-//! do, the answer goes to standard output as JSON.
+//! do, the answer goes to standard output as JSON. And what `rtbench scale` starts, which needs no
+//! record: see [`trial`].
 
 use std::io::Read;
 
@@ -11,6 +12,7 @@ use crate::error::{Error, FAILURE, SUCCESS};
 use crate::export::files::Outputs;
 use crate::like::{self, Narrowed};
 use crate::record::RunRecord;
+use crate::scale::trial;
 use crate::strides::FixedStrides;
 
 /// Where few answers are checked, one ray in that many of those that would be.
@@ -22,16 +24,20 @@ const LIGHTLY: usize = 16;
 /// [`Error`] for a record that cannot be read or measured.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let json = |e: serde_json::Error| Error::Format { format: "JSON", message: e.to_string() };
-    let mut text = Vec::new();
-    std::io::stdin().lock().read_to_end(&mut text)?;
-    let record: RunRecord = serde_json::from_slice(&text).map_err(json)?;
-    let (answer, failures) = match args.action {
+    let record = || -> Result<RunRecord, Error> {
+        let mut text = Vec::new();
+        std::io::stdin().lock().read_to_end(&mut text)?;
+        serde_json::from_slice(&text).map_err(json)
+    };
+    let (answer, failures) = match &args.action {
+        ChildAction::Build(build) => return trial::build_here(context, build).map(|()| SUCCESS),
         ChildAction::Measure { rounds, lightly } => {
-            let wanted = Narrowed { rounds: Some(rounds), ..Narrowed::default() };
+            let record = record()?;
+            let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };
             let mut plan = like::plan(&record, &wanted, context)?;
             // whole images are not compared
             plan.limits.render_pass = 0.0;
-            if lightly {
+            if *lightly {
                 plan.limits.oracle_tests = 0;
                 plan.strides = FixedStrides::of(&record, LIGHTLY);
             }
@@ -40,7 +46,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             (serde_json::to_string(&measured.record), measured.failures)
         }
         ChildAction::CountInstructions => {
-            let plan = like::plan(&record, &Narrowed::default(), context)?;
+            let plan = like::plan(&record()?, &Narrowed::default(), context)?;
             (serde_json::to_string(&count_all(&plan)?), 0)
         }
     };

@@ -19,6 +19,7 @@ use crate::plan::{Plan, Rounds};
 use crate::pools::Pools;
 use crate::progress::Progress;
 use crate::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
+use crate::scale::{admission, quantities};
 use crate::scene_run::{Equipment, run_scene};
 use crate::scene_source::KnownScene;
 use crate::summary::summarize;
@@ -97,14 +98,21 @@ pub fn measure_rest(
                 let deadline = budget.deadline(context.clock.now(), left);
                 left -= 1;
                 steps += steps_of(plan, i);
-                let equipment = Equipment {
+                let mut equipment = Equipment {
                     pools: &pools,
                     clock: context.clock,
                     world: context.world,
                     progress: &progress,
+                    trials: &[],
                 };
+                let trials = admission::trials(plan, &record.scenes, known.name(), &equipment);
+                equipment.trials = &trials;
                 let own = plan.of_scene(i);
-                measure_one(own.as_ref().unwrap_or(plan), &**known, &equipment, deadline)
+                let own = own.as_ref().unwrap_or(plan);
+                match admission::without_rows(plan, &record, known.name(), &trials) {
+                    Some(scene) => Ok(scene),
+                    None => measure_one(own, &**known, &equipment, deadline),
+                }
             }
         };
         let scene = match measured {
@@ -129,6 +137,9 @@ pub fn measure_rest(
         }
         record.scenes.push(scene);
         record.summary = summarize(&record.scenes, plan.seed);
+        if let Some(scale) = &mut record.scale {
+            scale.slopes = quantities::slopes(&record.scenes);
+        }
         record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
         let kept_well = kept_well.and_then(|()| outputs.write(&record, false));
         if let Some(scene) = record.scenes.last() {
@@ -223,6 +234,7 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         warnings: Vec::new(),
         shard: plan.part.as_ref().map(|part| part.record.clone()),
         parts: Vec::new(),
+        scale: None,
     }
 }
 

@@ -16,6 +16,7 @@ pub mod render;
 pub mod report;
 pub mod reproduce;
 pub mod run;
+pub mod scale;
 pub mod scenes;
 pub mod sweep;
 pub mod verify;

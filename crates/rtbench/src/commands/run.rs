@@ -1,4 +1,4 @@
-//! `rtbench run`: measure, print, export; and go on where an earlier run ended.
+//! `rtbench run`: measure, print, export; and go on where an earlier run, or `rtbench scale`, ended.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -10,6 +10,7 @@ use scene_loading::source_names::{name_of_path, path_of_name};
 
 use crate::args::{Cli, Color, Command, RunArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
+use crate::commands::scale;
 use crate::context::Context;
 use crate::error::Error;
 use crate::export::files::Outputs;
@@ -38,33 +39,74 @@ pub fn run(
     let mut kept = Kept::default();
     // The journal first: it refuses where the outputs would overwrite a run that is not finished.
     if let Some(folder) = &args.exports.output {
-        let make = std::fs::create_dir_all(folder);
-        make.map_err(|source| Error::Write { path: folder.clone(), source })?;
-        let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
-        kept.journal = Some(Journal::begin(folder, manifest(context, &plan, &record, arguments))?);
+        kept.journal = Some(journal_in(context, folder, &plan, &record, arguments)?);
     }
     measure(context, args, color, &plan, kept, record)
+}
+
+/// Begins the journal of a run in its folder, which is made.
+///
+/// # Errors
+/// [`Error::Write`], those of [`Journal::begin`].
+pub(super) fn journal_in(
+    context: &Context<'_>,
+    folder: &Path,
+    plan: &Plan<'_>,
+    record: &RunRecord,
+    arguments: &[OsString],
+) -> Result<Journal, Error> {
+    let make = std::fs::create_dir_all(folder);
+    make.map_err(|source| Error::Write { path: folder.to_owned(), source })?;
+    let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
+    Journal::begin(folder, manifest(context, plan, record, arguments))
+}
+
+/// A run that was begun in a folder, and what it left there.
+pub(super) struct Begun<'f> {
+    /// The folder.
+    pub folder: &'f Path,
+    journal: Journal,
+    found: Recovered,
 }
 
 /// Finishes the run that was begun in a folder.
 fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, Error> {
     let (journal, found) = Journal::resume(folder)?;
-    let Recovered { manifest: was, finished, died_in, .. } = found;
     let differs =
         |differences: String| JournalError::Differs { folder: folder.into(), differences };
-    let arguments = was.arguments.iter().map(|a| path_of_name(a).into_os_string());
+    let arguments = found.manifest.arguments.iter().map(|a| path_of_name(a).into_os_string());
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
-    let mut args = match Cli::try_parse_from(arguments).map(|cli| cli.command) {
+    let command = Cli::try_parse_from(arguments).map(|cli| cli.command);
+    let begun = Begun { folder, journal, found };
+    let mut args = match command {
         Ok(Command::Run(args)) if args.resume.is_none() => args,
+        Ok(Command::Scale(args)) => return scale::resume(context, &args, color, begun),
         Ok(_) => return Err(differs("arguments: expected those of `run`".into()).into()),
         Err(error) => return Err(differs(format!("arguments: {error}")).into()),
     };
     args.exports.output = Some(folder.to_owned());
     let plan = Plan::new(&args, context.registry, context.occluders, context.scenes)?;
-    let mut record = begin(context, &plan);
-    let mut differences = was.differences(&manifest(context, &plan, &record, Vec::new()));
+    let record = begin(context, &plan);
+    let (kept, record) = go_on(context, begun, &plan, record)?;
+    measure(context, &args, color, &plan, kept, record)
+}
+
+/// What is left to do of a run that was begun, and its record, which goes on with `record`.
+///
+/// # Errors
+/// [`JournalError::Differs`] where the plan is not that of the run.
+pub(super) fn go_on(
+    context: &mut Context<'_>,
+    begun: Begun<'_>,
+    plan: &Plan<'_>,
+    mut record: RunRecord,
+) -> Result<(Kept, RunRecord), Error> {
+    let Begun { folder, journal, found } = begun;
+    let Recovered { manifest: was, finished, died_in, .. } = found;
+    let mut differences = was.differences(&manifest(context, plan, &record, Vec::new()));
     for (&i, scene) in &finished {
-        let Some(known) = plan.scenes.get(i) else { continue };
+        // one without a row within its limits was never loaded
+        let Some(known) = plan.scenes.get(i).filter(|_| !scene.sha256.is_empty()) else { continue };
         let sha256 = known.load()?.sha256;
         if sha256 != scene.sha256 {
             let name = known.name();
@@ -72,7 +114,8 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
         }
     }
     if !differences.is_empty() {
-        return Err(differs(differences.join("; ")).into());
+        let (folder, differences) = (folder.to_owned(), differences.join("; "));
+        return Err(JournalError::Differs { folder, differences }.into());
     }
     if let Some(known) = died_in.and_then(|i| plan.scenes.get(i)) {
         let name = known.name();
@@ -82,8 +125,20 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
     }
     (record.command_line, record.started_unix_s) = (was.command_line, was.started_unix_s);
     let count = Arc::new(AtomicUsize::new(finished.len()));
-    let kept = Kept { journal: Some(journal), finished, count };
-    measure(context, &args, color, &plan, kept, record)
+    Ok((Kept { journal: Some(journal), finished, count }, record))
+}
+
+/// From here on a signal marks the run's journal and ends the process.
+///
+/// # Errors
+/// [`Error::Signals`], the journal's.
+pub(super) fn watch(kept: &Kept, folder: Option<&Path>, scenes: usize) -> Result<(), Error> {
+    let journal = match (&kept.journal, folder) {
+        (Some(journal), Some(folder)) => Some((journal.handle()?, folder.to_owned())),
+        _ => None,
+    };
+    let finished = Arc::clone(&kept.count);
+    interrupt::watch(Unfinished { journal, scenes, finished }).map_err(Error::Signals)
 }
 
 fn measure(
@@ -97,13 +152,7 @@ fn measure(
     let colors = context.terminal.colors(color);
     let mut outputs = Outputs::of_run(&args.exports)?;
     let has_tables = !outputs.are_printed();
-    let handle = match (&kept.journal, &args.exports.output) {
-        (Some(journal), Some(folder)) => Some((journal.handle()?, folder.clone())),
-        _ => None,
-    };
-    let finished = Arc::clone(&kept.count);
-    interrupt::watch(Unfinished { journal: handle, scenes: plan.scenes.len(), finished })
-        .map_err(Error::Signals)?;
+    watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use scene_loading::source_names::{name_of_path, path_of_name};
 
 use crate::config::Config;
-use crate::scene_source::{KnownScene, LoadError, SceneSource};
+use crate::scene_source::{KnownScene, LoadError, SceneSizes, SceneSource};
 
 /// A source of scenes with the sets of a configuration.
 pub struct Configured<'a> {
@@ -67,6 +67,10 @@ impl SceneSource for Configured<'_> {
 
     fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
         self.source.scenes()
+    }
+
+    fn sizes(&self, name: &str) -> Result<SceneSizes, LoadError> {
+        self.source.sizes(name)
     }
 
     fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {

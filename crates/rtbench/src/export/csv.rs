@@ -109,7 +109,8 @@ pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
     fields.push(number(row.first_image_s()));
     fields.extend(estimate(row.ratio));
     fields.extend(table::rates(row).map(number));
-    let judged = !matches!(row.verdict, Verdict::NotBuilt | Verdict::Panicked);
+    use Verdict::{NotBuilt, OverLimit, Panicked};
+    let judged = !matches!(row.verdict, NotBuilt | Panicked | OverLimit);
     fields.push(if judged { row.mismatches.to_string() } else { String::new() });
     fields.push(row.verdict.name().to_owned());
     let Outliers { build, trace } = row.outliers;

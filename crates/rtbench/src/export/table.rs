@@ -148,10 +148,10 @@ fn time_cells(row: &RowRecord) -> Vec<Cell> {
 }
 
 /// The verdict, and how many of the rays it rests on where that is not all of them.
-fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
+pub fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
     let text = match row.verdict {
-        Verdict::NotBuilt | Verdict::Panicked => row.verdict.name().to_owned(),
+        Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => row.verdict.name().to_owned(),
         Verdict::Ok if row.answers == Answered::ShadowRays => {
             format!("ok on {} shadow rays", row.checked_rays)
         }
@@ -164,7 +164,8 @@ fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     Cell { text, style }
 }
 
-fn dash() -> Cell {
+/// Where there is no value.
+pub fn dash() -> Cell {
     Cell { text: "-".into(), style: Style::Dim }
 }
 
@@ -185,12 +186,14 @@ fn mark_best(
     }
 }
 
-fn scene_title(scene: &SceneRecord) -> String {
+/// What a scene consists of, and its rays.
+pub fn scene_title(scene: &SceneRecord) -> String {
     let rays: Vec<String> = scene.rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
     format!("{}: {} primitives; rays: {}", scene.name, scene.primitives, rays.join(", "))
 }
 
-fn scene_notes(scene: &SceneRecord) -> Vec<String> {
+/// What is to be said of a scene's rows, and how their answers were judged.
+pub fn scene_notes(scene: &SceneRecord) -> Vec<String> {
     let oracle = &scene.oracle;
     let mut notes = vec![match &oracle.reference {
         Some(reference) => format!(
@@ -198,6 +201,7 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
              {} rays, {} of them borderline.",
             oracle.checked, oracle.borderline
         ),
+        None if scene.rays.is_empty() => format!("{}.", scene.source),
         None => "No structure's answers were confirmed by f64 brute force; all rows were compared \
                  with brute force on a sample."
             .into(),
@@ -212,7 +216,7 @@ fn scene_notes(scene: &SceneRecord) -> Vec<String> {
         let reasons = [&row.error, &row.example, &row.known_defect];
         match row.verdict {
             Verdict::Ok => {}
-            Verdict::NotBuilt | Verdict::Panicked => {
+            Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => {
                 let reason = row.error.as_deref().unwrap_or(row.verdict.name());
                 notes.push(format!("{label}: {reason}"));
             }
@@ -310,7 +314,7 @@ fn summary_verdict(row: &SummaryRow) -> Cell {
             return "ok (shadow rays)".to_owned().into();
         }
         Verdict::Ok => return "ok".to_owned().into(),
-        v @ (Verdict::NotBuilt | Verdict::Panicked) => {
+        v @ (Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit) => {
             format!("{} in {} scenes", v.name(), row.not_built_scenes)
         }
         v => format!("{}: {} rays in {} scenes", v.name(), row.mismatches, row.wrong_scenes),

@@ -29,7 +29,7 @@ fn outcome(row: &MatchedRow<'_>) -> (Outcome, String) {
             let example = now.example.as_deref().unwrap_or("no example");
             return (Outcome::WrongHits, format!("{wrong} of {rays} rays: {example}"));
         }
-        Verdict::NotBuilt | Verdict::Panicked => {
+        Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => {
             let why = now.error.as_deref().unwrap_or(now.verdict.name());
             return match base.verdict == now.verdict {
                 true => (Outcome::Unchanged, why.to_owned()),

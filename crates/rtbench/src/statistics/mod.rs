@@ -4,6 +4,7 @@ pub mod holm;
 pub mod mann_whitney;
 pub mod normal;
 pub mod outliers;
+pub mod power_law;
 pub mod ratio_of_medians;
 pub mod sign_test;
 

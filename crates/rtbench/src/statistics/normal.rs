@@ -19,9 +19,16 @@ pub fn quantile(probability: f64) -> f64 {
     t - above / below
 }
 
-/// The 97.5% quantile of Student's distribution, relative error below 1% from 4 degrees on (the
-/// expansion in powers of their inverse, Abramowitz and Stegun, 26.7.5).
+/// The 97.5% quantile of Student's distribution: exact for 1 and 2 degrees, where it has a closed
+/// form, else with a relative error below 1% (the expansion in powers of the inverse, Abramowitz
+/// and Stegun, 26.7.5).
 pub fn student_95(degrees: f64) -> f64 {
+    if degrees == 1.0 {
+        return (0.475 * std::f64::consts::PI).tan();
+    }
+    if degrees == 2.0 {
+        return 0.95 / (2.0_f64 * 0.975 * 0.025).sqrt();
+    }
     let x = NORMAL_95;
     let first = (x.powi(3) + x) / 4.0;
     let second = (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / 96.0;
@@ -59,7 +66,9 @@ mod tests {
         assert!((quantile(0.875) - 1.150_349).abs() < 5e-4);
         assert!((upper_tail(NORMAL_95) - 0.025).abs() < 1e-6);
         assert!((upper_tail(0.0) - 0.5).abs() < 1e-6);
-        for (degrees, expected) in [(4.0, 2.776), (8.0, 2.306), (30.0, 2.042)] {
+        for (degrees, expected) in
+            [(1.0, 12.706), (2.0, 4.303), (3.0, 3.182), (4.0, 2.776), (8.0, 2.306), (30.0, 2.042)]
+        {
             assert!((student_95(degrees) / expected - 1.0).abs() < 0.01, "{degrees}");
         }
     }

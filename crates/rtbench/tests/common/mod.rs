@@ -17,7 +17,7 @@ use rtbench::clock::{Clock, SteppingClock, SystemClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::record::{RowRecord, RunRecord};
 use rtbench::scene_source::{Installed, SceneSource};
-use rtbench::world::FixedWorld;
+use rtbench::world::{FixedWorld, World};
 
 /// Brute force that forgets the first primitive, which the camera sees in the scenes of these
 /// tests: the wrong structure that must be found out. (One that no ray meets could not be.)
@@ -106,13 +106,26 @@ pub fn run_over(
     clock: &dyn Clock,
     arguments: &str,
 ) -> Ended {
+    let world = FixedWorld::default();
+    run_in_world(registry, occluders, scenes, clock, &world, arguments)
+}
+
+/// The same in a world of the test's choice.
+pub fn run_in_world(
+    registry: &[Entry],
+    occluders: &[occluders::Entry],
+    scenes: &dyn SceneSource,
+    clock: &dyn Clock,
+    world: &dyn World,
+    arguments: &str,
+) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut context = Context {
         registry,
         occluders,
         scenes,
         clock,
-        world: &FixedWorld::default(),
+        world,
         out: &mut out,
         err: &mut err,
         command_line: vec!["rtbench".into()],

@@ -9,6 +9,7 @@
 //! A scene is named by a spec: `balls` (default size) or `balls:5`.
 
 mod balls;
+pub mod counts;
 mod gears;
 mod hare;
 mod lattice;
@@ -41,26 +42,28 @@ pub struct SpdEntry {
     pub summary: &'static str,
     /// The generator, for sizes from 1 to `max_size`; [`generate`] checks that and sets the name.
     pub generate: fn(u32) -> Scene,
+    /// What it makes at a size.
+    pub count: fn(u32) -> counts::ShapeCounts,
 }
 
 /// The generators of the SPD, by name.
 #[rustfmt::skip]
 pub static SPD: &[SpdEntry] = &[
-    SpdEntry { name: "balls", default_size: 4, max_size: 7, summary: "sphereflake: (9^(n+1) - 1) / 8 mirroring spheres on a square", generate: balls::generate },
-    SpdEntry { name: "gears", default_size: 4, max_size: 51, summary: "n^3 meshing gears, some of glass: 146 polygons each, faces with 144 vertices", generate: gears::generate },
-    SpdEntry { name: "lattice", default_size: 12, max_size: 170, summary: "cubic lattice: (n+1)^3 mirroring spheres, 3 n (n+1)^2 cylinders", generate: lattice::generate },
-    SpdEntry { name: "mount", default_size: 6, max_size: 11, summary: "fractal mountain of 2 * 4^n triangles, 4 glass spheres", generate: mount::generate },
-    SpdEntry { name: "rings", default_size: 7, max_size: 99, summary: "pyramid of ring clusters: 5 n (n+1) (2n+1) cylinders and as many spheres", generate: rings::generate },
-    SpdEntry { name: "teapot", default_size: 12, max_size: 554, summary: "teapot of 64 n^2 - 8 n triangular patches on a board of n^2 squares", generate: teapot::generate },
-    SpdEntry { name: "tetra", default_size: 6, max_size: 12, summary: "tetrahedral pyramid (Sierpinski): 4^n triangles", generate: tetra::generate },
-    SpdEntry { name: "tree", default_size: 11, max_size: 22, summary: "branching tree: 2^(n+1) - 1 cones and as many spheres", generate: tree::generate },
+    SpdEntry { name: "balls", default_size: 4, max_size: 7, summary: "sphereflake: (9^(n+1) - 1) / 8 mirroring spheres on a square", generate: balls::generate, count: counts::balls },
+    SpdEntry { name: "gears", default_size: 4, max_size: 51, summary: "n^3 meshing gears, some of glass: 146 polygons each, faces with 144 vertices", generate: gears::generate, count: counts::gears },
+    SpdEntry { name: "lattice", default_size: 12, max_size: 170, summary: "cubic lattice: (n+1)^3 mirroring spheres, 3 n (n+1)^2 cylinders", generate: lattice::generate, count: counts::lattice },
+    SpdEntry { name: "mount", default_size: 6, max_size: 11, summary: "fractal mountain of 2 * 4^n triangles, 4 glass spheres", generate: mount::generate, count: counts::mount },
+    SpdEntry { name: "rings", default_size: 7, max_size: 99, summary: "pyramid of ring clusters: 5 n (n+1) (2n+1) cylinders and as many spheres", generate: rings::generate, count: counts::rings },
+    SpdEntry { name: "teapot", default_size: 12, max_size: 554, summary: "teapot of 64 n^2 - 8 n triangular patches on a board of n^2 squares", generate: teapot::generate, count: counts::teapot },
+    SpdEntry { name: "tetra", default_size: 6, max_size: 12, summary: "tetrahedral pyramid (Sierpinski): 4^n triangles", generate: tetra::generate, count: counts::tetra },
+    SpdEntry { name: "tree", default_size: 11, max_size: 22, summary: "branching tree: 2^(n+1) - 1 cones and as many spheres", generate: tree::generate, count: counts::tree },
 ];
 
 /// Generators of our own, by name: scenes of kinds that the SPD lacks.
 #[rustfmt::skip]
 pub static OURS: &[SpdEntry] = &[
-    SpdEntry { name: "hare", default_size: 93, max_size: 1581, summary: "a hare as a closed mesh of 8 n^2 small triangles", generate: hare::generate },
-    SpdEntry { name: "stadium", default_size: 93, max_size: 1580, summary: "the hare in a stadium: 8 n^2 small triangles, 15,800 up to 800 times as large", generate: stadium::generate },
+    SpdEntry { name: "hare", default_size: 93, max_size: 1581, summary: "a hare as a closed mesh of 8 n^2 small triangles", generate: hare::generate, count: counts::hare },
+    SpdEntry { name: "stadium", default_size: 93, max_size: 1580, summary: "the hare in a stadium: 8 n^2 small triangles, 15,800 up to 800 times as large", generate: stadium::generate, count: counts::stadium },
 ];
 
 /// All generators: [`SPD`], then [`OURS`].

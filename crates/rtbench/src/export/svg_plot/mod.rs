@@ -246,6 +246,37 @@ mod tests {
     }
 
     #[test]
+    fn many_series_are_told_apart_and_named_within_the_figure() {
+        let mut many = plot(Scale::Linear, Scale::Linear);
+        many.marks.clear();
+        let one = many.series[0].clone();
+        many.series =
+            (0..18).map(|i| Series { name: format!("series number {i}"), ..one.clone() }).collect();
+        let svg = figure(&[many.clone()]);
+        let tree = roxmltree::Document::parse(&svg).unwrap();
+        let number = |n: &roxmltree::Node<'_, '_>, name| n.attribute(name)?.parse::<f64>().ok();
+        let named: Vec<(f64, f64)> = tree
+            .descendants()
+            .filter(|n| n.text().is_some_and(|t| t.starts_with("series number")))
+            .filter_map(|n| number(&n, "x").zip(number(&n, "y")))
+            .collect();
+        assert_eq!(named.len(), 18);
+        let height = number(&tree.root_element(), "height").unwrap();
+        assert!(named.iter().all(|(x, y)| *x < WIDTH - 80.0 && *y < height), "{named:?} {height}");
+        assert!(named[17].1 > named[0].1, "more than one line");
+        let lines = tree.descendants().filter(|n| n.has_tag_name("polyline"));
+        let curves = lines.filter(|n| n.attribute("stroke-width") == Some("1.8"));
+        let mut styles: Vec<_> =
+            curves.map(|n| (n.attribute("stroke"), n.attribute("stroke-dasharray"))).collect();
+        styles.sort_unstable();
+        styles.dedup();
+        assert_eq!(styles.len(), 18, "no two look the same");
+        // a few series look as they did when there was but one line
+        many.series.truncate(3);
+        assert!(!figure(&[many]).contains("7 3"));
+    }
+
+    #[test]
     fn the_same_plots_give_the_same_text() {
         let one = || figure(&[plot(Scale::Linear, Scale::Log), plot(Scale::Log, Scale::Linear)]);
         assert_eq!(one(), one());

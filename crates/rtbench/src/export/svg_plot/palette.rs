@@ -15,6 +15,21 @@ pub const MARK: &str = "#b4560a";
 /// Colours of series, used in turn; told apart by colour-blind readers too.
 pub const SERIES: [&str; 5] = ["#1f5fa8", "#8c3f97", "#4d8f8b", "#a3842c", "#555555"];
 
+/// Patterns of the lines of series, as attributes: where the colours begin anew, the next one.
+pub const DASHES: [&str; 4] = [
+    "",
+    " stroke-dasharray=\"7 3\"",
+    " stroke-dasharray=\"2 3\"",
+    " stroke-dasharray=\"10 3 2 3\"",
+];
+
+/// Colour and pattern of the series at a place.
+pub fn style_of(place: usize) -> (&'static str, &'static str) {
+    let of = |list: &[&'static str], i: usize| list.iter().copied().cycle().nth(i % list.len());
+    let dashes = of(&DASHES, place / SERIES.len());
+    (of(&SERIES, place).unwrap_or(INK), dashes.unwrap_or_default())
+}
+
 /// Each colour and what stands for it on a dark ground.
 pub const IN_THE_DARK: [(&str, &str); 11] = [
     (INK, "#e8e8e8"),

@@ -2,7 +2,7 @@
 
 use crate::export::svg_plot::axis::Fitted;
 use crate::export::svg_plot::flags::spread;
-use crate::export::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES};
+use crate::export::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES, style_of};
 use crate::export::svg_plot::pen::{BOLD_LETTER, Font, LETTER, PLAIN, Pen};
 use crate::export::svg_plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
 
@@ -14,6 +14,8 @@ const HEIGHT: f64 = 380.0;
 const HEAD: f64 = 62.0;
 /// Distance of the flags' labels along the frame.
 const FLAG_GAP: f64 = 18.0;
+/// Height of a line of the legend.
+const LEGEND_STEP: f64 = 18.0;
 /// Height of the bend between a flag's line and its label.
 const BEND: f64 = 14.0;
 
@@ -34,8 +36,8 @@ pub fn draw(plot: &Plot) -> Drawn {
     canvas.flags(plot);
     canvas.series(plot);
     canvas.marks(plot);
-    canvas.legend(plot);
-    Drawn { height: canvas.bottom + BOTTOM, elements: canvas.pen.out }
+    let more = canvas.legend(plot);
+    Drawn { height: canvas.bottom + BOTTOM + more, elements: canvas.pen.out }
 }
 
 /// The frame's place and axes, and what is drawn so far.
@@ -157,11 +159,12 @@ impl Canvas {
     }
 
     fn series(&mut self, plot: &Plot) {
-        for (series, color) in plot.series.iter().zip(SERIES.iter().cycle()) {
+        for (i, series) in plot.series.iter().enumerate() {
+            let (color, dashes) = style_of(i);
             let places: Vec<(f64, f64)> =
                 series.points.iter().filter_map(|p| self.place(p)).collect();
             if series.is_joined && places.len() > 1 {
-                self.pen.path(&places, color, 1.8, "");
+                self.pen.path(&places, color, 1.8, dashes);
             }
             for point in &series.points {
                 self.error_bar(point, color);
@@ -195,19 +198,31 @@ impl Canvas {
         }
     }
 
-    fn legend(&mut self, plot: &Plot) {
-        let y = self.bottom + 68.0;
-        let mut x = LEFT + 6.0;
-        for (series, color) in plot.series.iter().zip(SERIES.iter().cycle()) {
+    /// The names of the series, in as many lines as they need; returns the height of those beyond
+    /// the first.
+    fn legend(&mut self, plot: &Plot) -> f64 {
+        let first = self.bottom + 68.0;
+        let (left, mut y) = (LEFT + 6.0, first);
+        let mut x = left;
+        for (i, series) in plot.series.iter().enumerate() {
+            let (color, dashes) = style_of(i);
+            let width = series.name.chars().count() as f64 * LETTER;
+            if x > left && x + 12.0 + width > WIDTH {
+                (x, y) = (left, y + LEGEND_STEP);
+            }
+            if series.is_joined && !dashes.is_empty() {
+                self.pen.path(&[(x - 14.0, y - 4.0), (x + 10.0, y - 4.0)], color, 1.8, dashes);
+            }
             self.pen.circle(x, y - 4.0, color);
             self.pen.text(x + 12.0, y, PLAIN, &series.name);
-            x += 44.0 + series.name.chars().count() as f64 * LETTER;
+            x += 44.0 + width;
         }
         let is_drawn = |m: &Mark| !m.is_in_series && self.place(&m.point).is_some();
         if plot.marks.iter().any(is_drawn) {
             self.pen.diamond(x, y - 4.0, MARK);
             self.pen.text(x + 12.0, y, PLAIN, &plot.marks_name);
         }
+        y - first
     }
 }
 
