@@ -14,7 +14,7 @@ use crate::measured_row::MeasuredRow;
 use crate::panics::caught;
 use crate::plan::Plan;
 use crate::pools::pool;
-use crate::scene_run::light_positions;
+use crate::scene_run::lights_asked;
 use crate::scene_source::LoadedScene;
 
 /// Width and height of the image whose rays are taken; that of the record where it is smaller.
@@ -90,7 +90,7 @@ fn count_scene<S: Buildable + OccluderScalar>(
     })?;
     let rays = pool.install(|| generate_rays(scene, &*tracer, &settings));
     let answers = pool.install(|| answer(&rays, &plan.kinds, &*tracer));
-    let lights = light_positions(scene);
+    let lights = lights_asked(scene, &plan.settings);
     let all = BatchSet::new(&rays, answers, &lights);
     for row in &plan.rows {
         let most = if row.is_sampled() { FEW_RAYS } else { RAYS };
