@@ -1,6 +1,7 @@
 //! The rays that are replayed to every row, whole or thinned, with the answers expected of them.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use accel_core::occluders::nearest_light;
 use accel_core::structures::Buildable;
@@ -137,6 +138,17 @@ impl<S: Buildable> Batch<'_, S> {
             rays: Cow::Borrowed(&self.rays),
             lights: self.lights.clone(),
             expected: self.expected.clone(),
+        }
+    }
+
+    /// The rays at those places.
+    pub fn window(&self, places: Range<usize>) -> Batch<'_, S> {
+        Batch {
+            kind: self.kind,
+            order: self.order,
+            rays: Cow::Borrowed(self.rays.get(places.clone()).unwrap_or_default()),
+            lights: self.lights.get(places.clone()).unwrap_or_default().to_vec(),
+            expected: self.expected.picked(places),
         }
     }
 

@@ -181,7 +181,10 @@ fn pilot<S: Buildable>(built: &Built<'_, S>, set: &BatchSet<'_, S>, clock: &dyn 
 }
 
 /// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
-fn count<S: Buildable>(built: &Built<'_, S>, batch: &Batch<'_, S>) -> (Answers<S>, WorkCounters) {
+pub fn count<S: Buildable>(
+    built: &Built<'_, S>,
+    batch: &Batch<'_, S>,
+) -> (Answers<S>, WorkCounters) {
     let Built::Structure(tracer) = built else {
         let (blocked, work) = built.count_blocked(batch);
         return (Answers::Blocked(blocked), work);

@@ -59,6 +59,7 @@ pub mod plan;
 pub mod plan_part;
 pub mod pools;
 pub mod pressure;
+pub mod profile;
 pub mod progress;
 pub mod quantity;
 pub mod query;
@@ -216,6 +217,9 @@ pub fn run_in(
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
+        Command::Profile(args) => {
+            commands::profile::run(context, args, cli.color).map(|()| SUCCESS)
+        }
         Command::Check(args) => {
             let thresholds = config.as_ref().map(Config::thresholds).unwrap_or_default();
             commands::check::run(context, args, thresholds, cli.color)

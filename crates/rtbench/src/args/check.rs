@@ -134,6 +134,12 @@ pub enum ChildAction {
     },
     /// Build and ask each row once, for a counter of instructions
     CountInstructions,
+    /// Build each row and ask it a window of each batch of rays, for a simulation of caches
+    AskWindows {
+        /// Rays of a window.
+        #[arg(long)]
+        rays: u32,
+    },
 }
 
 /// Percent as typed, `3` or `3%`, as a share.

@@ -9,6 +9,7 @@ mod doctor;
 mod exports;
 mod merge;
 mod printed;
+mod profile;
 mod render;
 mod report;
 mod reproduce;
@@ -23,6 +24,7 @@ pub use doctor::DoctorArgs;
 pub use exports::ExportArgs;
 pub use merge::MergeArgs;
 pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
+pub use profile::ProfileArgs;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
@@ -98,6 +100,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Put published figures beside ours
     Reproduce(ReproduceArgs),
+    /// What the time of a run's fastest rows is spent on: work, and lines from caches and memory
+    Profile(ProfileArgs),
     /// Hold this program against a baseline or against an older binary: the gate of a CI job
     Check(CheckArgs),
     /// Keep results to check against
@@ -134,6 +138,7 @@ impl Command {
                 | Self::Accuracy(_)
                 | Self::Verify(_)
                 | Self::Reproduce(_)
+                | Self::Profile(_)
                 | Self::Check(_)
                 | Self::Baseline(_)
                 | Self::Child(_)
