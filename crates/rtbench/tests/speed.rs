@@ -132,20 +132,25 @@ fn a_run_without_batches_or_orders_prints_what_it_printed() {
     // a record from before has none of the new fields
     let mut json = serde_json::to_value(&record).unwrap();
     let settings = json["settings"].as_object_mut().unwrap();
-    ["order", "lights", "by_kind"].map(|name| settings.remove(name).unwrap());
+    without(settings, &["order", "lights", "by_kind"]);
     for row in json["scenes"][0]["rows"].as_array_mut().unwrap() {
         let row = row.as_object_mut().unwrap();
-        ["query", "ratio_by_kind"].map(|name| row.remove(name).unwrap());
+        without(row, &["query", "ratio_by_kind"]);
         row["samples"][0].as_object_mut().unwrap().remove("reference_by_kind").unwrap();
     }
     for row in json["summary"].as_array_mut().unwrap() {
         let row = row.as_object_mut().unwrap();
-        ["batch_scenes", "ratio_by_kind"].map(|name| row.remove(name).unwrap());
+        without(row, &["batch_scenes", "ratio_by_kind"]);
     }
     let before: RunRecord = serde_json::from_value(json).unwrap();
     assert_eq!(before.settings, record.settings);
     assert_eq!(row(&before, "hug").query, Query::OneRay);
     assert!(row(&before, "hug").ratio_by_kind.is_empty());
+}
+
+/// Takes fields away that must be there.
+fn without(object: &mut serde_json::Map<String, serde_json::Value>, names: &[&str]) {
+    names.iter().for_each(|name| drop(object.remove(*name).unwrap()));
 }
 
 #[test]

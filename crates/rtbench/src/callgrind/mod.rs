@@ -152,7 +152,7 @@ pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, Callg
     let valgrind = version()?;
     let program = program.ok_or(CallgrindError::NoProgram)?;
     let folder = Scratch::new()?;
-    let mut command = valgrind(&folder);
+    let mut command = callgrind(&folder);
     command.arg(program).args(["--quiet", "child", "count-instructions"]);
     let phases: Vec<counted::Counted> = answer(&mut command, &without_samples(record))?;
     let totals = totals(&folder.0)?;
@@ -174,7 +174,7 @@ pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, Callg
 }
 
 /// Callgrind, counting the phase function alone, a file a call; its program is to be added.
-fn valgrind(folder: &Scratch) -> Command {
+fn callgrind(folder: &Scratch) -> Command {
     let mut command = Command::new("valgrind");
     // what allocating costs must not depend on what was freed before; threads keep their own arenas,
     // or it would depend on what other threads allocate

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::callgrind::caches::AskedBatch;
-use crate::callgrind::{CallgrindError, Scratch, events_of_calls, valgrind, version};
+use crate::callgrind::{CallgrindError, Scratch, callgrind, events_of_calls, version};
 use crate::child_process::{answer, without_samples};
 use crate::record::RunRecord;
 
@@ -98,7 +98,7 @@ pub fn simulate(
     };
     for cache in further {
         let folder = Scratch::new()?;
-        let mut command = valgrind(&folder);
+        let mut command = callgrind(&folder);
         command
             .arg("--cache-sim=yes")
             .arg(format!("--D1={}", first.option()))

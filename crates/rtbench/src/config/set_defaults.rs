@@ -5,7 +5,7 @@
 
 use std::ffi::OsString;
 
-use clap::CommandFactory;
+use clap::{ArgMatches, CommandFactory};
 use toml::Value;
 
 use crate::args::Cli;
@@ -26,7 +26,7 @@ const NOT_IN_SETS: [&str; 4] = ["scenes", "as", "output", "shard"];
 pub fn of_set(arguments: &[OsString], scenes: &dyn SceneSource) -> Result<Vec<OsString>, Error> {
     let cli = Cli::command();
     let Ok(matches) = cli.clone().try_get_matches_from(arguments) else { return Ok(Vec::new()) };
-    let Some(("run", run)) = matches.subcommand() else { return Ok(Vec::new()) };
+    let Some(run) = run_of(&matches) else { return Ok(Vec::new()) };
     if is_typed(run, "resume") {
         return Ok(Vec::new());
     }
@@ -51,6 +51,18 @@ pub fn of_set(arguments: &[OsString], scenes: &dyn SceneSource) -> Result<Vec<Os
         defaults.push(valid_default(&cli, known, name, &value).map_err(invalid)?);
     }
     Ok(not_typed(run, defaults))
+}
+
+/// The options of a run: of `run` itself, or of the one that a baseline is made by.
+fn run_of(matches: &ArgMatches) -> Option<&ArgMatches> {
+    match matches.subcommand()? {
+        ("run", run) => Some(run),
+        ("baseline", baseline) => match baseline.subcommand()? {
+            ("save", run) => Some(run),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, Error> {
@@ -121,7 +133,11 @@ mod tests {
             joined(options, typed).unwrap()
         };
         let all = "--by-kind --order=both --size=1024 --structures=hug --structures=octree";
-        for typed in ["rtbench run own", "rtbench run tetra balls --as own"] {
+        for typed in [
+            "rtbench run own",
+            "rtbench run tetra balls --as own",
+            "rtbench baseline save main own",
+        ] {
             assert_eq!(of(typed), format!("{typed} {all}"));
         }
         assert_eq!(
@@ -130,9 +146,13 @@ mod tests {
         );
         assert!(of("rtbench run own --quick").contains("--size=64"));
         // no other runs, no other commands
-        for typed in
-            ["rtbench run", "rtbench run own tetra", "rtbench run plain", "rtbench list sets"]
-        {
+        for typed in [
+            "rtbench run",
+            "rtbench run own tetra",
+            "rtbench run plain",
+            "rtbench list sets",
+            "rtbench baseline list",
+        ] {
             assert_eq!(of(typed), typed);
         }
     }
