@@ -11,7 +11,6 @@ use serde::Serialize;
 
 use crate::clock::Clock;
 use crate::random::Random;
-use crate::statistics::median;
 
 /// The sizes of `rtbench doctor --memory`, bytes.
 pub const SIZES: [usize; 10] = [
@@ -28,10 +27,10 @@ pub const SIZES: [usize; 10] = [
 ];
 /// Bytes of a line of the caches of all processors that this is likely to run on.
 pub const LINE: usize = 64;
-/// Loads of a pass: long against a reading of the clock.
-const LOADS: usize = 1 << 20;
-/// Passes, of which the median counts.
-const PASSES: usize = 5;
+/// Loads of a pass: long against a reading of the clock, short against a slice of the scheduler.
+const LOADS: usize = 1 << 16;
+/// Passes, of which the shortest counts, as in lmbench: what disturbs a pass makes it longer.
+const PASSES: usize = 32;
 
 /// What a size gave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -64,7 +63,7 @@ fn load_s(bytes: usize, clock: &dyn Clock) -> f64 {
         at = black_box(walk(&lines, at, LOADS));
         clock.seconds_since(start)
     });
-    median(&passes.collect::<Vec<_>>()).unwrap_or(0.0) / LOADS as f64
+    passes.min_by(f64::total_cmp).unwrap_or(0.0) / LOADS as f64
 }
 
 /// Lines in one random cycle; at least one.
