@@ -61,6 +61,11 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     ) -> WorkCounters;
     /// What was built.
     fn shape(&self) -> Shape;
+    /// Whether a batch is answered in a way of its own, with several rays on their way at once.
+    /// Otherwise each ray of it is walked to its end before the next one begins.
+    fn answers_batches(&self) -> bool {
+        false
+    }
 }
 
 /// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
@@ -240,6 +245,13 @@ where
 
     fn shape(&self) -> Shape {
         self.whole_shape()
+    }
+
+    fn answers_batches(&self) -> bool {
+        // the same question as a timed pass asks, of no rays
+        self.has_no_mailbox()
+            && (self.structure.closest_batch(&*self.prims, &[], self.reach, &mut [])
+                || self.structure.occlusion_batch(&*self.prims, &[], self.reach, &mut []))
     }
 }
 

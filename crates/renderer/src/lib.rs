@@ -18,5 +18,5 @@ pub use effects::counts::RayCounts;
 pub use effects::{Effect, EffectPlan, Gating, RenderSettings, Samples};
 pub use film::{Image, ImageError, ImageFormat};
 pub use geometry::{Geometry, GeometryError};
-pub use rays::{RayBatches, RayKind, RaySettings, generate_rays};
+pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays, generate_rays};
 pub use tracers::whitted::{Rendered, render, render_plan};

@@ -57,6 +57,17 @@ impl RayKind {
     }
 }
 
+/// Which shadow rays there are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ShadowRays {
+    /// From every hit to each light on the lit side, as an image needs them.
+    #[default]
+    EachLight,
+    /// From every primary hit one to the first light, whichever side it is on: as many as primary
+    /// rays hit something, so that scenes with many lights weigh no more than others.
+    FirstLight,
+}
+
 /// How rays are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RaySettings {
@@ -73,6 +84,8 @@ pub struct RaySettings {
     pub diffuse: bool,
     /// Seed of the diffuse directions.
     pub seed: u64,
+    /// Which shadow rays there are.
+    pub shadows: ShadowRays,
 }
 
 impl Default for RaySettings {
@@ -84,6 +97,7 @@ impl Default for RaySettings {
             offset: OffsetRule::default(),
             diffuse: true,
             seed: 1,
+            shadows: ShadowRays::default(),
         }
     }
 }
@@ -99,6 +113,7 @@ impl RaySettings {
             offset: OffsetRule::Fixed(0.01),
             diffuse: false,
             seed: 1,
+            shadows: ShadowRays::default(),
         }
     }
 }

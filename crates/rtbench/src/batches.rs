@@ -1,6 +1,7 @@
 //! The rays that are replayed to every row, whole or thinned, with the answers expected of them.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use accel_core::occluders::nearest_light;
 use accel_core::structures::Buildable;
@@ -9,6 +10,8 @@ use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{RayBatches, RayKind};
+
+use crate::ray_order::{RayOrder, batch_name};
 
 /// Rays that one thread traces at a time when there are several threads.
 pub const CHUNK: usize = 4096;
@@ -84,10 +87,20 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
-    fn thinned(&self, stride: usize) -> Self {
+    /// The answers at those places, in that order.
+    pub fn picked(&self, places: impl Iterator<Item = usize>) -> Self {
         match self {
-            Self::Hits(hits) => Self::Hits(hits.iter().copied().step_by(stride).collect()),
-            Self::Blocked(all) => Self::Blocked(all.iter().copied().step_by(stride).collect()),
+            Self::Hits(hits) => Self::Hits(places.filter_map(|i| hits.get(i).copied()).collect()),
+            Self::Blocked(all) => {
+                Self::Blocked(places.filter_map(|i| all.get(i).copied()).collect())
+            }
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Hits(hits) => hits.len(),
+            Self::Blocked(blocked) => blocked.len(),
         }
     }
 }
@@ -101,6 +114,8 @@ fn indices<'a>(differ: impl Iterator<Item = bool> + 'a) -> Box<dyn Iterator<Item
 pub struct Batch<'a, S: Scalar> {
     /// Kind.
     pub kind: RayKind,
+    /// How they follow one another.
+    pub order: RayOrder,
     /// Rays.
     pub rays: Cow<'a, [Ray<S>]>,
     /// The light that each shadow ray runs to; empty for other kinds.
@@ -109,14 +124,45 @@ pub struct Batch<'a, S: Scalar> {
     pub expected: Answers<S>,
 }
 
-impl<'a, S: Buildable> Batch<'a, S> {
-    /// Every `stride`-th ray.
-    pub fn thinned(&self, stride: usize) -> Batch<'a, S> {
+impl<S: Buildable> Batch<'_, S> {
+    /// What records call it.
+    pub fn name(&self) -> String {
+        batch_name(self.kind.name(), self.order)
+    }
+
+    /// The same rays, not copied.
+    pub fn borrowed(&self) -> Batch<'_, S> {
         Batch {
             kind: self.kind,
+            order: self.order,
+            rays: Cow::Borrowed(&self.rays),
+            lights: self.lights.clone(),
+            expected: self.expected.clone(),
+        }
+    }
+
+    /// The rays at those places.
+    pub fn window(&self, places: Range<usize>) -> Batch<'_, S> {
+        Batch {
+            kind: self.kind,
+            order: self.order,
+            rays: Cow::Borrowed(self.rays.get(places.clone()).unwrap_or_default()),
+            lights: self.lights.get(places.clone()).unwrap_or_default().to_vec(),
+            expected: self.expected.picked(places),
+        }
+    }
+
+    /// Every `stride`-th ray.
+    pub fn thinned(&self, stride: usize) -> Batch<'_, S> {
+        if stride == 1 {
+            return self.borrowed();
+        }
+        Batch {
+            kind: self.kind,
+            order: self.order,
             rays: Cow::Owned(self.rays.iter().copied().step_by(stride).collect()),
             lights: self.lights.iter().copied().step_by(stride).collect(),
-            expected: self.expected.thinned(stride),
+            expected: self.expected.picked((0..self.expected.len()).step_by(stride)),
         }
     }
 }
@@ -126,12 +172,12 @@ impl<'a, S: Buildable> Batch<'a, S> {
 pub struct BatchSet<'a, S: Scalar> {
     /// 1 for all rays.
     pub stride: usize,
-    /// One batch a kind, kinds without rays left out.
+    /// One batch a kind and order, kinds without rays left out.
     pub batches: Vec<Batch<'a, S>>,
 }
 
 impl<'a, S: Buildable> BatchSet<'a, S> {
-    /// All rays that were answered, in a scene with lights at those places.
+    /// All rays that were answered, as the image has them, in a scene with lights at those places.
     pub fn new(
         rays: &'a RayBatches<S>,
         answers: Vec<(RayKind, Answers<S>)>,
@@ -141,20 +187,20 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
             let rays = rays.rays(kind);
             let to_lights = if kind.is_occlusion() { rays } else { &[] };
             let lights = to_lights.iter().map(|ray| nearest_light(ray, lights)).collect();
-            Batch { kind, rays: rays.into(), lights, expected }
+            Batch { kind, order: RayOrder::Scanline, rays: rays.into(), lights, expected }
         };
         Self { stride: 1, batches: answers.into_iter().map(batch).collect() }
     }
 
     /// Every `stride`-th ray of each kind.
-    pub fn thinned(&self, stride: usize) -> BatchSet<'a, S> {
+    pub fn thinned(&self, stride: usize) -> BatchSet<'_, S> {
         BatchSet { stride, batches: self.batches.iter().map(|b| b.thinned(stride)).collect() }
     }
 
     /// The rays of some kinds.
-    pub fn restricted(&self, keep: impl Fn(RayKind) -> bool) -> Self {
+    pub fn restricted(&self, keep: impl Fn(RayKind) -> bool) -> BatchSet<'_, S> {
         let kept = self.batches.iter().filter(|b| keep(b.kind));
-        Self { stride: self.stride, batches: kept.cloned().collect() }
+        BatchSet { stride: self.stride, batches: kept.map(Batch::borrowed).collect() }
     }
 
     /// Rays of all kinds together.

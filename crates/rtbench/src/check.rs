@@ -11,6 +11,7 @@ use crate::batches::{Answers, Batch, BatchSet, CHUNK};
 use crate::clock::Clock;
 use crate::measure::Scope;
 use crate::measured_row::{Built, MeasuredRow};
+use crate::query::Query;
 use crate::record::{ShapeRecord, Verdict, WorkRecord};
 use crate::reference::{oracle_rays, oracle_sample};
 
@@ -26,6 +27,8 @@ pub struct Checked {
     pub verdict: Verdict,
     /// What was built.
     pub shape: ShapeRecord,
+    /// How it answers the rays of a batch.
+    pub query: Query,
     /// The work of the counted rays.
     pub work: WorkRecord,
     /// Rays compared.
@@ -52,6 +55,8 @@ pub fn check<S: Buildable + OccluderScalar>(
     let built = scope.pools.measured.install(|| row.build(prims, scope.lights))?;
     let asked = scope.all.restricted(|kind| row.answers(kind));
     let full_pass_s = pilot(&built, &asked, scope.clock);
+    // the same rays in another order are compared in every round
+    let asked = asked.distinct();
     let limits = &scope.plan.limits;
     let cap = if row.is_sampled() { limits.sampled_pass } else { limits.checked_pass };
     let fixed = scope.plan.strides.checked(&scope.stage.scene.name, &row.label());
@@ -71,7 +76,7 @@ pub fn check<S: Buildable + OccluderScalar>(
             let mut timed_path = Answers::new(batch.kind, batch.rays.len());
             timed_path.clear();
             built.trace_chunked(batch, &mut timed_path);
-            answered.extend_from_slice(batch.kind.name().as_bytes());
+            answered.extend_from_slice(batch.name().as_bytes());
             answered.extend(timed_path.bytes());
             let (counted_path, counted) = count(&built, batch);
             work += counted;
@@ -90,6 +95,7 @@ pub fn check<S: Buildable + OccluderScalar>(
     Ok(Checked {
         verdict,
         shape: shape(&built),
+        query: built.query(),
         work: WorkRecord {
             rays: set.total() as u64,
             intersection_tests: work.intersection_tests,
@@ -138,7 +144,7 @@ fn compare<S: Buildable>(
         return Comparison { compared: tally.checked, wrong, example: tally.example };
     }
     let example = answers.differing(&batch.expected).next().map(|first| {
-        let (kind, ray) = (batch.kind.name(), first * set.stride);
+        let (kind, ray) = (batch.name(), first * set.stride);
         let (said, expected) = (answers.describe(first), batch.expected.describe(first));
         format!("{kind} ray {ray}: {said}, expected {expected}")
     });
@@ -175,7 +181,10 @@ fn pilot<S: Buildable>(built: &Built<'_, S>, set: &BatchSet<'_, S>, clock: &dyn 
 }
 
 /// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
-fn count<S: Buildable>(built: &Built<'_, S>, batch: &Batch<'_, S>) -> (Answers<S>, WorkCounters) {
+pub fn count<S: Buildable>(
+    built: &Built<'_, S>,
+    batch: &Batch<'_, S>,
+) -> (Answers<S>, WorkCounters) {
     let Built::Structure(tracer) = built else {
         let (blocked, work) = built.count_blocked(batch);
         return (Answers::Blocked(blocked), work);

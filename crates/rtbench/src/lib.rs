@@ -55,13 +55,17 @@ pub mod merge;
 pub mod metrics;
 pub mod oracle;
 pub mod panics;
+pub mod picture_time;
 pub mod plan;
 pub mod plan_part;
 pub mod pools;
 pub mod pressure;
+pub mod profile;
 pub mod progress;
 pub mod quantity;
+pub mod query;
 pub mod random;
+pub mod ray_order;
 pub mod ray_overrides;
 pub mod record;
 pub mod record_file;
@@ -170,18 +174,17 @@ pub fn run_in(
     let mut command_line = context.command_line.clone();
     match config.as_ref().map_or(Ok(Vec::new()), |config| config.added_to(&arguments)) {
         Err(error) => return failed(context, &cli, &error.into()),
-        Ok(added) if added.is_empty() => {}
-        Ok(added) => {
-            let shown = added.iter().map(|a| a.to_string_lossy().into_owned());
-            config::join(&mut command_line, shown);
-            config::join(&mut arguments, added);
-            cli = match parsed(context, &arguments) {
-                Ok(cli) => cli,
-                Err(error) => return usage(context, error),
-            };
-        }
+        Ok(added) => add(added, &mut command_line, &mut arguments),
     }
     let scenes = Configured::new(context.scenes, config.as_ref());
+    match config::of_set(&arguments, &scenes) {
+        Err(error) => return failed(context, &cli, &error),
+        Ok(added) => add(added, &mut command_line, &mut arguments),
+    }
+    cli = match parsed(context, &arguments) {
+        Ok(cli) => cli,
+        Err(error) => return usage(context, error),
+    };
     let mut context = Context {
         registry: context.registry,
         occluders: context.occluders,
@@ -217,6 +220,9 @@ pub fn run_in(
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
+        Command::Profile(args) => {
+            commands::profile::run(context, args, cli.color).map(|()| SUCCESS)
+        }
         Command::Check(args) => {
             let thresholds = config.as_ref().map(Config::thresholds).unwrap_or_default();
             commands::check::run(context, args, thresholds, cli.color)
@@ -232,6 +238,12 @@ pub fn run_in(
         Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
     };
     ended.unwrap_or_else(|error| failed(context, &cli, &error))
+}
+
+/// Adds arguments to the command line, and to what the record has of it.
+fn add(added: Vec<OsString>, command_line: &mut Vec<String>, arguments: &mut Vec<OsString>) {
+    config::join(command_line, added.iter().map(|a| a.to_string_lossy().into_owned()));
+    config::join(arguments, added);
 }
 
 /// Says why a command ended early; returns the exit code.

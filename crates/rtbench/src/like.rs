@@ -147,6 +147,8 @@ fn arguments(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunArgs, LikeE
     }
     labels.into_iter().for_each(|label| option("structures", label));
     option("rays", settings.rays.join(","));
+    option("order", settings.order.clone());
+    option("lights", settings.lights.clone());
     option("threads", settings.threads.to_string());
     option("seed", settings.seed.to_string());
     option("reference", settings.reference.clone());

@@ -64,7 +64,7 @@ struct Sheet<'a, S: Buildable> {
     answers: Vec<Answers<S>>,
 }
 
-/// Seconds by kind of ray.
+/// Seconds by kind of ray and order.
 type Seconds = BTreeMap<String, f64>;
 
 /// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
@@ -119,6 +119,7 @@ pub fn measure<S: Buildable + OccluderScalar>(
                 trace_s: seen.trace_s,
                 reference_trace_s: None,
                 reference_build_s: None,
+                reference_by_kind: BTreeMap::new(),
             });
             scope.progress.step(scope.clock.now());
         }
@@ -126,10 +127,12 @@ pub fn measure<S: Buildable + OccluderScalar>(
             let reference = strides[row].and_then(|s| of_reference.get(&s));
             if let Some(sample) = timed[row].samples.last_mut() {
                 // over the kinds of rays that the row answers
-                sample.reference_trace_s = reference.map(|seconds| {
+                let own = reference.map(|seconds| {
                     let own = seconds.iter().filter(|(kind, _)| sample.trace_s.contains_key(*kind));
-                    own.map(|(_, s)| s).sum()
+                    own.map(|(kind, s)| (kind.clone(), *s)).collect::<Seconds>()
                 });
+                sample.reference_trace_s = own.as_ref().map(|seconds| seconds.values().sum());
+                sample.reference_by_kind = own.unwrap_or_default();
             }
         }
         round += 1;
@@ -241,7 +244,7 @@ impl<S: Buildable> Sheet<'_, S> {
             } else {
                 built.trace(batch, answers);
             }
-            seconds.insert(batch.kind.name().into(), scope.clock.seconds_since(start));
+            seconds.insert(batch.name(), scope.clock.seconds_since(start));
             if scope.is_confirmed {
                 mismatches += answers.differing(&batch.expected).count();
             }

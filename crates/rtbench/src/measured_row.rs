@@ -11,6 +11,7 @@ use renderer::RayKind;
 
 use crate::batches::{Answers, Batch, CHUNK, trace, trace_chunked};
 use crate::plan::PlanError;
+use crate::query::Query;
 use crate::rows::{self, Registered, Row};
 use crate::suggest;
 
@@ -152,6 +153,15 @@ impl<S: Buildable> Built<'_, S> {
                 a
             });
         (blocked, work)
+    }
+
+    /// How it answers the rays of a batch.
+    pub fn query(&self) -> Query {
+        let answers_batches = match self {
+            Self::Structure(tracer) => tracer.answers_batches(),
+            Self::Occluder(occluder) => occluder.answers_batches(),
+        };
+        if answers_batches { Query::Batch } else { Query::OneRay }
     }
 
     /// What was built.

@@ -289,8 +289,7 @@ fn scenes_agree(parts: &[(ShardRecord, Part)], problems: &mut Vec<MergeProblem>)
 
 fn common_scene(scene: &SceneRecord) -> CommonScene<'_> {
     // a reference too slow for all rays is counted on as many as its time allows
-    let is_whole =
-        |row: &&RowRecord| row.is_reference && row.checked_rays == scene.rays.values().sum::<u64>();
+    let is_whole = |row: &&RowRecord| row.is_reference && row.checked_rays == scene.distinct_rays();
     CommonScene {
         sha256: &scene.sha256,
         primitives: scene.primitives,

@@ -6,7 +6,7 @@
 use crate::comparison::differences::Concerns;
 use crate::plan::PlanError;
 use crate::record::{RowRecord, Sample, SceneRecord, ShapeRecord, WorkRecord};
-use crate::scene_run::{build_ratios, trace_ratios};
+use crate::scene_run::{build_ratios, kind_ratios, trace_ratios};
 use crate::suggest::hint;
 
 /// A metric of a row.
@@ -35,6 +35,8 @@ pub enum Reading {
     Build(fn(&SceneRecord, &RowRecord) -> Vec<f64>),
     /// Of the rays that were timed, a sample a round.
     Trace(fn(&RowRecord) -> Vec<f64>),
+    /// Of those of a kind and order: the ratio to the reference, a sample a round.
+    RatioOf(&'static str),
 }
 
 impl Metric {
@@ -65,6 +67,7 @@ impl Metric {
         match self.reading {
             Reading::Trace(_) => Some(row.rays),
             Reading::Work(_) => Some(row.work.as_ref()?.rays),
+            Reading::RatioOf(kind) => row.rays_by_kind.get(kind).copied(),
             Reading::Shape(_) | Reading::Build(_) => None,
         }
     }
@@ -77,7 +80,7 @@ impl Metric {
                 let work = row.work.as_ref()?;
                 Some(read(work) as f64 / work.rays.max(1) as f64)
             }
-            Reading::Build(_) | Reading::Trace(_) => None,
+            Reading::Build(_) | Reading::Trace(_) | Reading::RatioOf(_) => None,
         }
     }
 
@@ -87,6 +90,7 @@ impl Metric {
             Reading::Shape(_) | Reading::Work(_) => self.exact(row).into_iter().collect(),
             Reading::Build(read) => read(scene, row),
             Reading::Trace(read) => read(row),
+            Reading::RatioOf(kind) => kind_ratios(row, kind),
         }
     }
 }
@@ -126,6 +130,16 @@ pub static METRICS: &[Metric] = &[
     cost("trace", "s", "trace time of all rays", Reading::Trace(|row| row.samples.iter().map(Sample::total_trace_s).collect())),
     cost("build-ratio", "", "build time over the reference's of the same round", Reading::Build(build_ratios)),
     cost("ratio", "", "trace time over the reference's of the same round", Reading::Trace(trace_ratios)),
+    cost("ratio-primary", "", "the same of primary rays", Reading::RatioOf("primary")),
+    cost("ratio-shadow", "", "the same of shadow rays", Reading::RatioOf("shadow")),
+    cost("ratio-reflected", "", "the same of reflected rays", Reading::RatioOf("reflected")),
+    cost("ratio-refracted", "", "the same of refracted rays", Reading::RatioOf("refracted")),
+    cost("ratio-diffuse", "", "the same of diffuse rays", Reading::RatioOf("diffuse")),
+    cost("ratio-primary-shuffled", "", "the same of primary rays in shuffled order", Reading::RatioOf("primary-shuffled")),
+    cost("ratio-shadow-shuffled", "", "the same of shadow rays in shuffled order", Reading::RatioOf("shadow-shuffled")),
+    cost("ratio-reflected-shuffled", "", "the same of reflected rays in shuffled order", Reading::RatioOf("reflected-shuffled")),
+    cost("ratio-refracted-shuffled", "", "the same of refracted rays in shuffled order", Reading::RatioOf("refracted-shuffled")),
+    cost("ratio-diffuse-shuffled", "", "the same of diffuse rays in shuffled order", Reading::RatioOf("diffuse-shuffled")),
 ];
 
 const fn cost(
@@ -139,7 +153,10 @@ const fn cost(
 
 #[cfg(test)]
 mod tests {
+    use renderer::RayKind;
+
     use super::*;
+    use crate::ray_order::{Orders, batch_name};
 
     #[test]
     fn metrics_are_found_by_name() {
@@ -148,7 +165,17 @@ mod tests {
             assert!(matches!(reading, Reading::Work(_) | Reading::Trace(_)), "{name}: over rays");
         }
         let to_reference = METRICS.iter().filter(|m| m.is_to_reference()).map(|m| m.name);
-        assert_eq!(to_reference.collect::<Vec<_>>(), ["build-ratio", "ratio"]);
+        let to_reference: Vec<_> = to_reference.collect();
+        assert_eq!(to_reference[..2], ["build-ratio", "ratio"]);
+        // every kind of ray in both orders
+        for kind in RayKind::ALL {
+            for &order in Orders::Both.orders() {
+                let name = batch_name(kind.name(), order);
+                let metric = named(&format!("ratio-{name}")).unwrap();
+                assert!(to_reference.contains(&metric.name));
+                assert!(matches!(metric.reading, Reading::RatioOf(read) if read == name));
+            }
+        }
         let error = named("n_its").unwrap_err().to_string();
         assert!(
             error.contains("unknown metric 'n_its' (did you mean 'n_it'?); valid: n_in, "),

@@ -9,9 +9,10 @@ use accel_core::occluders;
 use accel_core::params::ParamError;
 use accel_core::structures::Entry;
 
-use crate::args::{MeasuringArgs, Precision, RunArgs};
+use crate::args::{Lights, MeasuringArgs, Precision, RunArgs};
 use crate::measured_row::{self, MeasuredRow};
 use crate::plan_part::PlannedPart;
+use crate::ray_order::Orders;
 use crate::ray_overrides;
 use crate::rows::Row;
 use crate::scale::ScaleError;
@@ -21,7 +22,7 @@ use crate::shard::Shard;
 use crate::strides::FixedStrides;
 use crate::suggest;
 use crate::sweep::SweepError;
-use renderer::{RayKind, RaySettings};
+use renderer::{RayKind, RaySettings, ShadowRays};
 
 /// The set that runs when no scene is named.
 pub const DEFAULT_SET: &str = "spd";
@@ -231,6 +232,10 @@ pub struct Plan<'r> {
     pub answers: Vec<Row<'r>>,
     /// Kinds of rays.
     pub kinds: Vec<RayKind>,
+    /// In which orders rows are asked the rays.
+    pub orders: Orders,
+    /// Tables of each kind of ray are wanted, too.
+    pub by_kind: bool,
     /// Rounds.
     pub rounds: Rounds,
     /// Threads that build and trace.
@@ -279,6 +284,7 @@ impl<'r> Plan<'r> {
         let scenes = scenes.resolve(names)?;
         let mut plan = Self::over(scenes, rows, baseline, &args.measuring, registry)?;
         plan.settings.offset = ray_settings.offset;
+        plan.by_kind = args.by_kind;
         if plan.kinds.iter().any(|k| k.is_occlusion()) {
             plan.rows.extend(occluding.into_iter().map(MeasuredRow::Occluder));
         } else if let Some(row) = occluding.first()
@@ -312,24 +318,39 @@ impl<'r> Plan<'r> {
             (None, None) => Rounds::Fixed(at_least),
         };
         let size = args.size.unwrap_or(if args.quick { QUICK_SIZE } else { DEFAULT_SIZE });
-        let settings = RaySettings {
+        let mut settings = RaySettings {
             resolution: [size; 2],
             diffuse: kinds.contains(&RayKind::Diffuse),
             seed: args.seed,
             ..RaySettings::default()
         };
+        if args.lights == Lights::First {
+            settings.shadows = ShadowRays::FirstLight;
+            let goes_on = |kind: &RayKind| matches!(kind, RayKind::Reflected | RayKind::Refracted);
+            if !kinds.iter().any(goes_on) {
+                // nothing that is asked comes of what lies behind the first hit
+                settings.max_depth = 1;
+            }
+        }
+        let mut limits = Limits::new(args.quick);
+        if let Some(longest) = args.pass_limit {
+            limits.timed_pass = longest.as_secs_f64();
+            limits.checked_pass = limits.checked_pass.max(limits.timed_pass);
+        }
         Ok(Self {
             scenes,
             answers: answers(registry)?,
             rows: rows.into_iter().map(MeasuredRow::from).collect(),
             baseline,
             kinds,
+            orders: args.order,
+            by_kind: false,
             rounds,
             threads: usize::from(args.threads),
             seed: args.seed,
             settings,
             precision: args.precision,
-            limits: Limits::new(args.quick),
+            limits,
             quick: args.quick,
             strides: FixedStrides::default(),
             part: None,

@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::scale::record::ScaleRecord;
+use crate::args::Lights;
+use crate::query::Query;
+use crate::ray_order::Orders;
 use crate::shard::ShardRecord;
 use crate::statistics::Estimate;
 use crate::statistics::outliers::outliers;
@@ -149,6 +152,25 @@ pub struct Settings {
     pub reference: String,
     /// Run with `--quick`.
     pub quick: bool,
+    /// In which order rows were asked the rays: `scanline`, `shuffled`, or `both`.
+    #[serde(default = "scanline")]
+    pub order: String,
+    /// Which lights were asked: `each` that a hit faces, or from primary hits the `first`.
+    #[serde(default = "each_light")]
+    pub lights: String,
+    /// Tables of each kind of ray, and of the time to a picture, were asked for.
+    #[serde(default)]
+    pub by_kind: bool,
+}
+
+/// Of records from before there were orders.
+fn scanline() -> String {
+    Orders::Scanline.name().to_owned()
+}
+
+/// Of records from before lights could be chosen.
+fn each_light() -> String {
+    Lights::Each.name().to_owned()
 }
 
 /// A scene's results.
@@ -169,7 +191,7 @@ pub struct SceneRecord {
     pub geometry_bytes: u64,
     /// What the loader noticed.
     pub warnings: Vec<String>,
-    /// Rays of each kind.
+    /// Rays of each kind; those in shuffled order by `KIND-shuffled`, here and in all rows.
     pub rays: BTreeMap<String, u64>,
     /// How answers were judged.
     pub oracle: OracleRecord,
@@ -338,6 +360,9 @@ pub struct Sample {
     /// Seconds of the reference row's build in the same round. None in records from before.
     #[serde(default)]
     pub reference_build_s: Option<f64>,
+    /// What `reference_trace_s` is the sum of, by kind. Empty in records from before.
+    #[serde(default)]
+    pub reference_by_kind: BTreeMap<String, f64>,
 }
 
 impl Sample {
@@ -360,6 +385,9 @@ pub struct RowRecord {
     /// Which rays it answers.
     #[serde(default)]
     pub answers: Answered,
+    /// How it was asked.
+    #[serde(default)]
+    pub query: Query,
     /// What is said of it.
     pub verdict: Verdict,
     /// The defect it keeps on purpose.
@@ -394,6 +422,9 @@ pub struct RowRecord {
     pub mrays: BTreeMap<String, f64>,
     /// Trace time divided by the reference's in the same round, on the same rays.
     pub ratio: Option<Estimate>,
+    /// The same for each kind of ray. Empty in records from before.
+    #[serde(default)]
+    pub ratio_by_kind: BTreeMap<String, Estimate>,
     /// Build time divided by the reference's in the same round.
     pub build_ratio: Option<Estimate>,
     /// The whole image through the renderer, seconds.
@@ -473,6 +504,12 @@ pub struct SummaryRow {
     pub answers: Answered,
     /// Geometric mean over those scenes of the trace ratio.
     pub ratio: Option<Estimate>,
+    /// The same for each kind of ray. Empty in records from before.
+    #[serde(default)]
+    pub ratio_by_kind: BTreeMap<String, Estimate>,
+    /// Of those scenes, the ones where it answered batches.
+    #[serde(default)]
+    pub batch_scenes: u64,
     /// Geometric mean over those scenes of the build ratio.
     pub build_ratio: Option<Estimate>,
     /// What is said of it: the worst of its scenes.

@@ -6,7 +6,7 @@ use std::time::Duration;
 use accel_core::occluders::OccluderScalar;
 use accel_core::structures::{BuildError, Buildable};
 use glam::DVec3;
-use renderer::{Geometry, RayKind};
+use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
 use scene_loading::{Light, Scene};
 
 use crate::batches::BatchSet;
@@ -61,8 +61,9 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         Oracle::new(&exact).map_err(|source| Error::Build { scene: scene.name.clone(), source })?;
     let stage = Stage { scene, geometry: &geometry, oracle: &oracle };
     let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
-    let lights = light_positions(scene);
+    let lights = lights_asked(scene, &plan.settings);
     let all = BatchSet::new(&rays, answers, &lights);
+    let all = all.in_orders(plan.orders, plan.seed, &scene.name);
     let scope = Scope {
         plan,
         stage: &stage,
@@ -136,12 +137,21 @@ pub fn light_positions(scene: &Scene) -> Vec<DVec3> {
     scene.lights.iter().map(Light::position).collect()
 }
 
+/// Where the lights are that shadow rays run to: an occluder is built for these.
+pub fn lights_asked(scene: &Scene, settings: &RaySettings) -> Vec<DVec3> {
+    let mut lights = light_positions(scene);
+    if settings.shadows == ShadowRays::FirstLight {
+        lights.truncate(1);
+    }
+    lights
+}
+
 fn by_kind<S: Buildable>(
     set: &BatchSet<'_, S>,
     is_asked: impl Fn(RayKind) -> bool,
 ) -> BTreeMap<String, u64> {
     let asked = set.batches.iter().filter(|b| is_asked(b.kind));
-    asked.map(|b| (b.kind.name().to_owned(), b.rays.len() as u64)).collect()
+    asked.map(|b| (b.name(), b.rays.len() as u64)).collect()
 }
 
 /// Why there is nothing to show of a row.
@@ -210,7 +220,7 @@ impl RowParts<'_, '_> {
             checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
             mismatches,
             answers_sha256: checked.as_ref().map(|c| c.answers_sha256.clone()),
-            example: checked.and_then(|c| c.example),
+            example: checked.as_ref().and_then(|c| c.example.clone()),
             stride: stride as u64,
             rays: rays_by_kind.values().sum(),
             build_s: of(|s| s.build_s),
@@ -218,6 +228,7 @@ impl RowParts<'_, '_> {
             trace_s: of(Sample::total_trace_s).filter(|_| !rays_by_kind.is_empty()),
             mrays: rays_by_kind.iter().filter_map(rate).collect(),
             rays_by_kind,
+            query: checked.as_ref().map(|c| c.query).unwrap_or_default(),
             render_s: timed.render_s.filter(|_| verdict.is_timed()),
             outliers: Outliers::of(&samples),
             samples,
@@ -251,7 +262,9 @@ pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>
         build_s: None,
         trace_s: None,
         mrays: BTreeMap::new(),
+        query: Query::default(),
         ratio: None,
+        ratio_by_kind: BTreeMap::new(),
         build_ratio: None,
         render_s: None,
         samples: Vec::new(),
@@ -271,7 +284,12 @@ fn compare_with_baseline(rows: &mut [RowRecord], plan: &Plan<'_>) {
         for sample in &mut row.samples {
             sample.reference_trace_s = sample.reference_trace_s.filter(|_| is_timed);
             sample.reference_build_s = seconds_of(sample.round, &baseline);
+            sample.reference_by_kind.retain(|_, _| is_timed);
         }
+        let kinds = row.rays_by_kind.keys();
+        let ratios = kinds
+            .filter_map(|kind| Some((kind.clone(), estimate(&kind_ratios(row, kind), plan.seed)?)));
+        row.ratio_by_kind = ratios.collect();
         row.ratio = estimate(&trace_ratios(row), plan.seed);
         row.build_ratio = estimate(&ratios_of_builds(row, &[]), plan.seed);
     }
@@ -280,6 +298,16 @@ fn compare_with_baseline(rows: &mut [RowRecord], plan: &Plan<'_>) {
 /// Trace time over the reference's, round by round.
 pub fn trace_ratios(row: &RowRecord) -> Vec<f64> {
     let ratio = |s: &Sample| Some(s.total_trace_s() / s.reference_trace_s.filter(|r| *r > 0.0)?);
+    row.samples.iter().filter_map(ratio).collect()
+}
+
+/// Trace time of the rays of a kind over the reference's, round by round; none in records from
+/// before samples had them.
+pub fn kind_ratios(row: &RowRecord, kind: &str) -> Vec<f64> {
+    let ratio = |s: &Sample| {
+        let reference = s.reference_by_kind.get(kind).copied().filter(|r| *r > 0.0)?;
+        Some(s.trace_s.get(kind)? / reference)
+    };
     row.samples.iter().filter_map(ratio).collect()
 }
 

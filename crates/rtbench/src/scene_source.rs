@@ -4,6 +4,7 @@ use std::fmt::Debug;
 use std::path::PathBuf;
 
 use scene_loading::procedural::{SpecError, generators};
+use serde_json::{Map, Value};
 
 pub use scene_loading::{LoadError, LoadedScene, SceneCatalogue, SceneRef, SceneSizes};
 
@@ -52,6 +53,15 @@ pub trait SceneSource {
     /// # Errors
     /// [`LoadError`] when the catalogue is damaged.
     fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError>;
+
+    /// The options of a run of that set, by their long names, or those of a quick one; none where it
+    /// has none of its own.
+    ///
+    /// # Errors
+    /// [`LoadError`] when the catalogue is damaged.
+    fn run_options(&self, _set: &str, _quick: bool) -> Result<Map<String, Value>, LoadError> {
+        Ok(Map::new())
+    }
 }
 
 /// The catalogue that the program carries, with `./scenes` where there is one. Read when asked
@@ -80,6 +90,16 @@ impl SceneSource for Installed {
     fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
         let catalogue = SceneCatalogue::open(None)?;
         Ok(catalogue.sets().map(|s| (s.name.clone(), s.scenes.clone())).collect())
+    }
+
+    fn run_options(&self, set: &str, quick: bool) -> Result<Map<String, Value>, LoadError> {
+        let catalogue = SceneCatalogue::open(None)?;
+        let found = catalogue.sets().find(|s| s.name == set);
+        let mut options = found.map(|s| s.run.clone()).unwrap_or_default();
+        if let Some(set) = found.filter(|_| quick) {
+            options.extend(set.quick.clone());
+        }
+        Ok(options)
     }
 }
 

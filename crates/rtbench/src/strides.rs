@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::ray_order::{distinct, kind_of};
 use crate::record::{Answered, RowRecord, RunRecord, SceneRecord};
 
 /// Strides by scene and label of the row; none but of the rows of a record.
@@ -52,8 +53,8 @@ impl FixedStrides {
 /// The power of two that leaves so many rays as were counted.
 fn checked(scene: &SceneRecord, row: &RowRecord) -> Option<usize> {
     let counted = row.work.as_ref()?.rays;
-    let is_asked = |kind: &str| row.answers == Answered::AllRays || kind == "shadow";
-    let all = || scene.rays.iter().filter(|(kind, _)| is_asked(kind)).map(|(_, n)| *n);
+    let is_asked = |name: &str| row.answers == Answered::AllRays || kind_of(name) == "shadow";
+    let all = || distinct(&scene.rays).filter(|(name, _)| is_asked(name)).map(|(_, n)| n);
     let left = |stride: u64| all().map(|n| n.div_ceil(stride)).sum::<u64>();
     let stride = (0..40).map(|power| 1u64 << power).find(|&stride| left(stride) == counted)?;
     Some(stride as usize)

@@ -1,7 +1,10 @@
 //! All scenes together: geometric means of ratios.
 
+use std::collections::BTreeMap;
+
+use crate::query::Query;
 use crate::record::{RowRecord, SceneRecord, SummaryRow, Verdict};
-use crate::scene_run::{build_ratios, trace_ratios};
+use crate::scene_run::{build_ratios, kind_ratios, trace_ratios};
 use crate::statistics::geometric_mean_of_medians;
 
 /// One row for each row of the scenes, in their order; a part of a run may have rows in some of its
@@ -19,6 +22,8 @@ pub fn summarize(scenes: &[SceneRecord], seed: u64) -> Vec<SummaryRow> {
 fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryRow {
     let mut ratios = Vec::new();
     let mut builds = Vec::new();
+    let mut kinds: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
+    let mut batch_scenes = 0;
     let mut verdicts = Vec::new();
     let mut mismatches = 0;
     for scene in scenes {
@@ -29,6 +34,13 @@ fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryR
         if !trace.is_empty() {
             builds.push(build_ratios(scene, own));
             ratios.push(trace);
+            batch_scenes += u64::from(own.query == Query::Batch);
+            for kind in own.rays_by_kind.keys() {
+                let of_kind = kind_ratios(own, kind);
+                if !of_kind.is_empty() {
+                    kinds.entry(kind).or_default().push(of_kind);
+                }
+            }
         }
     }
     let mean = |groups: &[Vec<f64>]| {
@@ -48,6 +60,11 @@ fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryR
         mismatches,
         answers: row.answers,
         ratio: mean(&ratios),
+        ratio_by_kind: kinds
+            .iter()
+            .filter_map(|(kind, groups)| Some(((*kind).to_owned(), mean(groups)?)))
+            .collect(),
+        batch_scenes,
         build_ratio: mean(&builds),
         verdict: match () {
             () if wrong > 0 => Verdict::Wrong,

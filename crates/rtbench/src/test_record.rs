@@ -33,6 +33,9 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
                 .next()
                 .unwrap_or_default(),
             quick: false,
+            order: "scanline".into(),
+            lights: "each".into(),
+            by_kind: false,
         },
         scenes: scenes.iter().map(|(name, rows)| scene(name, rows)).collect(),
         summary: Vec::new(),
@@ -70,6 +73,11 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
                 trace_s: [("primary".to_owned(), seconds)].into(),
                 reference_trace_s: reference.get(round).copied(),
                 reference_build_s: reference.get(round).map(|s| s / 10.0),
+                reference_by_kind: reference
+                    .get(round)
+                    .map(|s| ("primary".to_owned(), *s))
+                    .into_iter()
+                    .collect(),
             })
             .collect();
         row

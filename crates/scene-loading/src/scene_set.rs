@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Deserialize;
+use serde_json::{Map, Value};
 
 use crate::error::{LoadError, Place};
 use crate::scene_file::{check_name, from_json};
@@ -17,6 +18,13 @@ pub struct SceneSet {
     pub title: String,
     /// The scenes in order: generator specifications and names of scene files. Sets do not nest.
     pub scenes: Vec<String>,
+    /// Options of a run of the set that are not the usual ones, by their long names. What they mean
+    /// is the program's business.
+    #[serde(default)]
+    pub run: Map<String, Value>,
+    /// The same of a quick run, before those of `run`.
+    #[serde(default)]
+    pub quick: Map<String, Value>,
 }
 
 impl SceneSet {

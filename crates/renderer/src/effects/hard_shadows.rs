@@ -67,6 +67,46 @@ impl LightStage for PointLights {
     }
 }
 
+/// Asks the first light from every primary hit, lit side or not; see
+/// [`ShadowRays::FirstLight`](crate::rays::ShadowRays::FirstLight). None in a scene without lights.
+pub fn first_light(scene: &Scene, both_sides: bool) -> Option<Box<dyn LightStage>> {
+    let &(light, color) = lights(scene).first()?;
+    Some(Box::new(FirstLight { light, color, both_sides }))
+}
+
+struct FirstLight {
+    light: DVec3,
+    color: Rgb,
+    both_sides: bool,
+}
+
+impl LightStage for FirstLight {
+    fn rays_a_hit(&self) -> usize {
+        1
+    }
+
+    fn shadow_rays(
+        &self,
+        place: Place,
+        hits: &[SurfaceHit<'_>],
+        out: &mut Vec<ShadowRay>,
+        counts: &mut RayCounts,
+    ) {
+        if place.depth > 1 {
+            return;
+        }
+        let &Self { light, color, both_sides } = self;
+        // a light in the very point has no direction
+        let asked = hits.iter().zip(0..).filter(|(hit, _)| hit.point.position != light);
+        let before = out.len();
+        out.extend(asked.map(|(hit, index)| {
+            let lit = shadow_ray(hit, index, lit_normal(hit, both_sides), light, color, 1.0);
+            lit.unwrap_or(ShadowRay { hit: index, target: light, light: [0.0; 3] })
+        }));
+        counts.add_effect(Effect::HardShadows, out.len() - before);
+    }
+}
+
 /// The side of the surface that lights are seen from.
 pub fn lit_normal(hit: &SurfaceHit<'_>, both_sides: bool) -> DVec3 {
     let normal = hit.point.normal;

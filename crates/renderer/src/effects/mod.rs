@@ -22,7 +22,7 @@ mod textures;
 use scene_loading::Scene;
 
 pub(crate) use eye::Pinhole;
-pub(crate) use hard_shadows::{PointLights, lights, lit_normal, shadow_ray};
+pub(crate) use hard_shadows::{PointLights, first_light, lights, lit_normal, shadow_ray};
 pub(crate) use mirror::Scatter;
 pub use plan::{EffectPlan, Gating, RenderSettings, Samples};
 pub(crate) use textures::ImageColors;

@@ -20,10 +20,11 @@ use scene_loading::{Rgb, Scene};
 
 use crate::camera::{EyeRays, Sampling};
 use crate::effects::counts::RayCounts;
+use crate::effects::first_light;
 use crate::effects::plan::{EffectPlan, plain_stages};
 use crate::film::Image;
 use crate::leaving::{Leaving, OffsetRule};
-use crate::rays::{RayBatches, RayKind, RaySettings};
+use crate::rays::{RayBatches, RayKind, RaySettings, ShadowRays};
 use crate::surface::Surfaces;
 use crate::tracers::TracerInfo;
 use crate::tracers::stages::{Origin, Place, Scattered, ShadowRay, Stages, SurfaceHit};
@@ -79,7 +80,10 @@ impl<'a> Whitted<'a> {
         let sampling = if historical { Sampling::PixelCorners } else { Sampling::PixelCentres };
         let eye = EyeRays::new(&scene.camera, settings.resolution, sampling);
         let grid = eye.grid();
-        let stages = plain_stages(scene, eye, !historical);
+        let mut stages = plain_stages(scene, eye, !historical);
+        if settings.shadows == ShadowRays::FirstLight {
+            stages.lights = first_light(scene, !historical);
+        }
         let mut this = Self::with_stages(scene, grid, settings.max_depth, settings.offset, stages);
         this.surfaces = Surfaces::new(scene, historical);
         this.diffuse = settings.diffuse.then_some(settings.seed);

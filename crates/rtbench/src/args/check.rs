@@ -136,6 +136,12 @@ pub enum ChildAction {
     CountInstructions,
     /// Build one row and say how much memory that took; ends when standard input ends
     Build(TrialArgs),
+    /// Build each row and ask it a window of each batch of rays, for a simulation of caches
+    AskWindows {
+        /// Rays of a window.
+        #[arg(long)]
+        rays: u32,
+    },
 }
 
 /// Percent as typed, `3` or `3%`, as a share.

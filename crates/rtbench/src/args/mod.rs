@@ -9,6 +9,7 @@ mod doctor;
 mod exports;
 mod merge;
 mod printed;
+mod profile;
 mod render;
 mod report;
 mod reproduce;
@@ -24,6 +25,7 @@ pub use doctor::DoctorArgs;
 pub use exports::ExportArgs;
 pub use merge::MergeArgs;
 pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
+pub use profile::ProfileArgs;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
@@ -36,6 +38,8 @@ use std::time::Duration;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use scene_loading::source_names::name_of_path;
+
+use crate::ray_order::Orders;
 
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
@@ -100,6 +104,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Put published figures beside ours
     Reproduce(ReproduceArgs),
+    /// What the time of a run's fastest rows is spent on: work, and lines from caches and memory
+    Profile(ProfileArgs),
     /// Hold this program against a baseline or against an older binary: the gate of a CI job
     Check(CheckArgs),
     /// Keep results to check against
@@ -137,6 +143,7 @@ impl Command {
                 | Self::Accuracy(_)
                 | Self::Verify(_)
                 | Self::Reproduce(_)
+                | Self::Profile(_)
                 | Self::Check(_)
                 | Self::Baseline(_)
                 | Self::Child(_)
@@ -163,13 +170,19 @@ pub struct RunArgs {
     /// Measure one part of the table only: 2/8 is the second of eight; `rtbench merge` joins them
     #[arg(long, value_name = "I/N", value_parser = crate::shard::Shard::parse)]
     pub shard: Option<crate::shard::Shard>,
+    /// Also print ratios of each kind of ray, and the time to a picture of a million primary rays
+    #[arg(long)]
+    pub by_kind: bool,
+    /// Take what is not said from that set, as a run of it alone does: its rays, sizes, rows
+    #[arg(long = "as", value_name = "SET")]
+    pub as_set: Option<String>,
     /// What to write.
     #[command(flatten)]
     pub exports: ExportArgs,
     /// Finish the run that was begun with -o DIR: scenes that are finished are not measured again
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
           "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
-          "size", "shard", "exports"])]
+          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "exports"])]
     pub resume: Option<PathBuf>,
 }
 
@@ -238,6 +251,16 @@ pub struct MeasuringArgs {
     /// Kinds of rays [default: all]
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
+    /// The order in which rows are asked the rays
+    #[arg(long, value_enum, default_value_t = Orders::Scanline)]
+    pub order: Orders,
+    /// Which lights shadow rays run to
+    #[arg(long, value_enum, default_value_t = Lights::Each)]
+    pub lights: Lights,
+    /// Longest pass over the rays; a slower row is timed on a sample of them [default: 200ms, 30ms
+    /// with --quick]
+    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    pub pass_limit: Option<Duration>,
     /// Rounds: each visits every row once
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
           value_parser = crate::quantity::count(1..=10_000))]
@@ -264,6 +287,25 @@ pub struct MeasuringArgs {
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=8192))]
     pub size: Option<u32>,
+}
+
+/// Which lights shadow rays run to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Lights {
+    /// From every hit, each that the hit faces
+    Each,
+    /// From every primary hit, the first: one shadow ray a hit
+    First,
+}
+
+impl Lights {
+    /// As typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Each => "each",
+            Self::First => "first",
+        }
+    }
 }
 
 /// Arithmetic of primitives and rays.

@@ -3,6 +3,7 @@
 
 use accel_core::occluders::OccluderScalar;
 use accel_core::structures::Buildable;
+use glam::DVec3;
 use rayon::ThreadPool;
 use renderer::{Geometry, generate_rays};
 use serde::{Deserialize, Serialize};
@@ -14,7 +15,7 @@ use crate::measured_row::MeasuredRow;
 use crate::panics::caught;
 use crate::plan::Plan;
 use crate::pools::pool;
-use crate::scene_run::light_positions;
+use crate::scene_run::lights_asked;
 use crate::scene_source::LoadedScene;
 
 /// Width and height of the image whose rays are taken; that of the record where it is smaller.
@@ -75,10 +76,52 @@ fn count_scene<S: Buildable + OccluderScalar>(
     calls: &mut usize,
     counted: &mut Vec<Counted>,
 ) -> Result<(), Error> {
+    with_rays::<S, ()>(plan, loaded, SIZE, pool, |geometry, lights, all| {
+        for row in &plan.rows {
+            let most = if row.is_sampled() { FEW_RAYS } else { RAYS };
+            let asked = all.restricted(|kind| row.answers(kind));
+            let stride = |rays: usize| rays.div_ceil(most).max(1);
+            let thinned = asked.batches.iter().map(|b| b.thinned(stride(b.rays.len())));
+            let set = BatchSet { stride: 1, batches: thinned.collect() };
+            let phases = caught(|| {
+                // within the pool: what is called from outside would run beside the counted function
+                pool.install(|| phases(row, geometry, lights, &set))
+            });
+            let [is_built, is_asked] = phases.unwrap_or([true, false]);
+            let mut next = |happened: bool| {
+                happened.then(|| {
+                    *calls += 1;
+                    *calls - 1
+                })
+            };
+            counted.push(Counted {
+                scene: loaded.scene.name.clone(),
+                structure: row.structure().into(),
+                settings: row.settings(),
+                rays: set.total() as u64,
+                build_call: next(is_built),
+                trace_call: next(is_asked),
+            });
+        }
+    })
+}
+
+/// Makes the rays of the plan in a scene, of an image of at most `size` pixels across, and works with
+/// them: with the primitives, the lights asked, and the rays in the order of the image.
+///
+/// # Errors
+/// [`Error`] for a scene without geometry, or over which no structure can be built.
+pub fn with_rays<S: Buildable, R>(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    size: u32,
+    pool: &ThreadPool,
+    work: impl FnOnce(&Geometry<S>, &[DVec3], BatchSet<'_, S>) -> R,
+) -> Result<R, Error> {
     let scene = &loaded.scene;
     let geometry = Geometry::<S>::of(scene)?;
     let mut settings = plan.settings;
-    settings.resolution = settings.resolution.map(|n| n.min(SIZE));
+    settings.resolution = settings.resolution.map(|n| n.min(size));
     let mut refused = Vec::new();
     let tracer = plan.answers.iter().find_map(|row| {
         let built = row.entry.build(geometry.prims(), &row.params);
@@ -90,41 +133,16 @@ fn count_scene<S: Buildable + OccluderScalar>(
     })?;
     let rays = pool.install(|| generate_rays(scene, &*tracer, &settings));
     let answers = pool.install(|| answer(&rays, &plan.kinds, &*tracer));
-    let lights = light_positions(scene);
+    let lights = lights_asked(scene, &plan.settings);
     let all = BatchSet::new(&rays, answers, &lights);
-    for row in &plan.rows {
-        let most = if row.is_sampled() { FEW_RAYS } else { RAYS };
-        let asked = all.restricted(|kind| row.answers(kind));
-        let thinned = asked.batches.iter().map(|b| b.thinned(b.rays.len().div_ceil(most).max(1)));
-        let set = BatchSet { stride: 1, batches: thinned.collect() };
-        let phases = caught(|| {
-            // within the pool: what is called from outside would run beside the counted function
-            pool.install(|| phases(row, &geometry, &lights, &set))
-        });
-        let [is_built, is_asked] = phases.unwrap_or([true, false]);
-        let mut next = |happened: bool| {
-            happened.then(|| {
-                *calls += 1;
-                *calls - 1
-            })
-        };
-        counted.push(Counted {
-            scene: scene.name.clone(),
-            structure: row.structure().into(),
-            settings: row.settings(),
-            rays: set.total() as u64,
-            build_call: next(is_built),
-            trace_call: next(is_asked),
-        });
-    }
-    Ok(())
+    Ok(work(&geometry, &lights, all))
 }
 
 /// Builds and asks a row; which of both was done.
 fn phases<S: Buildable + OccluderScalar>(
     row: &MeasuredRow<'_>,
     geometry: &Geometry<S>,
-    lights: &[glam::DVec3],
+    lights: &[DVec3],
     set: &BatchSet<'_, S>,
 ) -> [bool; 2] {
     // once before it counts: the first asks the system for memory, which later ones find

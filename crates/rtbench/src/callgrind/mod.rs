@@ -6,8 +6,11 @@
 //! function that is never inlined ([`counted::counted_phase`]), which switches the counting on and
 //! off, and each return from it writes a file of its own.
 
+pub mod caches;
 pub mod counted;
+pub mod simulation;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -60,6 +63,17 @@ pub enum CallgrindError {
         /// Calls it made.
         expected: usize,
         /// Calls that callgrind saw.
+        found: usize,
+    },
+    /// The system does not tell what is to be simulated.
+    #[error(
+        "{}: tells of {found} caches of data; expected at least two levels with level, size, \
+         ways_of_associativity and coherency_line_size", folder.display()
+    )]
+    Caches {
+        /// Where Linux tells it.
+        folder: PathBuf,
+        /// How many it tells of.
         found: usize,
     },
     /// The results that counts were asked for are of another commit.
@@ -138,17 +152,8 @@ pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, Callg
     let valgrind = version()?;
     let program = program.ok_or(CallgrindError::NoProgram)?;
     let folder = Scratch::new()?;
-    let mut command = Command::new("valgrind");
-    // what allocating costs must not depend on what was freed before; threads keep their own arenas,
-    // or it would depend on what other threads allocate
-    command.env("MALLOC_MMAP_THRESHOLD_", "131072");
-    command
-        .args(["--tool=callgrind", "--collect-atstart=no", "--quiet"])
-        .arg(format!("--toggle-collect={PHASE}"))
-        .arg(format!("--dump-after={PHASE}"))
-        .arg(format!("--callgrind-out-file={}", folder.0.join("out").display()))
-        .arg(program)
-        .args(["--quiet", "child", "count-instructions"]);
+    let mut command = callgrind(&folder);
+    command.arg(program).args(["--quiet", "child", "count-instructions"]);
     let phases: Vec<counted::Counted> = answer(&mut command, &without_samples(record))?;
     let totals = totals(&folder.0)?;
     let expected = phases.iter().flat_map(|p| [p.build_call, p.trace_call]).flatten().count();
@@ -168,8 +173,32 @@ pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, Callg
     Ok(Counts { valgrind, rows: rows.collect() })
 }
 
-/// The totals of all files in the folder that a return from the phase function wrote, in order.
+/// Callgrind, counting the phase function alone, a file a call; its program is to be added.
+fn callgrind(folder: &Scratch) -> Command {
+    let mut command = Command::new("valgrind");
+    // what allocating costs must not depend on what was freed before; threads keep their own arenas,
+    // or it would depend on what other threads allocate
+    command.env("MALLOC_MMAP_THRESHOLD_", "131072");
+    command
+        .args(["--tool=callgrind", "--collect-atstart=no", "--quiet"])
+        .arg(format!("--toggle-collect={PHASE}"))
+        .arg(format!("--dump-after={PHASE}"))
+        .arg(format!("--callgrind-out-file={}", folder.0.join("out").display()));
+    command
+}
+
+/// The instructions of all files in the folder that a return from the phase function wrote, in order.
 fn totals(folder: &Path) -> Result<Vec<u64>, CallgrindError> {
+    let instructions = |events: Events| events.get("Ir").copied();
+    let of_all = events_of_calls(folder)?.into_iter().map(instructions);
+    of_all.collect::<Option<_>>().ok_or_else(|| CallgrindError::Output("no event 'Ir'".into()))
+}
+
+/// Counts of a call by the names of the events.
+type Events = BTreeMap<String, u64>;
+
+/// The counts of all files in the folder that a return from the phase function wrote, in order.
+fn events_of_calls(folder: &Path) -> Result<Vec<Events>, CallgrindError> {
     let io = |path: &Path| {
         let path = path.to_owned();
         move |source| CallgrindError::Io { path, source }
@@ -180,24 +209,33 @@ fn totals(folder: &Path) -> Result<Vec<u64>, CallgrindError> {
         let text = fs::read_to_string(&path).map_err(io(&path))?;
         parts.extend(part(&text).map_err(CallgrindError::Output)?);
     }
-    parts.sort_unstable();
-    Ok(parts.into_iter().map(|(_, total)| total).collect())
+    parts.sort_unstable_by_key(|(number, _)| *number);
+    Ok(parts.into_iter().map(|(_, events)| events).collect())
 }
 
-/// The number of a file's part and its total; none for the part that the end of the program wrote.
-fn part(text: &str) -> Result<Option<(u64, u64)>, String> {
+/// The number of a file's part and its totals; none for the part that the end of the program wrote.
+fn part(text: &str) -> Result<Option<(u64, Events)>, String> {
     let value =
         |key: &str| text.lines().find_map(|line| Some(line.strip_prefix(key)?.trim().to_owned()));
-    let number = |key: &str| {
-        let value = value(key).ok_or_else(|| format!("no line '{key}'"))?;
-        // one cost a line: instructions are the only event
-        value.parse::<u64>().map_err(|_| format!("'{key} {value}': expected a whole number"))
+    let line = |key: &str| value(key).ok_or_else(|| format!("no line '{key}'"));
+    let number = |key: &str, text: &str| {
+        text.parse::<u64>().map_err(|_| format!("'{key} {text}': expected a whole number"))
     };
     let trigger = value("desc: Trigger:").unwrap_or_default();
     if !trigger.starts_with("--dump-after") {
         return Ok(None);
     }
-    Ok(Some((number("part:")?, number("totals:")?)))
+    let (names, totals) = (line("events:")?, line("totals:")?);
+    let counts = totals.split_whitespace().map(|text| number("totals:", text));
+    let counts = counts.collect::<Result<Vec<_>, _>>()?;
+    let names: Vec<&str> = names.split_whitespace().collect();
+    if counts.len() > names.len() {
+        return Err(format!("'totals: {totals}': expected one count for each of {names:?}"));
+    }
+    // callgrind leaves out zeros at the end
+    let counts = counts.into_iter().chain(std::iter::repeat(0));
+    let events = names.into_iter().map(str::to_owned).zip(counts).collect();
+    Ok(Some((number("part:", &line("part:")?)?, events)))
 }
 
 /// A folder for callgrind's files, removed when it is dropped.
@@ -232,10 +270,18 @@ mod tests {
 
     #[test]
     fn a_part_has_a_number_and_a_total() {
-        assert_eq!(part(PART), Ok(Some((3, 1234))));
+        assert_eq!(part(PART), Ok(Some((3, [("Ir".to_owned(), 1234)].into()))));
+        let more = PART.replace("events: Ir", "events: Ir Dr D1mr").replace("1234", "9 8");
+        let events = [("Ir", 9), ("Dr", 8), ("D1mr", 0)].map(|(name, n)| (name.to_owned(), n));
+        assert_eq!(part(&more), Ok(Some((3, events.into()))));
         let end = PART.replace("--dump-after=x", "Program termination");
         assert_eq!(part(&end), Ok(None));
-        for damaged in [PART.replace("totals: 1234", ""), PART.replace("1234", "12 34")] {
+        for damaged in [
+            PART.replace("totals: 1234", ""),
+            PART.replace("1234", "12 34"),
+            PART.replace("1234", "x"),
+            PART.replace("part: 3", "part: three"),
+        ] {
             assert!(part(&damaged).is_err(), "{damaged}");
         }
     }

@@ -5,6 +5,7 @@
 use std::io::Read;
 
 use crate::args::{ChildAction, ChildArgs};
+use crate::callgrind::caches::ask_all;
 use crate::callgrind::counted::count_all;
 use crate::commands::measuring::measure_scenes;
 use crate::context::Context;
@@ -48,6 +49,10 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
         ChildAction::CountInstructions => {
             let plan = like::plan(&record()?, &Narrowed::default(), context)?;
             (serde_json::to_string(&count_all(&plan)?), 0)
+        }
+        ChildAction::AskWindows { rays } => {
+            let plan = like::plan(&record, &Narrowed::default(), context)?;
+            (serde_json::to_string(&ask_all(&plan, rays as usize)?), 0)
         }
     };
     writeln!(context.out, "{}", answer.map_err(json)?)?;

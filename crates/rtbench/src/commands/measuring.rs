@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
-use crate::args::Precision;
+use crate::args::{Lights, Precision};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
 use crate::export::files::Outputs;
@@ -24,6 +24,7 @@ use crate::scene_run::{Equipment, run_scene};
 use crate::scene_source::KnownScene;
 use crate::summary::summarize;
 use crate::warnings;
+use renderer::ShadowRays;
 
 /// What came of a plan.
 #[derive(Debug)]
@@ -224,6 +225,12 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
             rays: plan.kinds.iter().map(|k| k.name().to_owned()).collect(),
             reference: plan.rows.get(plan.baseline).map(|r| r.label()).unwrap_or_default(),
             quick: plan.quick,
+            order: plan.orders.name().into(),
+            lights: match plan.settings.shadows {
+                ShadowRays::EachLight => Lights::Each.name().into(),
+                ShadowRays::FirstLight => Lights::First.name().into(),
+            },
+            by_kind: plan.by_kind,
         },
         scenes: Vec::new(),
         summary: Vec::new(),

@@ -12,6 +12,7 @@ pub mod list;
 pub mod measuring;
 pub mod merge;
 pub mod printed;
+pub mod profile;
 pub mod render;
 pub mod report;
 pub mod reproduce;

@@ -42,6 +42,8 @@ pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
     found.unless_equal(Concerns::Everything, "resolution", &sizes[0], &sizes[1]);
     found.unless_equal(Concerns::Everything, "depth", &a.max_depth, &b.max_depth);
     found.unless_equal(Concerns::Everything, "rays", &a.rays.join(","), &b.rays.join(","));
+    found.unless_equal(Concerns::Everything, "order of rays", &a.order, &b.order);
+    found.unless_equal(Concerns::Everything, "lights", &a.lights, &b.lights);
     found.unless_equal(Concerns::Everything, "seed", &a.seed, &b.seed);
     let (x, y) = (&old.compiler, &new.compiler);
     found.unless_known_equal(Concerns::Everything, "target", &x.target, &y.target);
@@ -138,7 +140,7 @@ mod tests {
         let old = run(&[("tetra", &[("obvhs-cwbvh", &[1.0])])]);
         assert_eq!(differences(&old, &old.clone()), []);
         type Plant = (fn(&mut RunRecord), &'static str, Concerns);
-        let plants: [Plant; 19] = [
+        let plants: [Plant; 21] = [
             (|r| r.settings.threads = 2, "threads: 1, then 2", Concerns::Everything),
             (
                 |r| r.settings.precision = "f64".into(),
@@ -154,6 +156,16 @@ mod tests {
             (
                 |r| r.settings.rays = vec!["shadow".into()],
                 "rays: primary, then shadow",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.settings.order = "both".into(),
+                "order of rays: scanline, then both",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.settings.lights = "first".into(),
+                "lights: each, then first",
                 Concerns::Everything,
             ),
             (|r| r.settings.seed = 7, "seed: 1, then 7", Concerns::Everything),

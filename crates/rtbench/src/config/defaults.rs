@@ -20,7 +20,7 @@ const NOT_THERE: [&str; 3] = ["help", "resume", "version"];
 const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
 
 /// What a key of the table stands for.
-struct OptionDefault {
+pub(super) struct OptionDefault {
     /// Clap's name of the option.
     id: String,
     /// What would have been typed.
@@ -52,16 +52,7 @@ impl Config {
         if is_typed(run, "resume") {
             return Ok(Vec::new());
         }
-        let mut added = Vec::new();
-        for default in self.run_defaults()? {
-            let others = ALTERNATIVES.iter().find(|all| all.contains(&&*default.id));
-            let is_typed_otherwise =
-                others.is_some_and(|all| all.iter().any(|id| is_typed(run, id)));
-            if !is_typed(run, &default.id) && !is_typed_otherwise {
-                added.extend(default.arguments);
-            }
-        }
-        Ok(added)
+        Ok(not_typed(run, self.run_defaults()?))
     }
 
     fn run_defaults(&self) -> Result<Vec<OptionDefault>, ConfigError> {
@@ -70,19 +61,42 @@ impl Config {
         let mut defaults = Vec::new();
         for (key, value) in &self.tables.run {
             let name = key.get_ref();
-            let default = default(run, name, value.get_ref())
-                .map_err(|message| self.invalid(key.span(), message))?;
-            let typed = ["rtbench", "run"].map(OsString::from).into_iter();
-            let alone = cli.clone().try_get_matches_from(typed.chain(default.arguments.clone()));
-            alone.map_err(|error| {
-                let text = error.render().to_string();
-                let first = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
-                self.invalid(key.span(), format!("{name}: {first}"))
-            })?;
-            defaults.push(default);
+            let default = valid_default(&cli, run, name, value.get_ref());
+            defaults.push(default.map_err(|message| self.invalid(key.span(), message))?);
         }
         Ok(defaults)
     }
+}
+
+/// What the defaults add to a `run` that does not say otherwise.
+pub(super) fn not_typed(run: &ArgMatches, defaults: Vec<OptionDefault>) -> Vec<OsString> {
+    let is_left = |default: &OptionDefault| {
+        let others = ALTERNATIVES.iter().find(|all| all.contains(&&*default.id));
+        let is_typed_otherwise = others.is_some_and(|all| all.iter().any(|id| is_typed(run, id)));
+        !is_typed(run, &default.id) && !is_typed_otherwise
+    };
+    defaults.into_iter().filter(is_left).flat_map(|default| default.arguments).collect()
+}
+
+/// What a key with a value stands for, if the command line takes it.
+///
+/// # Errors
+/// What is wrong, and what is valid.
+pub(super) fn valid_default(
+    cli: &Command,
+    run: &Command,
+    name: &str,
+    value: &Value,
+) -> Result<OptionDefault, String> {
+    let default = default(run, name, value)?;
+    let typed = ["rtbench", "run"].map(OsString::from).into_iter();
+    let alone = cli.clone().try_get_matches_from(typed.chain(default.arguments.clone()));
+    alone.map_err(|error| {
+        let text = error.render().to_string();
+        let first = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        format!("{name}: {first}")
+    })?;
+    Ok(default)
 }
 
 /// Puts arguments behind those that were typed, but before `--` and what follows it.
@@ -92,7 +106,7 @@ pub fn join<T: PartialEq<str>>(typed: &mut Vec<T>, added: impl IntoIterator<Item
 }
 
 /// Whether an argument was given on the command line.
-fn is_typed(matches: &ArgMatches, id: &str) -> bool {
+pub(super) fn is_typed(matches: &ArgMatches, id: &str) -> bool {
     let known = matches.try_contains_id(id).unwrap_or(false);
     known && matches.value_source(id) == Some(ValueSource::CommandLine)
 }

@@ -18,6 +18,7 @@
 //! error that names the line.
 
 mod defaults;
+mod set_defaults;
 mod sets;
 
 use std::collections::BTreeMap;
@@ -31,6 +32,7 @@ use serde::de::DeserializeOwned;
 use toml::{Spanned, Value};
 
 pub use defaults::join;
+pub use set_defaults::of_set;
 pub use sets::Configured;
 
 use crate::gate::thresholds::Thresholds;
@@ -66,6 +68,14 @@ pub enum ConfigError {
         path: PathBuf,
         /// Counted from 1.
         line: usize,
+        /// What is wrong, and what is valid.
+        message: String,
+    },
+    /// The options of a set of scenes are not valid.
+    #[error("scenes/sets/{set}.json: run: {message}")]
+    InSet {
+        /// The set.
+        set: String,
         /// What is wrong, and what is valid.
         message: String,
     },

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use scene_loading::source_names::{name_of_path, path_of_name};
+use serde_json::{Map, Value};
 
 use crate::config::Config;
 use crate::scene_source::{KnownScene, LoadError, SceneSizes, SceneSource};
@@ -82,5 +83,13 @@ impl SceneSource for Configured<'_> {
             }
         }
         Ok(sets)
+    }
+
+    /// Of the program's sets: one of the configuration hides that of its name, and has none.
+    fn run_options(&self, set: &str, quick: bool) -> Result<Map<String, Value>, LoadError> {
+        if self.config.is_some_and(|config| config.set(set).is_some()) {
+            return Ok(Map::new());
+        }
+        self.source.run_options(set, quick)
     }
 }

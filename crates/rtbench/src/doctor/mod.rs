@@ -1,11 +1,13 @@
 //! What on a machine disturbs measurements: one finding a line, with what it means and what to do.
 
+pub mod memory;
 pub mod noise;
 pub mod system;
 
 use serde::Serialize;
 
 use crate::clock::Clock;
+use crate::doctor::memory::Latency;
 use crate::doctor::noise::Noise;
 use crate::doctor::system::System;
 
@@ -54,12 +56,15 @@ pub struct Diagnosis {
     pub noise: Noise,
     /// One for each thing looked at.
     pub findings: Vec<Finding>,
+    /// What a load takes that waits for the one before, by the size of memory; where asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub memory: Vec<Latency>,
 }
 
-/// Looks at the system and times the loop.
-pub fn diagnose(system: &System, clock: &dyn Clock) -> Diagnosis {
+/// Looks at the system and times the loop, and loads among those sizes of memory.
+pub fn diagnose(system: &System, clock: &dyn Clock, memory: &[usize]) -> Diagnosis {
     let noise = noise::measure(clock);
     let mut findings = system.findings();
     findings.push(noise.finding());
-    Diagnosis { noise, findings }
+    Diagnosis { noise, findings, memory: memory::measure(memory, clock) }
 }

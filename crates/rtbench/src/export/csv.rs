@@ -3,11 +3,12 @@
 use csv::Writer;
 
 use crate::error::Error;
-use crate::export::{numbers, table};
+use crate::export::{kind_tables, numbers, table};
+use crate::picture_time;
 use crate::record::{Outliers, RowRecord, RunRecord, SceneRecord, Verdict, WorkRecord};
 use crate::statistics::Estimate;
 
-/// The columns, in order.
+/// The columns, in order; behind them come those of [`kind_tables::csv_columns`].
 pub const COLUMNS: [&str; 37] = [
     "scene",
     "primitives",
@@ -54,10 +55,14 @@ pub const COLUMNS: [&str; 37] = [
 /// [`Error::Format`].
 pub fn to_string(run: &RunRecord) -> Result<String, Error> {
     written(|writer| {
-        writer.write_record(COLUMNS)?;
+        let kinds = kind_tables::kinds(run);
+        let more = kind_tables::csv_columns(&kinds);
+        writer.write_record(COLUMNS.map(str::to_owned).into_iter().chain(more))?;
         for scene in &run.scenes {
+            let times = picture_time::of_scene(scene);
             for row in &scene.rows {
-                writer.write_record(fields(scene, row))?;
+                let more = kind_tables::csv_fields(&kinds, row, &times, run.settings.seed);
+                writer.write_record(fields(scene, row).into_iter().chain(more))?;
             }
         }
         Ok(())
@@ -130,6 +135,7 @@ pub fn number(x: Option<f64>) -> String {
     x.map(|x| format!("{x:.9}")).unwrap_or_default()
 }
 
-fn estimate(e: Option<Estimate>) -> [String; 3] {
+/// A median and the ends of its interval as the columns have them.
+pub fn estimate(e: Option<Estimate>) -> [String; 3] {
     [number(e.map(|e| e.median)), number(e.map(|e| e.low)), number(e.map(|e| e.high))]
 }

@@ -2,9 +2,12 @@
 
 use std::fmt::Write;
 
+use crate::args::Lights;
 use crate::error::Error;
+use crate::export::kind_tables;
 use crate::export::table::{self, GLOSSARY, Table};
-use crate::record::RunRecord;
+use crate::ray_order::Orders;
+use crate::record::{RunRecord, Settings};
 
 /// [`to_string`] as an exporter.
 ///
@@ -16,10 +19,16 @@ pub fn exported(run: &RunRecord) -> Result<String, Error> {
 
 /// The whole run: where and how it was measured, a table a scene, the summary, the symbols.
 pub fn to_string(run: &RunRecord) -> String {
-    let mut tables: Vec<Table> =
-        run.scenes.iter().map(|scene| table::scene_table(run, scene, false)).collect();
+    let by_kind = run.settings.by_kind;
+    let mut tables: Vec<Table> = Vec::new();
+    for scene in &run.scenes {
+        tables.push(table::scene_table(run, scene, false));
+        tables.extend(by_kind.then(|| kind_tables::scene_table(run, scene, false)));
+    }
     if !run.summary.is_empty() {
         tables.push(table::summary_table(run, false));
+        tables.extend(by_kind.then(|| kind_tables::summary_table(run, false)));
+        tables.extend(by_kind.then(|| kind_tables::picture_table(run)));
     }
     document("rtbench results", run, &tables, GLOSSARY)
 }
@@ -70,7 +79,7 @@ fn facts(run: &RunRecord) -> Vec<String> {
     if let [Some(before), Some(after)] = averages {
         let _ = write!(clock, ", load average {before:.2} before, {after:.2} after");
     }
-    vec![
+    let mut facts = vec![
         format!("command: `{}`", run.command_line.join(" ")),
         format!(
             "machine: {}, {} threads, {} MiB, {}{clock}",
@@ -100,7 +109,12 @@ fn facts(run: &RunRecord) -> Vec<String> {
             settings.threads,
             settings.seed
         ),
-    ]
+    ];
+    if settings.order != Orders::Scanline.name() || settings.lights != Lights::Each.name() {
+        let Settings { order, lights, .. } = settings;
+        facts.push(format!("rays in order: {order}; shadow rays to lights: {lights}"));
+    }
+    facts
 }
 
 /// Appends a table with its title and notes.

@@ -3,7 +3,7 @@
 //! Rows whose times may not be shown (wrong, not built, panicked) are left out of it, counters and
 //! all; `run` ends with exit code 4 or 1 for them.
 
-use crate::metrics::METRICS;
+use crate::metrics::{METRICS, Reading};
 use crate::record::{RowRecord, RunRecord};
 use crate::statistics::estimate;
 
@@ -27,7 +27,9 @@ pub fn costs(run: &RunRecord) -> Vec<Measure> {
     let mut measures = Vec::new();
     for scene in &run.scenes {
         for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
-            for metric in METRICS {
+            // rates have the kinds of rays
+            let of_all = METRICS.iter().filter(|m| !matches!(m.reading, Reading::RatioOf(_)));
+            for metric in of_all {
                 let values = metric.values(scene, row);
                 let Some(found) = estimate(&values, run.settings.seed) else { continue };
                 let is_exact = metric.is_exact();

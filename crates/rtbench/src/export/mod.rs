@@ -5,6 +5,7 @@ pub mod csv;
 pub mod files;
 pub mod github_action_benchmark;
 pub mod json;
+pub mod kind_tables;
 pub mod markdown;
 pub mod measures;
 pub mod numbers;

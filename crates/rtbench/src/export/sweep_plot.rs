@@ -35,7 +35,7 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
         .collect();
     let has_ratios = scene.rows.iter().any(|r| r.ratio.is_some());
     let settings = format!("{} {}", sweep.structure, sweep.settings);
-    let rays: u64 = scene.rays.values().sum();
+    let rays = scene.distinct_rays();
     let reference = run.settings.reference.as_str();
     let mut swept: Vec<Point> =
         placed.iter().filter(|p| p.line.is_swept).map(|p| p.point).collect();

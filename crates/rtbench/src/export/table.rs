@@ -1,7 +1,9 @@
 //! The tables themselves, before any markup: text and Markdown differ only in how they draw them.
 
 use crate::export::numbers;
-use crate::record::{Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
+use crate::query::{self, Query};
+use crate::ray_order::Orders;
+use crate::record::{Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label};
 
 /// How a cell looks where there are colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,25 +49,37 @@ pub struct Table {
 /// The block of a scene: structures down, counters and times across. Rows of a structure beyond
 /// its first are named by their settings alone when `indent` is set.
 pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table {
-    let secondary = run.settings.rays.iter().any(|k| is_secondary(k));
-    let has = |kind: &str| run.settings.rays.iter().any(|k| k == kind);
-    let mut header =
-        vec!["structure", "N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"];
+    // rates are those of rays in the order of the image
+    let has = |kind: &str| {
+        run.settings.order != Orders::Shuffled.name() && run.settings.rays.iter().any(|k| k == kind)
+    };
+    let has_batches = scene.rows.iter().any(|row| row.query == Query::Batch);
+    let mut header = vec!["structure"];
+    if has_batches {
+        header.push("query");
+    }
+    header.extend(["N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"]);
     header.extend(["MiB", "rays", "build ms", "trace ms", "image ms", "ratio [95%]"]);
-    for (name, shown) in
-        RATES.iter().zip([has("primary"), has("shadow"), secondary, has("diffuse")])
-    {
+    for (name, shown) in RATES.iter().zip([
+        has("primary"),
+        has("shadow"),
+        has("reflected") || has("refracted"),
+        has("diffuse"),
+    ]) {
         if shown {
             header.push(name);
         }
     }
     header.push("verdict");
-    let all_rays = scene.rays.values().sum();
+    let all_rays = scene.distinct_rays();
     let mut previous = "";
     let rows = scene.rows.iter().map(|row| {
-        let name = if indent { indented(row, previous) } else { row.label() };
+        let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells = vec![name.into()];
+        if has_batches {
+            cells.push(row.query.name().to_owned().into());
+        }
         cells.extend(shape_cells(row));
         cells.extend(time_cells(row));
         for (name, rate) in RATES.iter().zip(rates(row)) {
@@ -104,15 +118,13 @@ pub fn rates(row: &RowRecord) -> [Option<f64>; 4] {
     [of("primary"), of("shadow"), secondary, of("diffuse")]
 }
 
-fn is_secondary(kind: &str) -> bool {
-    kind == "reflected" || kind == "refracted"
-}
-
-fn indented(row: &RowRecord, previous: &str) -> String {
-    if row.structure == previous && !row.settings.is_empty() {
-        format!("  {}", row.settings)
+/// The name of a row; of one below another row of its structure, its settings where they may be
+/// indented.
+pub fn name_in_column(structure: &str, settings: &str, previous: &str, indent: bool) -> String {
+    if indent && structure == previous && !settings.is_empty() {
+        format!("  {settings}")
     } else {
-        row.label()
+        label(structure, settings)
     }
 }
 
@@ -206,10 +218,13 @@ pub fn scene_notes(scene: &SceneRecord) -> Vec<String> {
                  with brute force on a sample."
             .into(),
     }];
+    if scene.rows.iter().any(|row| row.query == Query::Batch) {
+        notes.push(query::NOTE.into());
+    }
     notes.extend(outlier_note(scene));
     notes.extend(oracle.refused.iter().map(|r| format!("Refused as reference: {r}")));
     for row in &scene.rows {
-        let label = row.label();
+        let name = row.label();
         notes.extend(saved_note(row));
         notes.extend(on_demand_note(row));
         notes.extend(shadow_note(row));
@@ -218,11 +233,11 @@ pub fn scene_notes(scene: &SceneRecord) -> Vec<String> {
             Verdict::Ok => {}
             Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => {
                 let reason = row.error.as_deref().unwrap_or(row.verdict.name());
-                notes.push(format!("{label}: {reason}"));
+                notes.push(format!("{name}: {reason}"));
             }
             Verdict::Wrong | Verdict::WrongAsShipped => {
                 let said: Vec<&str> = reasons.iter().filter_map(|r| r.as_deref()).collect();
-                notes.push(format!("{label}: {}", said.join("; ")));
+                notes.push(format!("{name}: {}", said.join("; ")));
             }
         }
     }
@@ -274,16 +289,22 @@ fn on_demand_note(row: &RowRecord) -> Option<String> {
 
 /// The summary over all scenes.
 pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
-    let header = vec!["structure", "scenes", "trace ratio [95%]", "build ratio [95%]", "verdict"];
+    let has_batches = run.summary.iter().any(|row| row.batch_scenes > 0);
+    let mut header = vec!["structure"];
+    if has_batches {
+        header.push("query");
+    }
+    header.extend(["scenes", "trace ratio [95%]", "build ratio [95%]", "verdict"]);
     let mut previous = "";
     let mut rows = Vec::new();
     for row in &run.summary {
-        let name = match indent && row.structure == previous && !row.settings.is_empty() {
-            true => format!("  {}", row.settings),
-            false => format!("{} {}", row.structure, row.settings).trim_end().to_owned(),
-        };
+        let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
-        let mut cells: Vec<Cell> = vec![name.into(), row.scenes.to_string().into()];
+        let mut cells: Vec<Cell> = vec![name.into()];
+        if has_batches {
+            cells.push(Query::over_scenes(row.batch_scenes, row.scenes).into());
+        }
+        cells.push(row.scenes.to_string().into());
         let bad = || Cell { text: row.verdict.name().into(), style: Style::Bad };
         for estimate in [row.ratio, row.build_ratio] {
             cells.push(match estimate {
@@ -299,12 +320,15 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
         let is_comparable = r.verdict == Verdict::Ok && r.answers == Answered::AllRays;
         r.ratio.filter(|_| is_comparable)
     });
-    mark_best(&mut rows, Some(2), ratios);
-    let notes = vec![format!(
+    mark_best(&mut rows, header.iter().position(|h| *h == "trace ratio [95%]"), ratios);
+    let mut notes = vec![format!(
         "Ratios to {}: geometric means over {} scene(s).",
         run.settings.reference,
         run.scenes.len()
     )];
+    if has_batches {
+        notes.push(query::NOTE.into());
+    }
     Table { title: "All scenes".into(), header, rows, notes }
 }
 

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::export::kind_tables;
 use crate::export::table::{self, Cell, GLOSSARY, Style, Table};
 use crate::record::{RunRecord, SceneRecord};
 
@@ -15,7 +16,11 @@ pub fn write_scene(
     scene: &SceneRecord,
     colors: bool,
 ) -> io::Result<()> {
-    write_table(out, &table::scene_table(run, scene, true), colors)
+    write_table(out, &table::scene_table(run, scene, true), colors)?;
+    if run.settings.by_kind {
+        write_table(out, &kind_tables::scene_table(run, scene, true), colors)?;
+    }
+    Ok(())
 }
 
 /// Prints the summary and what the symbols mean.
@@ -24,6 +29,10 @@ pub fn write_scene(
 /// Those of the writer.
 pub fn write_summary(out: &mut dyn Write, run: &RunRecord, colors: bool) -> io::Result<()> {
     write_table(out, &table::summary_table(run, true), colors)?;
+    if run.settings.by_kind {
+        write_table(out, &kind_tables::summary_table(run, true), colors)?;
+        write_table(out, &kind_tables::picture_table(run), colors)?;
+    }
     write_notes(out, GLOSSARY, colors)
 }
 

@@ -77,7 +77,7 @@ pub fn profiles(scene: &SceneRecord) -> Vec<Profile> {
             return None;
         }
         let rounds = row.samples.iter().map(|s| (s.round, cost(s, row, reference))).collect();
-        Profile::new(i + 1, row.label(), rounds)
+        Profile::new(i + 1, row.label_with_query(), rounds)
     };
     scene.rows.iter().enumerate().filter_map(of).collect()
 }
@@ -109,9 +109,7 @@ impl Lead {
     pub fn new(first: String, mut others: Vec<(String, Estimate)>) -> Self {
         others.sort_by(|a, b| b.1.median.total_cmp(&a.1.median));
         let (ties, apart): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, q)| q.high >= 1.0);
-        let inverse =
-            |q: Estimate| Estimate { median: 1.0 / q.median, low: 1.0 / q.high, high: 1.0 / q.low };
-        let next = apart.into_iter().next().map(|(label, q)| (label, inverse(q)));
+        let next = apart.into_iter().next().map(|(label, q)| (label, q.inverse()));
         Self { first, ties: ties.into_iter().map(|(label, _)| label).collect(), next }
     }
 }

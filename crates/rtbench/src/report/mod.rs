@@ -47,6 +47,7 @@ pub static SECTIONS: &[Section] = &[
     section("headlines", "In short", "rtbench run -o DIR", sections::headlines::write),
     section("all-scenes", "All scenes together", "rtbench run -o DIR", sections::summary::write),
     section("scenes", "Each scene", "rtbench run -o DIR", sections::scenes::write),
+    section("by-kind", "Each kind of ray", "rtbench run -o DIR", sections::by_kind::write),
     section(
         "break-even",
         "Which structure wins for how many rays",

@@ -19,14 +19,14 @@ struct Ratios {
 impl From<&RowRecord> for Ratios {
     fn from(row: &RowRecord) -> Self {
         let RowRecord { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
-        Self { name: row.label(), verdict, answers, trace, build }
+        Self { name: row.label_with_query(), verdict, answers, trace, build }
     }
 }
 
 impl From<&SummaryRow> for Ratios {
     fn from(row: &SummaryRow) -> Self {
         let SummaryRow { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
-        let name = format!("{} {}", row.structure, row.settings).trim_end().to_owned();
+        let name = row.label_with_query();
         Self { name, verdict, answers, trace, build }
     }
 }

@@ -32,6 +32,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Of one over the quantity.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        Self { median: 1.0 / self.median, low: 1.0 / self.high, high: 1.0 / self.low }
+    }
+
     /// True when the interval holds `value`: the samples do not tell the quantity from it.
     pub fn holds(&self, value: f64) -> bool {
         self.low <= value && value <= self.high

@@ -55,6 +55,7 @@ pub fn timed(rounds: u32, times: f64, noise: f64, seed: u64) -> RunRecord {
                 trace_s: [("primary".to_owned(), seconds)].into(),
                 reference_trace_s: Some(reference),
                 reference_build_s: None,
+                reference_by_kind: Default::default(),
             };
             row(&mut record, label).samples.push(sample);
         }

@@ -32,6 +32,13 @@ static MEANINGS: &[(&str, &str)] = &[
     ("second.", "millions of reflected and refracted rays a second"),
     ("diffuse", "millions of rays a second in random directions from surfaces"),
     ("verdict", "whether every answer was right, and on how many rays that rests where not on all"),
+    (
+        "query",
+        "whether a row was asked ray by ray, or answered a batch with several rays on their way",
+    ),
+    ("picture ms", "build, one million primary rays and their shadow rays, milliseconds"),
+    ("to obvhs [95%]", "that time over that of the row of obvhs which is done first"),
+    ("least", "the scene with the fewest rays per second over those of the reference"),
     ("break-even", "the number of rays from which on the slower build is worth it"),
     ("not told apart", "the 95% interval of the ratio of both times holds 1"),
     ("k, M, G", "thousand, million, thousand million"),

@@ -46,7 +46,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
             continue;
         };
         html.text(&sentence("", &fastest));
-        let rays = scene.rays.values().sum::<u64>();
+        let rays = scene.distinct_rays();
         let with_build = lead_for(profiles, rays as f64, seed);
         if let Some(lead) = with_build.filter(|lead| lead.first != fastest.first) {
             html.text(&format!(

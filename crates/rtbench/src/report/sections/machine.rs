@@ -101,6 +101,8 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
         ("seed", run.settings.seed.to_string()),
         ("image", format!("{width} x {height}, chains of {} rays", run.settings.max_depth)),
         ("kinds of rays", run.settings.rays.join(", ")),
+        ("order of rays", run.settings.order.clone()),
+        ("lights asked", run.settings.lights.clone()),
         ("reference", run.settings.reference.clone()),
         ("largest resident set", memory(run.peak_rss_bytes)),
     ]

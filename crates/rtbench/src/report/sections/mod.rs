@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod break_even;
+pub mod by_kind;
 pub mod counters;
 pub mod glossary;
 pub mod headlines;
