@@ -1,4 +1,7 @@
 //! Lists of primitive ids per cell in one array: count, prefix sum, fill (compressed rows).
+//!
+//! Built here for any placement of primitives; where each goes to a block of cells of a dense grid,
+//! `block_lists.rs` is faster.
 
 /// For every cell, the slice of ids it holds.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -55,6 +58,11 @@ impl CellLists {
     ) -> Result<Self, TooManyReferences> {
         let limits = (max_references, max_references);
         Self::fill(cells, ids.iter().copied(), ListOrder::File, limits, placement)
+    }
+
+    /// From starts, one more than there are cells, and ids.
+    pub(crate) fn of_parts(starts: Vec<u32>, ids: Vec<u32>) -> Self {
+        Self { starts, ids }
     }
 
     /// More than `max_references` are refused; counting ends once there are more than

@@ -14,6 +14,7 @@
 
 pub mod aabb;
 pub mod accumulating_walk;
+mod block_lists;
 pub mod bounds_rule;
 mod box_placement;
 pub mod box_test;
@@ -28,6 +29,7 @@ pub mod driving_axis_walk;
 pub mod far_ray;
 pub mod mailbox;
 pub mod occluders;
+mod parallel;
 pub mod params;
 pub mod primitives;
 pub mod ray;

@@ -90,7 +90,7 @@ impl<S: Scalar> GridFrame<S> {
     /// Truncation equals floor here: what is below 0 is clamped to 0 anyway.
     #[inline(always)]
     fn clamped(&self, x: S, axis: usize) -> i32 {
-        x.to_i32().clamp(0, self.n[axis] - 1)
+        x.to_index(self.n[axis] - 1)
     }
 
     /// Index of a cell, x fastest.

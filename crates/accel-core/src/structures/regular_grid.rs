@@ -7,6 +7,7 @@ mod shaft_walk;
 
 use super::{BuildError, Shape, Structure};
 use crate::aabb::Aabb;
+use crate::block_lists::{BlockPlacement, block_lists};
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::cell_overlap::{Insertion, overlaps};
@@ -126,6 +127,18 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
         (0..self.primitives as u32).map(cells).fold(0, u64::saturating_add)
     }
 
+    /// The lists in one array, those of the frame's cells in their order.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`].
+    pub fn dense_lists(&self) -> Result<CellLists, TooManyReferences> {
+        if self.insertion.is_exact() {
+            return self.lists(self.frame.cells(), |c| self.frame.index(c));
+        }
+        let n = self.frame.resolution();
+        block_lists(n, self.primitives, self.order, self.max_references, self)
+    }
+
     /// The lists in one array, `cells` of them, cell `coords` at `index(coords)`.
     ///
     /// # Errors
@@ -144,6 +157,13 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
         }
         let placement = Indexed(self, index);
         CellLists::build(cells, self.primitives, self.order, self.max_references, &placement)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>> BlockPlacement for Contents<'_, S, P> {
+    #[inline(always)]
+    fn block(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        self.range(id)
     }
 }
 

@@ -92,8 +92,7 @@ impl CellStorage for DenseCells {
         contents: &Contents<S, P>,
         _: &Params,
     ) -> Result<Self, TooManyReferences> {
-        let frame = contents.frame;
-        contents.lists(frame.cells(), |c| frame.index(c)).map(Self)
+        contents.dense_lists().map(Self)
     }
 
     #[inline(always)]
