@@ -24,25 +24,66 @@ pub(crate) trait BlockPlacement: Sync {
     fn block(&self, id: u32) -> ([i32; 3], [i32; 3]);
 }
 
-/// Builds the lists of a grid of `n` cells an axis, x fastest, for primitives `0..primitives`.
+/// Where the cells of a grid stand in the array of lists: rows along x, each in one piece.
+pub(crate) trait CellRows: Sync {
+    /// Length of the array.
+    fn cells(&self) -> usize;
+    /// Where cell 0 of a row would stand; modulo 2^64, as a row may begin with cells left out.
+    fn start(&self, y: usize, z: usize) -> usize;
+    /// How far rows are apart along y and z, where all are as far.
+    fn strides(&self) -> Option<[usize; 2]>;
+}
+
+/// All cells, x fastest.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DenseRows {
+    cells: usize,
+    strides: [usize; 2],
+}
+
+impl DenseRows {
+    /// Of a grid of `n` cells an axis.
+    pub(crate) fn new(n: [u32; 3]) -> Self {
+        let [x, y, z] = n.map(|n| n as usize);
+        Self { cells: x * y * z, strides: [x, x * y] }
+    }
+}
+
+impl CellRows for DenseRows {
+    #[inline(always)]
+    fn cells(&self) -> usize {
+        self.cells
+    }
+
+    #[inline(always)]
+    fn start(&self, y: usize, z: usize) -> usize {
+        y * self.strides[0] + z * self.strides[1]
+    }
+
+    #[inline(always)]
+    fn strides(&self) -> Option<[usize; 2]> {
+        Some(self.strides)
+    }
+}
+
+/// Builds the lists of the cells that `rows` places, for primitives `0..primitives`.
 ///
 /// # Errors
 /// [`TooManyReferences`] when the references exceed `max_references`; cells are not visited
 /// any further then.
 pub(crate) fn block_lists(
-    n: [u32; 3],
+    rows: &impl CellRows,
     primitives: usize,
     order: ListOrder,
     max_references: u64,
     placement: &impl BlockPlacement,
 ) -> Result<CellLists, TooManyReferences> {
-    let grid = Grid::new(n);
+    let sort = Sort { rows, placement, order };
     let max_references = max_references.min(u64::from(u32::MAX));
-    let size = primitives.div_ceil(useful_parts(primitives, grid.cells)).max(1);
+    let size = primitives.div_ceil(useful_parts(primitives, rows.cells())).max(1);
     let mut kept = vec![0; primitives];
-    let count = |(i, kept): (usize, &mut [u64])| {
-        grid.count((i * size) as u32, kept, max_references, placement)
-    };
+    let count =
+        |(i, kept): (usize, &mut [u64])| sort.count((i * size) as u32, kept, max_references);
     let counted: Vec<(Vec<u32>, u64)> = if size >= primitives {
         vec![count((0, &mut kept))]
     } else {
@@ -53,29 +94,24 @@ pub(crate) fn block_lists(
         return Err(TooManyReferences(total));
     }
     let mut cursors: Vec<Vec<u32>> = counted.into_iter().map(|(counts, _)| counts).collect();
-    let parts: Vec<Range<usize>> =
+    let mut parts: Vec<Range<usize>> =
         (0..cursors.len()).map(|i| i * size..((i + 1) * size).min(primitives)).collect();
-    let mut ids = vec![0; total as usize];
-    let shared = shared(&mut ids);
-    let fill = |(cursor, part): (&mut Vec<u32>, Range<usize>)| {
-        grid.fill(part.start as u32, &kept[part], order, cursor, shared, placement);
-    };
     // the part whose ids come first in a list comes first: its cursors end as the lists' starts
     if order == ListOrder::Reverse {
         cursors.reverse();
+        parts.reverse();
     }
     turn_into_ends(&mut cursors);
-    if let [cursor] = cursors.as_mut_slice() {
-        parts.into_iter().for_each(|part| fill((&mut *cursor, part)));
-    } else {
-        let in_list_order: Vec<_> = match order {
-            ListOrder::File => parts,
-            ListOrder::Reverse => parts.into_iter().rev().collect(),
-        };
-        cursors.par_iter_mut().zip(in_list_order).for_each(fill);
+    let mut ids = vec![0; total as usize];
+    let shared = shared(&mut ids);
+    let fill = |(cursors, part): (&mut Vec<u32>, Range<usize>)| {
+        sort.fill(part.start as u32, &kept[part], cursors, shared);
+    };
+    match cursors.as_mut_slice() {
+        [only] => parts.into_iter().for_each(|part| fill((&mut *only, part))),
+        all => all.par_iter_mut().zip(parts).for_each(fill),
     }
-    let starts = cursors.into_iter().next().unwrap_or_default();
-    Ok(CellLists::of_parts(starts, ids))
+    Ok(CellLists::of_parts(cursors.into_iter().next().unwrap_or_default(), ids))
 }
 
 /// Counters of all parts together may take as much memory as this for each primitive.
@@ -87,23 +123,16 @@ fn useful_parts(primitives: usize, cells: usize) -> usize {
     parts(primitives).min(affordable.max(1))
 }
 
-/// Cell counts of a grid and the way from a cell to its neighbours.
-#[derive(Clone, Copy)]
-struct Grid {
-    cells: usize,
-    row: usize,
-    layer: usize,
-}
-
-/// The block of a primitive in 8 bytes: its first cell, and how many more follow on each axis.
+/// The block of a primitive in 8 bytes: where its first cell stands, and how many more follow on
+/// each axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Block {
     first: usize,
     more: [usize; 3],
 }
 
-/// Marks a block that is too long for 8 bytes: it is asked for again.
-const TOO_LONG: u64 = u64::MAX;
+/// Stands for a block that 8 bytes do not tell: it is asked for again.
+const ASK_AGAIN: u64 = u64::MAX;
 
 impl Block {
     /// In 8 bytes, if it fits.
@@ -111,7 +140,7 @@ impl Block {
     fn packed(self) -> u64 {
         let [x, y, z] = self.more;
         if x.max(y).max(z) > 0xFF {
-            return TOO_LONG;
+            return ASK_AGAIN;
         }
         self.first as u64 | (x as u64) << 32 | (y as u64) << 40 | (z as u64) << 48
     }
@@ -123,98 +152,109 @@ impl Block {
         Self { first: packed as u32 as usize, more: [byte(32), byte(40), byte(48)] }
     }
 
-    /// How many cells.
+    /// Whether it lies within one row.
     #[inline(always)]
-    fn cells(self) -> u64 {
-        self.more.iter().map(|&m| m as u64 + 1).product()
+    fn is_in_one_row(self) -> bool {
+        self.more[1] + self.more[2] == 0
+    }
+
+    /// Calls `visit` with the cells, row by row, where rows are `strides` apart.
+    #[inline(always)]
+    fn rows(self, strides: [usize; 2], mut visit: impl FnMut(Range<usize>)) {
+        let [x, y, z] = self.more;
+        for k in 0..=z {
+            for j in 0..=y {
+                let start = self.first + k * strides[1] + j * strides[0];
+                visit(start..start + x + 1);
+            }
+        }
     }
 }
 
-impl Grid {
-    fn new(n: [u32; 3]) -> Self {
-        let [x, y, z] = n.map(|n| n as usize);
-        Self { cells: x * y * z, row: x, layer: x * y }
-    }
+/// What the passes of a build share.
+struct Sort<'a, R, P> {
+    rows: &'a R,
+    placement: &'a P,
+    order: ListOrder,
+}
 
-    #[inline(always)]
-    fn block(&self, id: u32, placement: &impl BlockPlacement) -> Block {
-        let (first, last) = placement.block(id);
-        let [x, y, z] = first.map(|i| i as usize);
-        Block {
-            first: z * self.layer + y * self.row + x,
-            more: std::array::from_fn(|k| (last[k] - first[k]) as usize),
-        }
-    }
-
+impl<R: CellRows, P: BlockPlacement> Sort<'_, R, P> {
     /// Calls `visit` with the cells of a block, row by row.
     #[inline(always)]
-    fn rows(&self, block: Block, mut visit: impl FnMut(Range<usize>)) {
-        let [x, y, z] = block.more;
-        // most primitives are in one cell, or in one row
-        if y + z == 0 {
-            return visit(block.first..block.first + x + 1);
-        }
-        for k in 0..=z {
-            for j in 0..=y {
-                let start = block.first + k * self.layer + j * self.row;
-                visit(start..start + x + 1);
+    fn rows_of(&self, id: u32, mut visit: impl FnMut(Range<usize>)) {
+        let (first, last) = self.placement.block(id);
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                let start = self.rows.start(y as usize, z as usize);
+                let start = start.wrapping_add(first[0] as usize);
+                visit(start..start + (last[0] - first[0] + 1) as usize);
             }
         }
     }
 
     /// How many primitives of a part, which begins with id `first`, go to each cell (and a zero),
     /// and to all of them; keeps their blocks. Beyond `max_references` only the sum is right.
-    fn count(
-        &self,
-        first: u32,
-        kept: &mut [u64],
-        max_references: u64,
-        placement: &impl BlockPlacement,
-    ) -> (Vec<u32>, u64) {
-        let mut counts = vec![0u32; self.cells + 1];
+    fn count(&self, first: u32, kept: &mut [u64], max_references: u64) -> (Vec<u32>, u64) {
+        let mut counts = vec![0u32; self.rows.cells() + 1];
         let mut total = 0u64;
         for (id, kept) in (first..).zip(kept) {
-            let block = self.block(id, placement);
-            *kept = block.packed();
-            total = total.saturating_add(block.cells());
+            let (first, last) = self.placement.block(id);
+            let [x, y, z] = first.map(|i| i as usize);
+            let block = Block {
+                first: self.rows.start(y, z).wrapping_add(x),
+                more: std::array::from_fn(|k| (last[k] - first[k]) as usize),
+            };
             if block.more == [0; 3] {
+                *kept = block.packed();
                 counts[block.first] += 1;
-            } else if total <= max_references {
-                self.rows(block, |row| counts[row].iter_mut().for_each(|n| *n += 1));
+                total += 1;
+                continue;
             }
+            let cells = block.more.iter().map(|&m| m as u64 + 1).product();
+            total = total.saturating_add(cells);
+            if total > max_references {
+                continue;
+            }
+            let add = |row: Range<usize>| counts[row].iter_mut().for_each(|n| *n += 1);
+            *kept = match self.rows.strides() {
+                Some(strides) => {
+                    block.rows(strides, add);
+                    block.packed()
+                }
+                None if block.is_in_one_row() => {
+                    block.rows([0; 2], add);
+                    block.packed()
+                }
+                None => {
+                    self.rows_of(id, add);
+                    ASK_AGAIN
+                }
+            };
         }
         (counts, total)
     }
 
     /// Writes the ids of a part, which begins with id `first`, to their places: each cursor goes
     /// down from the end of the part's ids in that list to their start.
-    fn fill(
-        &self,
-        first: u32,
-        kept: &[u64],
-        order: ListOrder,
-        cursors: &mut [u32],
-        ids: &[AtomicU32],
-        placement: &impl BlockPlacement,
-    ) {
+    fn fill(&self, first: u32, kept: &[u64], cursors: &mut [u32], ids: &[AtomicU32]) {
+        let strides = self.rows.strides().unwrap_or_default();
         let mut place = |(id, &packed): (u32, &u64)| {
-            let block = match packed {
-                TOO_LONG => self.block(id, placement),
-                _ => Block::of_packed(packed),
-            };
             let mut put = |cursor: &mut u32| {
                 *cursor -= 1;
                 ids[*cursor as usize].store(id, Ordering::Relaxed);
             };
+            let block = Block::of_packed(packed);
             if block.more == [0; 3] {
                 put(&mut cursors[block.first]);
+            } else if packed == ASK_AGAIN {
+                self.rows_of(id, |row| cursors[row].iter_mut().for_each(&mut put));
             } else {
-                self.rows(block, |row| cursors[row].iter_mut().for_each(&mut put));
+                block.rows(strides, |row| cursors[row].iter_mut().for_each(&mut put));
             }
         };
         // from the back: the last id placed comes first
         let in_part = (first..first + kept.len() as u32).zip(kept);
-        match order {
+        match self.order {
             ListOrder::File => in_part.rev().for_each(&mut place),
             ListOrder::Reverse => in_part.for_each(&mut place),
         }
@@ -309,12 +349,12 @@ mod tests {
 
     fn on(threads: usize, order: ListOrder, most: u64) -> Result<CellLists, TooManyReferences> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| block_lists(N, 30_000, order, most, &Blocks))
+        pool.install(|| block_lists(&DenseRows::new(N), 30_000, order, most, &Blocks))
     }
 
     #[test]
     fn the_lists_of_the_plain_build_for_any_number_of_threads() {
-        let cells = Grid::new(N).cells;
+        let cells = DenseRows::new(N).cells();
         for order in [ListOrder::File, ListOrder::Reverse] {
             let plain = CellLists::build(cells, 30_000, order, u64::MAX, &Blocks).unwrap();
             for threads in [1, 2, 5] {
@@ -336,13 +376,42 @@ mod tests {
         }
     }
 
+    /// The same cells with gaps between rows, the last row first.
+    struct Loose;
+
+    impl CellRows for Loose {
+        fn cells(&self) -> usize {
+            301 * 35
+        }
+        fn start(&self, y: usize, z: usize) -> usize {
+            (34 - y - z * 7) * 301
+        }
+        fn strides(&self) -> Option<[usize; 2]> {
+            None
+        }
+    }
+
+    #[test]
+    fn rows_may_stand_anywhere() {
+        let dense = on(1, ListOrder::File, u64::MAX).unwrap();
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let build = || block_lists(&Loose, 30_000, ListOrder::File, u64::MAX, &Blocks);
+            let lists = pool.install(build).unwrap();
+            for (row, x) in (0..35).flat_map(|row| (0..300).map(move |x| (row, x))) {
+                let start = Loose.start(row % 7, row / 7);
+                assert_eq!(lists.list(start + x), dense.list(row * 300 + x), "row {row} {x}");
+            }
+        }
+    }
+
     #[test]
     fn blocks_fit_into_8_bytes_or_say_so() {
         for more in [[0; 3], [255, 0, 3], [1, 255, 255]] {
             let block = Block { first: u32::MAX as usize, more };
             assert_eq!(Block::of_packed(block.packed()), block);
         }
-        assert_eq!(Block { first: 0, more: [0, 256, 0] }.packed(), TOO_LONG);
+        assert_eq!(Block { first: 0, more: [0, 256, 0] }.packed(), ASK_AGAIN);
     }
 
     #[test]
