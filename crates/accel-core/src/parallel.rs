@@ -18,6 +18,20 @@ pub(crate) fn parts(primitives: usize) -> usize {
     }
 }
 
+/// How many times a recursive build may divide its work: to some parts for each thread, as they
+/// differ in size; 0 on one thread.
+pub(crate) fn forks() -> u32 {
+    match rayon::current_num_threads() {
+        0 | 1 => 0,
+        threads => threads.next_power_of_two().ilog2() + 2,
+    }
+}
+
+/// Whether so many references are worth dividing among threads.
+pub(crate) fn is_worth_a_fork(references: usize) -> bool {
+    references >= 2 * LEAST_PRIMITIVES
+}
+
 /// Cuts `0..primitives` into [`parts`] and gives what `f` makes of each, in their order.
 pub(crate) fn map_parts<T: Send>(
     primitives: usize,
