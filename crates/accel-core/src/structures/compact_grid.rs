@@ -367,8 +367,7 @@ mod tests {
         let cells = occupied.count() as usize;
         let packed = Displaced::new(n, &occupied, 256).places;
         let appended = Displaced::new(n, &occupied, 0).places;
-        // rows at random are the hardest; those of surfaces leave larger gaps
-        assert!(packed < cells * 3, "{packed} places for {cells} cells");
+        assert!(packed < cells * 3 / 2, "{packed} places for {cells} cells");
         assert!(appended > cells * 5, "without trying: {appended} places for {cells} cells");
     }
 
