@@ -261,8 +261,9 @@ mod tests {
             let longest = stretches.iter().map(ids).max().unwrap();
             assert!(longest <= 40_000 / stretches.len() + 20_400, "{most}: {longest}");
         }
-        assert_eq!(build(ListOrder::File, 99).unwrap().stretches(8), [0..5]);
-        assert_eq!(CellLists::default().stretches(8), [0..0]);
+        let only = |lists: CellLists| (lists.stretches(8).len(), lists.stretches(8)[0].clone());
+        assert_eq!(only(build(ListOrder::File, 99).unwrap()), (1, 0..5));
+        assert_eq!(only(CellLists::default()), (1, 0..0));
     }
 
     #[test]

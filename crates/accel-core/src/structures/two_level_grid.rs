@@ -115,12 +115,13 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
     fn shape(&self) -> Shape {
         let divided = self.cells.iter().filter(|cell| cell.is_divided()).count() as u64;
         let vacant = self.cells.iter().filter(|cell| cell.is_vacant()).count() as u64;
+        let lists = self.leaves.lists();
         Shape {
             inner_cells: 1 + divided,
-            cells: self.leaves.cells() + vacant,
-            empty_cells: self.leaves.empty_cells() + vacant,
-            references: self.leaves.references(),
-            bytes: size_of_val(self.cells.as_slice()) as u64 + self.leaves.bytes(),
+            cells: lists.cells() as u64 + vacant,
+            empty_cells: lists.empty_cells() as u64 + vacant,
+            references: lists.references() as u64,
+            bytes: (size_of_val(self.cells.as_slice()) + lists.bytes()) as u64,
             ..Shape::default()
         }
     }

@@ -8,6 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::bounds_rule::smallest_cell;
+use crate::cell_lists::CellLists;
 use crate::primitives::PrimSet;
 use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::scalar::Scalar;
@@ -63,21 +64,13 @@ impl UpperCell {
 
 /// The lists of all leaf cells.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct LeafCells {
-    /// One more than there are leaf cells.
-    starts: Vec<u32>,
-    ids: Vec<u32>,
-}
+pub(super) struct LeafCells(CellLists);
 
 impl LeafCells {
     /// The ids in a leaf cell of `cell`.
     #[inline(always)]
     pub fn list(&self, cell: &UpperCell, leaf: usize) -> &[u32] {
-        let at = cell.first as usize + leaf;
-        match self.starts.get(at..at + 2) {
-            Some(&[a, b]) => self.ids.get(a as usize..b as usize).unwrap_or(&[]),
-            _ => &[],
-        }
+        self.0.list(cell.first as usize + leaf)
     }
 
     /// The ids of a cell that is not divided.
@@ -86,20 +79,9 @@ impl LeafCells {
         if cell.is_vacant() { &[] } else { self.list(cell, 0) }
     }
 
-    pub fn cells(&self) -> u64 {
-        self.starts.len() as u64 - 1
-    }
-
-    pub fn empty_cells(&self) -> u64 {
-        self.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64
-    }
-
-    pub fn references(&self) -> u64 {
-        self.ids.len() as u64
-    }
-
-    pub fn bytes(&self) -> u64 {
-        (size_of_val(self.starts.as_slice()) + size_of_val(self.ids.as_slice())) as u64
+    /// All of them, in the order of their cells.
+    pub fn lists(&self) -> &CellLists {
+        &self.0
     }
 }
 
@@ -156,7 +138,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     if let Some(last) = starts.last_mut() {
         *last = total as u32;
     }
-    Ok((cells, LeafCells { starts, ids }))
+    Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
 }
 
 /// What `f` makes of each, in their order; on one thread without a call to rayon.
