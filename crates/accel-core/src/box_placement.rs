@@ -1,6 +1,7 @@
 //! Insertion of boxes into the cells of a grid that they touch.
 
 use crate::aabb::Aabb;
+use crate::block_lists::BlockPlacement;
 use crate::cell_lists::Placement;
 use crate::scalar::Scalar;
 use crate::voxel_walk::GridFrame;
@@ -15,12 +16,18 @@ pub(crate) struct BoxPlacement<'a, S: Scalar> {
     pub by_division: bool,
 }
 
+impl<S: Scalar> BlockPlacement for BoxPlacement<'_, S> {
+    #[inline(always)]
+    fn block(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        let b = &self.boxes[id as usize];
+        if self.by_division { self.frame.range_by_division(b) } else { self.frame.range(b) }
+    }
+}
+
 impl<S: Scalar> Placement for BoxPlacement<'_, S> {
     #[inline(always)]
     fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
-        let b = &self.boxes[id as usize];
-        let (first, last) =
-            if self.by_division { self.frame.range_by_division(b) } else { self.frame.range(b) };
+        let (first, last) = self.block(id);
         for z in first[2]..=last[2] {
             for y in first[1]..=last[1] {
                 let row = self.frame.index([0, y, z]);

@@ -1,4 +1,9 @@
 //! Lists of primitive ids per cell in one array: count, prefix sum, fill (compressed rows).
+//!
+//! Built here for any placement of primitives; where each goes to a block of cells of a dense grid,
+//! `block_lists.rs` is faster.
+
+use std::ops::Range;
 
 /// For every cell, the slice of ids it holds.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -55,6 +60,11 @@ impl CellLists {
     ) -> Result<Self, TooManyReferences> {
         let limits = (max_references, max_references);
         Self::fill(cells, ids.iter().copied(), ListOrder::File, limits, placement)
+    }
+
+    /// From starts, one more than there are cells, and ids.
+    pub(crate) fn of_parts(starts: Vec<u32>, ids: Vec<u32>) -> Self {
+        Self { starts, ids }
     }
 
     /// More than `max_references` are refused; counting ends once there are more than
@@ -142,6 +152,21 @@ impl CellLists {
         }
     }
 
+    /// Cuts the cells into stretches of about as many ids each: at most `most`, at least one, none
+    /// of few ids.
+    pub fn stretches(&self, most: usize) -> Vec<Range<usize>> {
+        const LEAST_IDS: usize = 4096;
+        let parts = most.min(self.ids.len() / LEAST_IDS).max(1);
+        let end_of = |part: usize| match part == parts {
+            true => self.cells(),
+            false => {
+                let ids = (self.ids.len() as u64 * part as u64 / parts as u64) as u32;
+                self.starts.partition_point(|&start| start < ids).min(self.cells())
+            }
+        };
+        (0..parts).map(|part| if part == 0 { 0 } else { end_of(part) }..end_of(part + 1)).collect()
+    }
+
     /// Starts (one more than cells) and ids, for a storage of another layout.
     pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
         (self.starts, self.ids)
@@ -216,6 +241,29 @@ mod tests {
         assert_eq!(all, [vec![0, 4], vec![1, 5], vec![77], vec![3], vec![]]);
         assert_eq!(lists.references(), 6);
         assert_eq!(lists.replaced(|_, _| Err("no")), Err("no"));
+    }
+
+    #[test]
+    fn stretches_share_the_ids_out() {
+        struct Crowded;
+        impl Placement for Crowded {
+            fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+                emit(if id < 20_000 { 3 } else { id as usize % 100 });
+            }
+        }
+        let lists = CellLists::build(100, 40_000, ListOrder::File, u64::MAX, &Crowded).unwrap();
+        for most in [1, 2, 4, 64] {
+            let stretches = lists.stretches(most);
+            assert!((1..=most.min(9)).contains(&stretches.len()));
+            assert!(stretches.iter().cloned().flatten().eq(0..100), "{most}: {stretches:?}");
+            // no more than a fair part and one cell
+            let ids = |r: &Range<usize>| r.clone().map(|c| lists.list(c).len()).sum::<usize>();
+            let longest = stretches.iter().map(ids).max().unwrap();
+            assert!(longest <= 40_000 / stretches.len() + 20_400, "{most}: {longest}");
+        }
+        let only = |lists: CellLists| (lists.stretches(8).len(), lists.stretches(8)[0].clone());
+        assert_eq!(only(build(ListOrder::File, 99).unwrap()), (1, 0..5));
+        assert_eq!(only(CellLists::default()), (1, 0..0));
     }
 
     #[test]

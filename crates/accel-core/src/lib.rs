@@ -14,6 +14,7 @@
 
 pub mod aabb;
 pub mod accumulating_walk;
+mod block_lists;
 pub mod bounds_rule;
 mod box_placement;
 pub mod box_test;
@@ -29,6 +30,7 @@ pub mod far_ray;
 pub mod lanes;
 pub mod mailbox;
 pub mod occluders;
+mod parallel;
 pub mod params;
 pub mod primitives;
 pub mod ray;

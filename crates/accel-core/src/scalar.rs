@@ -11,6 +11,9 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
+/// The largest result of [`Scalar::to_index`]: both scalars hold it, and all below it, exactly.
+pub const MAX_INDEX: i32 = 1 << 24;
+
 /// glam's three-component vector for the scalar `S`: `glam::Vec3` or `glam::DVec3`.
 pub type Vec3<S> = <S as Scalar>::Vec3;
 
@@ -65,6 +68,9 @@ pub trait Scalar:
     fn floor(self) -> Self;
     /// Truncates towards zero, saturating; NaN gives 0.
     fn to_i32(self) -> i32;
+    /// The whole part, but at least 0 and at most `most`, which is at most [`MAX_INDEX`]; NaN
+    /// gives 0. Three instructions where [`Scalar::to_i32`] and a clamp are eight.
+    fn to_index(self, most: i32) -> i32;
     /// Exact for |i| < 2^24.
     fn from_i32(i: i32) -> Self;
     /// `self * a + b` with one rounding.
@@ -176,6 +182,13 @@ macro_rules! scalar {
                 self as i32
             }
             #[inline(always)]
+            fn to_index(self, most: i32) -> i32 {
+                // in this order NaN becomes 0
+                let within = self.greater(0.0).lesser(most.clamp(0, MAX_INDEX) as $s);
+                // SAFETY: `within` is a number from 0 to `MAX_INDEX`, which an i32 holds.
+                unsafe { within.to_int_unchecked() }
+            }
+            #[inline(always)]
             fn from_i32(i: i32) -> Self {
                 i as $s
             }
@@ -262,6 +275,25 @@ mod tests {
             assert!(power.is_finite() && power > S::ZERO, "{x}: {power}");
         }
         assert!((largest * largest.to_unit_size()).to_f64() < 4.0);
+    }
+
+    fn indices_are_clamped_whole_parts<S: Scalar>() {
+        let x = [-1e30, -1.0, -0.5, -0.0, 0.0, 0.999, 1.0, 6.99, 7.0, 7.5, 8.0, 1e9, 1e30];
+        let special = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+        for x in x.into_iter().chain(special).map(S::from_f64) {
+            for most in [0, 1, 7, (1 << 20) - 1, MAX_INDEX] {
+                assert_eq!(x.to_index(most), x.to_i32().clamp(0, most), "{x} {most}");
+            }
+        }
+        // beyond what is promised: still no more than an index
+        assert_eq!(S::from_f64(1e30).to_index(i32::MAX), MAX_INDEX);
+        assert_eq!(S::from_f64(5.0).to_index(-3), 0);
+    }
+
+    #[test]
+    fn indices_in_both_precisions() {
+        indices_are_clamped_whole_parts::<f32>();
+        indices_are_clamped_whole_parts::<f64>();
     }
 
     #[test]

@@ -90,7 +90,7 @@ impl<S: Scalar> GridFrame<S> {
     /// Truncation equals floor here: what is below 0 is clamped to 0 anyway.
     #[inline(always)]
     fn clamped(&self, x: S, axis: usize) -> i32 {
-        x.to_i32().clamp(0, self.n[axis] - 1)
+        x.to_index(self.n[axis] - 1)
     }
 
     /// Index of a cell, x fastest.
@@ -104,6 +104,31 @@ impl<S: Scalar> GridFrame<S> {
         GridCell { index: self.index(coords), coords }
     }
 
+    /// Coordinates of the cell with that index.
+    pub fn coords(&self, index: usize) -> [i32; 3] {
+        let [nx, ny, _] = self.n.map(|n| n as usize);
+        [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as i32)
+    }
+
+    /// The grid of `n` cells an axis, at least 1, that divides the cell of those coordinates. It is
+    /// made anew for each ray that comes by, in place of being stored.
+    #[inline(always)]
+    pub fn divided(&self, coords: [i32; 3], n: [u8; 3]) -> Self {
+        let mut frame = *self;
+        let mut hi = [S::ZERO; 3];
+        for k in 0..3 {
+            let parts = S::from_i32(i32::from(n[k]));
+            frame.lo[k] = self.lo[k] + S::from_i32(coords[k]) * self.cell[k];
+            frame.cell[k] = self.cell[k] / parts;
+            frame.inv_cell[k] = self.inv_cell[k] * parts;
+            frame.n[k] = i32::from(n[k]);
+            hi[k] = frame.lo[k] + self.cell[k];
+        }
+        frame.bounds =
+            Aabb { min: Vec3::<S>::from_array(frame.lo), max: Vec3::<S>::from_array(hi) };
+        frame
+    }
+
     /// Lengths of a cell's sides.
     pub fn cell_size(&self) -> [S; 3] {
         self.cell
@@ -111,9 +136,8 @@ impl<S: Scalar> GridFrame<S> {
 
     /// The box of the cell with that index.
     pub fn cell_bounds(&self, index: usize) -> Aabb<S> {
-        let [nx, ny, _] = self.n.map(|n| n as usize);
-        let at = [index % nx, index / nx % ny, index / (nx * ny)];
-        let plane = |k: usize, i: usize| self.lo[k] + S::from_i32(i as i32) * self.cell[k];
+        let at = self.coords(index);
+        let plane = |k: usize, i: i32| self.lo[k] + S::from_i32(i) * self.cell[k];
         Aabb {
             min: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k]))),
             max: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k] + 1))),

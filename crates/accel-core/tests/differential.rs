@@ -3,6 +3,7 @@
 
 mod agreement;
 mod common;
+mod threads;
 
 use accel_core::primitives::MixedSetBuilder;
 use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};

@@ -26,9 +26,12 @@ pub use support::Ball;
 pub use triangle::{MoellerTrumbore, Shear, TriangleSet, TriangleTest, Watertight};
 pub use triangle_block::TriangleBlock;
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::aabb::Aabb;
+use crate::parallel::map_parts;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3};
 
@@ -107,9 +110,11 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// Bytes the set occupies.
     fn bytes(&self) -> usize;
 
-    /// Bounds of all primitives.
+    /// Bounds of all primitives; found in the current rayon pool, the same for any number of threads.
     fn scene_bounds(&self) -> Aabb<S> {
-        (0..self.len() as u32).fold(Aabb::empty(), |all, id| all.union(self.bounds(id)))
+        let of_part =
+            |ids: Range<u32>| ids.fold(Aabb::empty(), |all, id| all.union(self.bounds(id)));
+        map_parts(self.len(), of_part).into_iter().fold(Aabb::empty(), Aabb::union)
     }
 }
 

@@ -130,6 +130,12 @@ impl<S: Scalar> Node<S> {
     fn inner(axis: usize, plane: S, lower: usize) -> Self {
         Self { plane, link: (lower as u32) << 2 | axis as u32 }
     }
+
+    /// The same after cells have moved by `cells`, and leaves have got numbers higher by `leaves`.
+    fn moved(self, cells: usize, leaves: usize) -> Self {
+        let by = if self.link & 3 == Self::LEAF { leaves } else { cells };
+        Self { link: self.link + ((by as u32) << 2), ..self }
+    }
 }
 
 impl<S: Scalar> Structure<S> for KdTree<S> {

@@ -8,6 +8,7 @@ pub mod bounding_volumes;
 pub mod bricked_grid;
 pub mod brute_force;
 mod cluster_bvh;
+pub mod compact_grid;
 #[cfg(feature = "embree")]
 pub mod embree;
 pub mod hashed_grid;
@@ -26,6 +27,7 @@ pub mod regular_grid;
 pub mod specs;
 #[cfg(test)]
 pub(crate) mod test_scenes;
+pub mod two_level_grid;
 pub mod uniform_grid;
 
 use crate::mailbox::Setting;
@@ -42,10 +44,12 @@ pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
     entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
+    entry!(compact_grid::CompactGrid, compact_grid::INFO),
     entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
     entry!(proximity_clouds::ProximityClouds, proximity_clouds::INFO),
     entry!(recursive_grid::RecursiveGrid, recursive_grid::INFO),
     entry!(hug::Hug, hug::INFO),
+    entry!(two_level_grid::TwoLevelGrid, two_level_grid::INFO),
     entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
     entry!(irregular_grid::IrregularGrid, irregular_grid::INFO),
     entry!(octree::Octree, octree::INFO),

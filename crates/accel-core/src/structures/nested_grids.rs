@@ -6,6 +6,7 @@
 use std::ops::ControlFlow;
 
 use crate::aabb::Aabb;
+use crate::block_lists::{DenseRows, block_lists};
 use crate::box_placement::BoxPlacement;
 use crate::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::cell_walk::{CellPosition, CellWalk};
@@ -91,8 +92,14 @@ impl<S: Scalar> NestedGrids<S> {
         let lists_of = |boxes: &[Aabb<S>], used: usize| {
             let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
             let room = rules.max_references.min(u64::from(u32::MAX)).saturating_sub(used as u64);
-            CellLists::build(frame.cells(), boxes.len(), rules.order, room, &placement)
-                .map_err(|TooManyReferences(n)| Excess::References(n + used as u64))
+            block_lists(
+                &DenseRows::new(frame.resolution()),
+                boxes.len(),
+                rules.order,
+                room,
+                &placement,
+            )
+            .map_err(|TooManyReferences(n)| Excess::References(n + used as u64))
         };
         let id_lists = lists_of(id_boxes, self.ids.len())?;
         let inner_lists = match inner {
@@ -127,8 +134,14 @@ impl<S: Scalar> NestedGrids<S> {
         let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
         let room = rules.max_references.min(u64::from(u32::MAX));
         let room = room.saturating_sub(self.ids.len() as u64);
-        let lists = CellLists::build(frame.cells(), boxes.len(), rules.order, room, &placement)
-            .map_err(|TooManyReferences(n)| Excess::References(n + self.ids.len() as u64))?;
+        let lists = block_lists(
+            &DenseRows::new(frame.resolution()),
+            boxes.len(),
+            rules.order,
+            room,
+            &placement,
+        )
+        .map_err(|TooManyReferences(n)| Excess::References(n + self.ids.len() as u64))?;
         let number = self.grids.len() as u32;
         self.grids.push(Grid { frame, first_cell: (self.starts.len() - 1) as u32 });
         for cell in 0..frame.cells() {

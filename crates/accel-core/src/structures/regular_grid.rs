@@ -7,6 +7,7 @@ mod shaft_walk;
 
 use super::{BuildError, Shape, Structure};
 use crate::aabb::Aabb;
+use crate::block_lists::{BlockPlacement, CellRows, DenseRows, block_lists};
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::cell_overlap::{Insertion, overlaps};
@@ -70,6 +71,17 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
         if self.historical { self.frame.range_by_division(&b) } else { self.frame.range(&b) }
     }
 
+    /// The box that decides where primitive `id` goes.
+    #[inline(always)]
+    pub fn box_of(&self, id: u32) -> Aabb<S> {
+        self.boxes.of(id)
+    }
+
+    /// By how much boxes are padded.
+    pub fn padding(&self) -> S {
+        self.boxes.padding()
+    }
+
     #[cold]
     #[inline(never)]
     fn range_compared(&self, id: u32) -> ([i32; 3], [i32; 3]) {
@@ -126,6 +138,25 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
         (0..self.primitives as u32).map(cells).fold(0, u64::saturating_add)
     }
 
+    /// The lists in one array, those of the frame's cells in their order.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`].
+    pub fn dense_lists(&self) -> Result<CellLists, TooManyReferences> {
+        if self.insertion.is_exact() {
+            return self.lists(self.frame.cells(), |c| self.frame.index(c));
+        }
+        self.lists_of_rows(&DenseRows::new(self.frame.resolution()))
+    }
+
+    /// The lists in one array, where `rows` says; of boxes, not exact ones.
+    pub(crate) fn lists_of_rows(
+        &self,
+        rows: &impl CellRows,
+    ) -> Result<CellLists, TooManyReferences> {
+        block_lists(rows, self.primitives, self.order, self.max_references, self)
+    }
+
     /// The lists in one array, `cells` of them, cell `coords` at `index(coords)`.
     ///
     /// # Errors
@@ -144,6 +175,13 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
         }
         let placement = Indexed(self, index);
         CellLists::build(cells, self.primitives, self.order, self.max_references, &placement)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>> BlockPlacement for Contents<'_, S, P> {
+    #[inline(always)]
+    fn block(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        self.range(id)
     }
 }
 
@@ -281,7 +319,8 @@ pub(super) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
     params: &Params,
 ) -> Result<Contents<'a, S, P>, BuildError> {
     let structure = params.structure();
-    let historical = params.text("boxes") == "historical";
+    // what a structure does not list has its default
+    let historical = params.get("boxes") == Some("historical");
     let rule = if historical {
         BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
     } else {
@@ -291,7 +330,7 @@ pub(super) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
         BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
     let frame = frame_of(prims, &boxes, params)?;
     let order =
-        if params.text("order") == "reverse" { ListOrder::Reverse } else { ListOrder::File };
+        if params.get("order") == Some("reverse") { ListOrder::Reverse } else { ListOrder::File };
     let max_references = params.integer("max-references");
     let insertion = Insertion::of(params);
     let primitives = prims.len();

@@ -10,6 +10,8 @@
 //! `boxes=historical order=reverse` is Havran and Sixta's (1999) grid as their counters show it:
 //! its walks also begin at the ray's origin, although hits only count beyond the epsilon.
 
+use std::ops::Range;
+
 use super::regular_grid::{CellStorage, Contents, RegularGrid};
 use super::{StructureInfo, specs};
 use crate::cell_lists::{CellLists, TooManyReferences};
@@ -83,6 +85,11 @@ impl DenseCells {
     pub fn at(&self, index: usize) -> &[u32] {
         self.0.list(index)
     }
+
+    /// Cuts the cells into stretches of about as many ids each: at most `most`, at least one.
+    pub fn stretches(&self, most: usize) -> Vec<Range<usize>> {
+        self.0.stretches(most)
+    }
 }
 
 impl CellStorage for DenseCells {
@@ -92,8 +99,7 @@ impl CellStorage for DenseCells {
         contents: &Contents<S, P>,
         _: &Params,
     ) -> Result<Self, TooManyReferences> {
-        let frame = contents.frame;
-        contents.lists(frame.cells(), |c| frame.index(c)).map(Self)
+        contents.dense_lists().map(Self)
     }
 
     #[inline(always)]

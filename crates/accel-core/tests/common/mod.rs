@@ -105,6 +105,19 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
     ]
 }
 
+/// So many triangles of all sizes within the unit cube, half of them in a corner of it.
+#[allow(dead_code, reason = "not every test target needs them")]
+pub fn many_triangles(n: usize) -> TriangleSet<f32, Watertight> {
+    let mut r = Random::new(5);
+    let list = (0..n).map(|i| {
+        let p = if i % 2 == 0 { r.point() } else { r.point() * 0.1 };
+        let size = if i % 500 == 0 { 0.6 } else { 0.02 };
+        let corners = [p, p + r.signed() * size, p + r.signed() * size];
+        corners.map(|p| p.clamp(DVec3::ZERO, DVec3::ONE).as_vec3().to_array())
+    });
+    TriangleSet::new(list.collect(), |_| false).unwrap()
+}
+
 /// Primitives of all kinds; two thirds of them move, if any do.
 fn mixed<S: Buildable>(r: &mut Random, moving: bool) -> Set<S> {
     let mut set = MixedSetBuilder::<S>::default();

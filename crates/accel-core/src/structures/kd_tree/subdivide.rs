@@ -1,13 +1,16 @@
-//! How a k-d tree is built: depth first, each cell cut where the heuristic says.
+//! How a k-d tree is built: depth first, each cell cut where the heuristic says; the sides of the
+//! first cuts at once.
 
 use super::super::BuildError;
 use super::surface_area::{Cut, Heuristic};
 use super::{Cells, DEEPEST, Node};
 use crate::aabb::Aabb;
+use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
 use crate::scalar::{Scalar, Vec3, Vector};
 
-/// Builds the cells over boxes of primitives.
+/// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
+/// cells in the same places for any number of threads.
 pub(super) fn cells<S: Scalar>(
     boxes: &[Aabb<S>],
     bounds: Aabb<S>,
@@ -17,33 +20,151 @@ pub(super) fn cells<S: Scalar>(
         0 => (8.0 + 1.3 * (boxes.len().max(1) as f64).log2()) as usize,
         depth => depth as usize,
     };
-    let mut builder = Builder {
+    let rules = Rules {
         boxes,
-        heuristic: Heuristic::new(params),
+        params,
         max_depth: max_depth.min(DEEPEST),
         max_leaf: params.integer("max-leaf") as usize,
         useless_splits: params.integer("useless-splits"),
         max_cells: params.integer("max-cells"),
         max_references: params.integer("max-references"),
-        structure: params.structure(),
-        cells: Cells { nodes: vec![Node::leaf(0)], starts: vec![0], ids: Vec::new() },
-        waiting: (0..boxes.len() as u32).collect(),
     };
-    builder.cell(0, bounds, 0, 0, 0)?;
-    Ok(builder.cells)
+    let root = || Task { ids: (0..boxes.len() as u32).collect(), bounds, depth: 0, useless: 0 };
+    match forks() {
+        0 => rules.alone(root()),
+        // which limit is broken, and by how much, is what one thread finds
+        forks => rules.forked(root(), forks).or_else(|_| rules.alone(root())),
+    }
 }
 
-struct Builder<'a, S: Scalar> {
+/// What does not change during a build.
+struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
-    heuristic: Heuristic<S>,
+    params: &'a Params,
     max_depth: usize,
     max_leaf: usize,
     useless_splits: u64,
     max_cells: u64,
     max_references: u64,
-    structure: &'static str,
+}
+
+/// A cell that is to be divided, by itself.
+struct Task<S: Scalar> {
+    ids: Vec<u32>,
+    bounds: Aabb<S>,
+    depth: usize,
+    useless: u64,
+}
+
+impl<S: Scalar> Rules<'_, S> {
+    /// The cells below a task, on this thread.
+    fn alone(&self, task: Task<S>) -> Result<Cells<S>, BuildError> {
+        let mut builder = Builder {
+            rules: self,
+            heuristic: Heuristic::new(self.params),
+            cells: Cells { nodes: vec![Node::leaf(0)], starts: vec![0], ids: Vec::new() },
+            waiting: task.ids,
+        };
+        builder.cell(0, task.bounds, task.depth, 0, task.useless)?;
+        Ok(builder.cells)
+    }
+
+    /// The same with both sides of a cut at once, `forks` times one below the other.
+    fn forked(&self, task: Task<S>, forks: u32) -> Result<Cells<S>, BuildError> {
+        if forks == 0 || !is_worth_a_fork(task.ids.len()) {
+            return self.alone(task);
+        }
+        let mut heuristic = Heuristic::new(self.params);
+        let decided = self.cut(&mut heuristic, &task.ids, &task.bounds, task.depth, task.useless);
+        let Some((cut, useless)) = decided else { return self.alone(task) };
+        let side = |side: usize| {
+            let inside = |id: &u32| self.is_inside(*id, &cut, side);
+            let ids = task.ids.iter().copied().filter(inside).collect();
+            let bounds = half(&task.bounds, &cut, side);
+            self.forked(Task { ids, bounds, depth: task.depth + 1, useless }, forks - 1)
+        };
+        let (lower, upper) = rayon::join(|| side(0), || side(1));
+        let cells = Cells::joined(&cut, lower?, &upper?);
+        self.limit("number of cells", cells.nodes.len() as u64, self.max_cells)?;
+        self.limit("references in cells", cells.ids.len() as u64, self.max_references)?;
+        Ok(cells)
+    }
+
+    /// Where to cut a cell, and the useless cuts on the way to it with that one; `None` makes it a
+    /// leaf.
+    fn cut(
+        &self,
+        heuristic: &mut Heuristic<S>,
+        ids: &[u32],
+        bounds: &Aabb<S>,
+        depth: usize,
+        useless: u64,
+    ) -> Option<(Cut<S>, u64)> {
+        if ids.len() <= self.max_leaf || depth == self.max_depth {
+            return None;
+        }
+        let cut = heuristic.best_cut(self.boxes, ids, bounds)?;
+        let useless = useless + u64::from(cut.cost >= ids.len() as f64);
+        (useless <= self.useless_splits).then_some((cut, useless))
+    }
+
+    /// Whether a primitive reaches to a side of a cut.
+    #[inline(always)]
+    fn is_inside(&self, id: u32, cut: &Cut<S>, side: usize) -> bool {
+        let b = &self.boxes[id as usize];
+        // boxes are padded: what ends on a plane has no point on its other side
+        match side {
+            0 => b.min.to_array()[cut.axis] < cut.plane,
+            _ => b.max.to_array()[cut.axis] > cut.plane,
+        }
+    }
+
+    fn limit(&self, what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
+        if needed <= limit {
+            return Ok(());
+        }
+        let (needed, limit) = (u128::from(needed), u128::from(limit));
+        Err(BuildError::TooLarge { structure: self.params.structure(), what, needed, limit })
+    }
+}
+
+/// One side of a cell that is cut.
+fn half<S: Scalar>(bounds: &Aabb<S>, cut: &Cut<S>, side: usize) -> Aabb<S> {
+    let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
+    if side == 0 {
+        hi[cut.axis] = cut.plane
+    } else {
+        lo[cut.axis] = cut.plane
+    }
+    Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
+}
+
+impl<S: Scalar> Cells<S> {
+    /// A cell that is cut, with the cells below it where a build from top to bottom has them: both
+    /// sides, then all below the lower one, then all below the upper one.
+    fn joined(cut: &Cut<S>, mut lower: Self, upper: &Self) -> Self {
+        let (leaves, ids) = (lower.starts.len() - 1, lower.ids.len() as u32);
+        // how far the cells below a side move
+        let (of_lower, of_upper) = (2, lower.nodes.len() + 1);
+        let mut nodes = Vec::with_capacity(1 + lower.nodes.len() + upper.nodes.len());
+        nodes.push(Node::inner(cut.axis, cut.plane, 1));
+        let from_lower = |node: &Node<S>| node.moved(of_lower, 0);
+        let from_upper = |node: &Node<S>| node.moved(of_upper, leaves);
+        nodes.extend(lower.nodes.first().map(from_lower));
+        nodes.extend(upper.nodes.first().map(from_upper));
+        nodes.extend(lower.nodes.iter().skip(1).map(from_lower));
+        nodes.extend(upper.nodes.iter().skip(1).map(from_upper));
+        lower.starts.extend(upper.starts.iter().skip(1).map(|start| start + ids));
+        lower.ids.extend_from_slice(&upper.ids);
+        Self { nodes, starts: lower.starts, ids: lower.ids }
+    }
+}
+
+struct Builder<'a, S: Scalar> {
+    rules: &'a Rules<'a, S>,
+    heuristic: Heuristic<S>,
     cells: Cells<S>,
-    /// References of the cells on the way from the root, one list after the other.
+    /// References of the cells on the way from the first, one list after the other.
     waiting: Vec<u32>,
 }
 
@@ -58,41 +179,21 @@ impl<S: Scalar> Builder<'_, S> {
         useless: u64,
     ) -> Result<(), BuildError> {
         let end = self.waiting.len();
-        let n = end - from;
-        if n <= self.max_leaf || depth == self.max_depth {
-            return self.leaf(cell, from);
-        }
-        let cut = self.heuristic.best_cut(self.boxes, &self.waiting[from..], &bounds);
-        let Some(Cut { axis, plane, cost }) = cut else { return self.leaf(cell, from) };
-        let useless = useless + u64::from(cost >= n as f64);
-        if useless > self.useless_splits {
-            return self.leaf(cell, from);
-        }
+        let ids = &self.waiting[from..];
+        let decided = self.rules.cut(&mut self.heuristic, ids, &bounds, depth, useless);
+        let Some((cut, useless)) = decided else { return self.leaf(cell, from) };
         let lower = self.cells.nodes.len();
-        self.limit("number of cells", lower as u64 + 2, self.max_cells)?;
-        self.cells.nodes[cell] = Node::inner(axis, plane, lower);
+        self.rules.limit("number of cells", lower as u64 + 2, self.rules.max_cells)?;
+        self.cells.nodes[cell] = Node::inner(cut.axis, cut.plane, lower);
         self.cells.nodes.resize(lower + 2, Node::leaf(0));
         for side in 0..2 {
             for i in from..end {
                 let id = self.waiting[i];
-                let b = &self.boxes[id as usize];
-                // boxes are padded: what ends on a plane has no point on its other side
-                let inside = match side {
-                    0 => b.min.to_array()[axis] < plane,
-                    _ => b.max.to_array()[axis] > plane,
-                };
-                if inside {
+                if self.rules.is_inside(id, &cut, side) {
                     self.waiting.push(id);
                 }
             }
-            let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
-            if side == 0 {
-                hi[axis] = plane
-            } else {
-                lo[axis] = plane
-            }
-            let half = Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) };
-            self.cell(lower + side, half, depth + 1, end, useless)?;
+            self.cell(lower + side, half(&bounds, &cut, side), depth + 1, end, useless)?;
         }
         self.waiting.truncate(from);
         Ok(())
@@ -100,19 +201,12 @@ impl<S: Scalar> Builder<'_, S> {
 
     fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
         let references = self.cells.ids.len() + self.waiting.len() - from;
-        self.limit("references in cells", references as u64, self.max_references)?;
+        let limit = self.rules.max_references;
+        self.rules.limit("references in cells", references as u64, limit)?;
         self.cells.nodes[cell] = Node::leaf(self.cells.starts.len() - 1);
         self.cells.ids.extend_from_slice(&self.waiting[from..]);
         self.cells.starts.push(references as u32);
         self.waiting.truncate(from);
         Ok(())
-    }
-
-    fn limit(&self, what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
-        if needed <= limit {
-            return Ok(());
-        }
-        let (needed, limit) = (u128::from(needed), u128::from(limit));
-        Err(BuildError::TooLarge { structure: self.structure, what, needed, limit })
     }
 }

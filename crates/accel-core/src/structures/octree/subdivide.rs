@@ -1,18 +1,23 @@
-//! How an octree is built: where cells are cut, and when they are not.
+//! How an octree is built: where cells are cut, and when they are not; the octants of the first
+//! cells at once.
+
+use rayon::prelude::*;
 
 use super::super::BuildError;
 use super::{Cells, LEAF};
 use crate::aabb::Aabb;
+use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
 use crate::scalar::{Scalar, Vec3, Vector};
 
-/// Builds the cells over boxes of primitives.
+/// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
+/// cells in the same places for any number of threads.
 pub(super) fn cells<S: Scalar>(
     boxes: &[Aabb<S>],
     bounds: Aabb<S>,
     params: &Params,
 ) -> Result<Cells<S>, BuildError> {
-    let mut builder = Builder {
+    let rules = Rules {
         boxes,
         adaptive: params.text("subdivision") == "adaptive",
         historical: params.text("boxes") == "historical",
@@ -22,17 +27,23 @@ pub(super) fn cells<S: Scalar>(
         max_cells: params.integer("max-cells"),
         max_references: params.integer("max-references"),
         structure: params.structure(),
-        cells: Cells { links: vec![LEAF], planes: Vec::new(), starts: vec![0], ids: Vec::new() },
-        waiting: (0..boxes.len() as u32).collect(),
     };
-    if params.text("order") == "reverse" {
-        builder.waiting.reverse();
+    let root = || {
+        let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
+        if params.text("order") == "reverse" {
+            ids.reverse();
+        }
+        Task { ids, bounds, depth: 0, useless: 0 }
+    };
+    match forks() {
+        0 => rules.alone(root()),
+        // each divides by eight; which limit is broken, and by how much, is what one thread finds
+        forks => rules.forked(root(), forks.div_ceil(3)).or_else(|_| rules.alone(root())),
     }
-    builder.cell(0, bounds, 0, 0, 0)?;
-    Ok(builder.cells)
 }
 
-struct Builder<'a, S: Scalar> {
+/// What does not change during a build.
+struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
     adaptive: bool,
     /// As fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
@@ -44,8 +55,41 @@ struct Builder<'a, S: Scalar> {
     max_cells: u64,
     max_references: u64,
     structure: &'static str,
+}
+
+/// A cell that is to be divided, by itself.
+struct Task<S: Scalar> {
+    ids: Vec<u32>,
+    bounds: Aabb<S>,
+    depth: u64,
+    useless: u64,
+}
+
+impl<S: Scalar> Cells<S> {
+    /// A first cell without anything yet.
+    fn begun() -> Self {
+        Self { links: vec![LEAF], planes: Vec::new(), starts: vec![0], ids: Vec::new() }
+    }
+
+    /// Puts the cells below octant `octant` of the first cell, which is divided, behind all others.
+    fn append(&mut self, octant: usize, below: &Self) {
+        let (inner, leaves) = (self.planes.len() as u32, self.starts.len() as u32 - 1);
+        let moved = |link: &u32| if link & LEAF != 0 { link + leaves } else { link + inner };
+        if let Some(first) = below.links.first() {
+            self.links[1 + octant] = moved(first);
+        }
+        self.links.extend(below.links.iter().skip(1).map(moved));
+        self.planes.extend_from_slice(&below.planes);
+        let ids = self.ids.len() as u32;
+        self.starts.extend(below.starts.iter().skip(1).map(|start| start + ids));
+        self.ids.extend_from_slice(&below.ids);
+    }
+}
+
+struct Builder<'a, S: Scalar> {
+    rules: &'a Rules<'a, S>,
     cells: Cells<S>,
-    /// References of the cells on the way from the root, one list after the other.
+    /// References of the cells on the way from the first, one list after the other.
     waiting: Vec<u32>,
 }
 
@@ -60,25 +104,17 @@ impl<S: Scalar> Builder<'_, S> {
         useless: u64,
     ) -> Result<(), BuildError> {
         let end = self.waiting.len();
-        let n = end - from;
-        if n <= self.max_leaf || depth == self.max_depth {
-            return self.leaf(cell, from);
-        }
-        let planes = self.cuts(&bounds, &self.waiting[from..]);
-        let expected = self.expected_tests(&bounds, &planes, &self.waiting[from..]);
-        let useless = useless + u64::from(expected + TRAVERSAL_COST >= n as f64);
-        if useless > self.useless_splits {
-            return self.leaf(cell, from);
-        }
+        let divided = self.rules.divided(&self.waiting[from..], &bounds, depth, useless);
+        let Some((planes, useless)) = divided else { return self.leaf(cell, from) };
         let inner = self.cells.planes.len();
-        self.limit("number of cells", 8 * inner as u64 + 9, self.max_cells)?;
+        self.rules.limit("number of cells", 8 * inner as u64 + 9, self.rules.max_cells)?;
         self.cells.links[cell] = inner as u32;
         self.cells.planes.push(planes);
         self.cells.links.resize(9 + 8 * inner, LEAF);
         for octant in 0..8 {
             for i in from..end {
                 let id = self.waiting[i];
-                if touches(&self.boxes[id as usize], &planes, octant) {
+                if touches(&self.rules.boxes[id as usize], &planes, octant) {
                     self.waiting.push(id);
                 }
             }
@@ -91,12 +127,66 @@ impl<S: Scalar> Builder<'_, S> {
 
     fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
         let references = self.cells.ids.len() + self.waiting.len() - from;
-        self.limit("references in cells", references as u64, self.max_references)?;
+        let limit = self.rules.max_references;
+        self.rules.limit("references in cells", references as u64, limit)?;
         self.cells.links[cell] = LEAF | (self.cells.starts.len() - 1) as u32;
         self.cells.ids.extend_from_slice(&self.waiting[from..]);
         self.cells.starts.push(references as u32);
         self.waiting.truncate(from);
         Ok(())
+    }
+}
+
+impl<S: Scalar> Rules<'_, S> {
+    /// The cells below a task, on this thread.
+    fn alone(&self, task: Task<S>) -> Result<Cells<S>, BuildError> {
+        let mut builder = Builder { rules: self, cells: Cells::begun(), waiting: task.ids };
+        builder.cell(0, task.bounds, task.depth, 0, task.useless)?;
+        Ok(builder.cells)
+    }
+
+    /// The same with all octants at once, `forks` times one below the other.
+    fn forked(&self, task: Task<S>, forks: u32) -> Result<Cells<S>, BuildError> {
+        if forks == 0 || !is_worth_a_fork(task.ids.len()) {
+            return self.alone(task);
+        }
+        let divided = self.divided(&task.ids, &task.bounds, task.depth, task.useless);
+        let Some((planes, useless)) = divided else { return self.alone(task) };
+        let below = |octant: usize| {
+            let inside = |id: &u32| touches(&self.boxes[*id as usize], &planes, octant);
+            let ids = task.ids.iter().copied().filter(inside).collect();
+            let bounds = octant_of(&task.bounds, &planes, octant);
+            self.forked(Task { ids, bounds, depth: task.depth + 1, useless }, forks - 1)
+        };
+        let all: Vec<Result<Cells<S>, BuildError>> = (0..8).into_par_iter().map(below).collect();
+        let mut cells = Cells::begun();
+        cells.links = vec![LEAF; 9];
+        cells.links[0] = 0;
+        cells.planes.push(planes);
+        for (octant, below) in all.into_iter().enumerate() {
+            cells.append(octant, &below?);
+        }
+        self.limit("number of cells", cells.links.len() as u64, self.max_cells)?;
+        self.limit("references in cells", cells.ids.len() as u64, self.max_references)?;
+        Ok(cells)
+    }
+
+    /// The planes that divide a cell, and the useless divisions on the way to it with this one;
+    /// `None` makes it a leaf.
+    fn divided(
+        &self,
+        ids: &[u32],
+        bounds: &Aabb<S>,
+        depth: u64,
+        useless: u64,
+    ) -> Option<([S; 3], u64)> {
+        if ids.len() <= self.max_leaf || depth == self.max_depth {
+            return None;
+        }
+        let planes = self.cuts(bounds, ids);
+        let expected = self.expected_tests(bounds, &planes, ids);
+        let useless = useless + u64::from(expected + TRAVERSAL_COST >= ids.len() as f64);
+        (useless <= self.useless_splits).then_some((planes, useless))
     }
 
     fn limit(&self, what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {

@@ -1,0 +1,65 @@
+//! How a build divides its work among the threads of the current rayon pool.
+//!
+//! Work is cut by position, never by who comes first, and put together in order: what is built is
+//! the same, bit for bit, for any number of threads. On one thread rayon is not even called.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+/// Fewer primitives than this are not worth a thread of their own.
+const LEAST_PRIMITIVES: usize = 4096;
+
+/// Into how many parts to cut work on so many primitives: one for each thread, if that pays.
+pub(crate) fn parts(primitives: usize) -> usize {
+    match primitives / LEAST_PRIMITIVES {
+        0 | 1 => 1,
+        most => most.min(rayon::current_num_threads()),
+    }
+}
+
+/// How many times a recursive build may divide its work: to some parts for each thread, as they
+/// differ in size; 0 on one thread.
+pub(crate) fn forks() -> u32 {
+    match rayon::current_num_threads() {
+        0 | 1 => 0,
+        threads => threads.next_power_of_two().ilog2() + 2,
+    }
+}
+
+/// Whether so many references are worth dividing among threads.
+pub(crate) fn is_worth_a_fork(references: usize) -> bool {
+    references >= 2 * LEAST_PRIMITIVES
+}
+
+/// Cuts `0..primitives` into [`parts`] and gives what `f` makes of each, in their order.
+pub(crate) fn map_parts<T: Send>(
+    primitives: usize,
+    f: impl Fn(Range<u32>) -> T + Send + Sync,
+) -> Vec<T> {
+    let parts = parts(primitives);
+    if parts == 1 {
+        return vec![f(0..primitives as u32)];
+    }
+    let size = primitives.div_ceil(parts);
+    let part = |i: usize| f((i * size) as u32..((i + 1) * size).min(primitives) as u32);
+    (0..primitives.div_ceil(size)).into_par_iter().map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_cover_everything_once_and_in_order() {
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            for n in [0, 1, LEAST_PRIMITIVES, 3 * LEAST_PRIMITIVES + 1, 50_001] {
+                let ranges = pool.install(|| map_parts(n, |r| r));
+                assert_eq!(ranges.len(), threads.min((n / LEAST_PRIMITIVES).max(1)));
+                let all: Vec<u32> = ranges.into_iter().flatten().collect();
+                assert!(all.iter().copied().eq(0..n as u32), "{threads} threads, {n}");
+            }
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The two-level grid: a coarse grid whose cells are divided by grids of their own resolution.
+//!
+//! Paper: J. Kalojanov, M. Billeter, P. Slusallek, "Two-Level Grids for Ray Tracing on GPUs",
+//! Computer Graphics Forum 30(2) (Eurographics), 2011: two levels are enough for most uneven scenes,
+//! and both can be built in parallel by sorting, so that the grid stays among the structures that
+//! are built fastest.
+//!
+//! Deviations: references are sorted into upper cells by the counting sort of `block_lists.rs`,
+//! and within each upper cell by another, instead of all pairs of a level by radix; resolutions
+//! follow from the number of references by the rule *density* of `resolution.rs`, not from their
+//! cost model; a leaf grid that would list most primitives in most of its cells is made coarser, so
+//! that copies of a large primitive do not multiply; upper cells without primitives have no leaf
+//! cell. An upper cell is 8 bytes: its leaf grid is computed by each ray that comes by. Rays are
+//! walked one by one.
+
+mod leaf_cells;
+
+use std::ops::ControlFlow;
+
+use super::regular_grid::stored;
+use super::uniform_grid::DenseCells;
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
+use crate::cell_walk::{CellPosition, CellWalk};
+use crate::mailbox;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::ray::Ray;
+use crate::scalar::Scalar;
+use crate::sink::Sink;
+use crate::voxel_walk::{GridFrame, VoxelWalk, inverse_direction};
+use leaf_cells::{LeafCells, LeafRules, UpperCell};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "two-level-grid",
+    summary: "a coarse grid whose cells hold grids, each of a resolution of its own",
+    paper: "Kalojanov, Billeter, Slusallek 2011",
+    deviations: "counting sorts, not radix; leaf grids of no use are made coarser",
+    params: &[
+        specs::RESOLUTION,
+        ParamSpec {
+            summary: "upper cells per primitive, for the rules that have it",
+            default: "0.12",
+            ..specs::DENSITY
+        },
+        ParamSpec {
+            name: "leaf-density",
+            summary: "leaf cells per primitive of an upper cell",
+            default: "2.4",
+            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
+        },
+        ParamSpec { kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 }, ..specs::MAX_CELLS },
+        specs::MAX_REFERENCES,
+        mailbox::PARAM,
+        mailbox::SLOTS_PARAM,
+    ],
+    variants: &[""],
+    also_tested: &["density=0.01 leaf-density=20", "density=2 leaf-density=0.5", "mailbox=hash"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// Two levels of grids.
+pub struct TwoLevelGrid<S: Scalar> {
+    upper: GridFrame<S>,
+    cells: Vec<UpperCell>,
+    leaves: LeafCells,
+}
+
+impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
+        let rules = LeafRules {
+            density: params.real("leaf-density"),
+            max_cells: params.integer("max-cells"),
+            max_references: params.integer("max-references"),
+        };
+        let (cells, leaves) = leaf_cells::divide(&contents, &lists, &rules)
+            .map_err(|excess| super::hug::too_large(params, excess))?;
+        Ok(Self { upper: contents.frame, cells, leaves })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        sink.inner_step();
+        let bounds = self.upper.bounds();
+        let Some((mut t, _)) = bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max) else {
+            return;
+        };
+        let inverse = inverse_direction(ray);
+        let mut walk = self.upper.walk_at(ray, inverse, t);
+        loop {
+            let Some(cell) = self.cells.get(walk.index()) else { return };
+            if cell.is_divided() {
+                sink.inner_step();
+                let leaf = self.upper.divided(walk.coords(), cell.resolution());
+                if self.leaves.walk(cell, leaf.walk_at(ray, inverse, t), sink).is_break() {
+                    return;
+                }
+            } else {
+                let list = self.leaves.only_list(cell);
+                sink.elementary_step(list.is_empty());
+                if !list.is_empty() && sink.test(list).is_break() {
+                    return;
+                }
+            }
+            t = walk.t_exit();
+            if sink.t_max() < t || !walk.advance() {
+                return;
+            }
+        }
+    }
+
+    /// N_IN is 1 for the upper grid and 1 for every cell of it that is divided.
+    fn shape(&self) -> Shape {
+        let divided = self.cells.iter().filter(|cell| cell.is_divided()).count() as u64;
+        let vacant = self.cells.iter().filter(|cell| cell.is_vacant()).count() as u64;
+        let lists = self.leaves.lists();
+        Shape {
+            inner_cells: 1 + divided,
+            cells: lists.cells() as u64 + vacant,
+            empty_cells: lists.empty_cells() as u64 + vacant,
+            references: lists.references() as u64,
+            bytes: (size_of_val(self.cells.as_slice()) + lists.bytes()) as u64,
+            ..Shape::default()
+        }
+    }
+}
+
+impl LeafCells {
+    /// Visits the leaf cells of an upper cell until the walk leaves it; `Break` when nothing closer
+    /// can follow.
+    #[inline(always)]
+    fn walk<S: Scalar, K: Sink<S>>(
+        &self,
+        cell: &UpperCell,
+        mut walk: VoxelWalk<S>,
+        sink: &mut K,
+    ) -> ControlFlow<()> {
+        loop {
+            let list = self.list(cell, walk.index());
+            sink.elementary_step(list.is_empty());
+            if !list.is_empty() {
+                sink.test(list)?;
+            }
+            if sink.t_max() < walk.t_exit() {
+                return ControlFlow::Break(());
+            }
+            if !walk.advance() {
+                return ControlFlow::Continue(());
+            }
+        }
+    }
+}

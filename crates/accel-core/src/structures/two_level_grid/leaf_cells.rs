@@ -1,0 +1,293 @@
+//! The lower level: which resolution each upper cell gets, and the lists of its leaf cells.
+//!
+//! Upper cells are independent of each other, so they are divided in stretches, one for each
+//! thread of the current rayon pool, of about as many references each.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::bounds_rule::smallest_cell;
+use crate::cell_lists::CellLists;
+use crate::primitives::PrimSet;
+use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::scalar::Scalar;
+use crate::structures::nested_grids::Excess;
+use crate::structures::regular_grid::Contents;
+use crate::structures::uniform_grid::DenseCells;
+use crate::voxel_walk::GridFrame;
+
+/// A leaf grid that would list its primitives more often than this on average is made coarser.
+const REFERENCES_A_PRIMITIVE: u64 = 16;
+
+/// How leaf grids are made.
+pub(super) struct LeafRules {
+    /// Leaf cells for each reference of an upper cell.
+    pub density: f64,
+    /// Upper limit for the cells of both levels.
+    pub max_cells: u64,
+    /// Upper limit for the references in leaf cells.
+    pub max_references: u64,
+}
+
+/// A cell of the upper level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct UpperCell {
+    /// Its first leaf cell; x is fastest.
+    first: u32,
+    /// Leaf cells an axis; 0 where it holds no primitive.
+    n: [u8; 3],
+}
+
+impl UpperCell {
+    /// Whether it holds a grid.
+    #[inline(always)]
+    pub fn is_divided(&self) -> bool {
+        self.n.iter().any(|&n| n > 1)
+    }
+
+    /// Whether it holds nothing.
+    pub fn is_vacant(&self) -> bool {
+        self.n == [0; 3]
+    }
+
+    /// Leaf cells an axis.
+    #[inline(always)]
+    pub fn resolution(&self) -> [u8; 3] {
+        self.n
+    }
+
+    fn leaf_cells(&self) -> usize {
+        self.n.iter().map(|&n| usize::from(n)).product()
+    }
+}
+
+/// The lists of all leaf cells.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct LeafCells(CellLists);
+
+impl LeafCells {
+    /// The ids in a leaf cell of `cell`.
+    #[inline(always)]
+    pub fn list(&self, cell: &UpperCell, leaf: usize) -> &[u32] {
+        self.0.list(cell.first as usize + leaf)
+    }
+
+    /// The ids of a cell that is not divided.
+    #[inline(always)]
+    pub fn only_list(&self, cell: &UpperCell) -> &[u32] {
+        if cell.is_vacant() { &[] } else { self.list(cell, 0) }
+    }
+
+    /// All of them, in the order of their cells.
+    pub fn lists(&self) -> &CellLists {
+        &self.0
+    }
+}
+
+/// Divides the upper cells, whose lists are `lists`.
+///
+/// # Errors
+/// [`Excess`] where the limits do not suffice.
+pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
+    contents: &Contents<S, P>,
+    lists: &DenseCells,
+    rules: &LeafRules,
+) -> Result<(Vec<UpperCell>, LeafCells), Excess> {
+    let upper = Upper { contents, lists, rules };
+    let stretches = lists.stretches(rayon::current_num_threads());
+    // resolutions, then where leaf cells begin
+    let resolutions: Vec<Vec<UpperCell>> =
+        in_parallel(&stretches, |cells| cells.clone().map(|cell| upper.resolution(cell)).collect());
+    let mut cells = Vec::with_capacity(contents.frame.cells());
+    let mut leaf_cells = 0u64;
+    let mut leaves_of: Vec<usize> = Vec::with_capacity(stretches.len());
+    for part in &resolutions {
+        let before = leaf_cells;
+        for cell in part {
+            cells.push(UpperCell { first: leaf_cells as u32, ..*cell });
+            leaf_cells += cell.leaf_cells() as u64;
+        }
+        leaves_of.push((leaf_cells - before) as usize);
+    }
+    let all_cells = leaf_cells + cells.len() as u64;
+    if all_cells > rules.max_cells.min(u64::from(u32::MAX) - 1) {
+        return Err(Excess::Cells(all_cells));
+    }
+    // counts, turned into ends that begin at 0 in each stretch
+    let mut starts = vec![0u32; leaf_cells as usize + 1];
+    let mut parts: Vec<Part> = Vec::with_capacity(stretches.len());
+    for (range, counters) in stretches.iter().zip(split(&mut starts, &leaves_of)) {
+        parts.push(Part { range: range.clone(), cells: &cells[range.clone()], counters });
+    }
+    let references = in_parallel_mut(&mut parts, |part| upper.count(part));
+    let total: u64 = references.iter().sum();
+    if total > rules.max_references.min(u64::from(u32::MAX)) {
+        return Err(Excess::References(total));
+    }
+    let mut ids = vec![0u32; total as usize];
+    let ids_of: Vec<usize> = references.iter().map(|&n| n as usize).collect();
+    let mut before = 0;
+    let mut filled: Vec<_> = Vec::with_capacity(parts.len());
+    for (part, ids) in parts.into_iter().zip(split(&mut ids, &ids_of)) {
+        let length = ids.len() as u32;
+        filled.push((part, ids, before));
+        before += length;
+    }
+    in_parallel_mut(&mut filled, |(part, ids, before)| upper.fill(part, ids, *before));
+    if let Some(last) = starts.last_mut() {
+        *last = total as u32;
+    }
+    Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
+}
+
+/// What `f` makes of each, in their order; on one thread without a call to rayon.
+fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Send + Sync) -> Vec<R> {
+    match items {
+        [only] => vec![f(only)],
+        _ => items.par_iter().map(f).collect(),
+    }
+}
+
+/// [`in_parallel`] for what is changed.
+fn in_parallel_mut<T: Send, R: Send>(
+    items: &mut [T],
+    f: impl Fn(&mut T) -> R + Send + Sync,
+) -> Vec<R> {
+    match items {
+        [only] => vec![f(only)],
+        _ => items.par_iter_mut().map(f).collect(),
+    }
+}
+
+/// Cuts off one piece of each length, from the front on.
+fn split<'a>(mut all: &'a mut [u32], lengths: &[usize]) -> Vec<&'a mut [u32]> {
+    let cut = |&length: &usize| {
+        let (piece, rest) = std::mem::take(&mut all).split_at_mut(length);
+        all = rest;
+        piece
+    };
+    lengths.iter().map(cut).collect()
+}
+
+/// A stretch of upper cells with the counters of its leaf cells.
+struct Part<'a> {
+    range: Range<usize>,
+    cells: &'a [UpperCell],
+    counters: &'a mut [u32],
+}
+
+/// What dividing an upper cell looks at.
+struct Upper<'a, 'p, S: Scalar, P: PrimSet<S>> {
+    contents: &'a Contents<'p, S, P>,
+    lists: &'a DenseCells,
+    rules: &'a LeafRules,
+}
+
+impl<S: Scalar, P: PrimSet<S>> Upper<'_, '_, S, P> {
+    /// The grid of an upper cell.
+    fn leaf(&self, cell: usize, n: [u8; 3]) -> GridFrame<S> {
+        self.contents.frame.divided(self.contents.frame.coords(cell), n)
+    }
+
+    /// The resolution of an upper cell; where its leaf cells begin is not yet known.
+    fn resolution(&self, cell: usize) -> UpperCell {
+        let list = self.lists.at(cell);
+        let mut n = [u8::from(!list.is_empty()); 3];
+        if self.rules.density * list.len() as f64 >= 2.0 {
+            let input = ResolutionInput {
+                bounds: self.contents.frame.cell_bounds(cell),
+                primitives: list.len(),
+                density: self.rules.density,
+                mean_longest_side: 0.0,
+                max_cells: self.rules.max_cells,
+                smallest_cell: smallest_cell(self.contents.padding()),
+            };
+            // never refused: a computed rule keeps within max_cells
+            let wanted = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);
+            n = wanted.map(|n| n.min(u32::from(u8::MAX)) as u8);
+            while n != [1; 3] && !self.is_useful(cell, n, list) {
+                n = n.map(|n| n.div_ceil(2));
+            }
+        }
+        UpperCell { first: 0, n }
+    }
+
+    /// Whether the cells of a grid hold fewer primitives than the whole, and do not multiply them.
+    fn is_useful(&self, cell: usize, n: [u8; 3], list: &[u32]) -> bool {
+        let leaf = self.leaf(cell, n);
+        let cells_of = |&id: &u32| {
+            let (first, last) = leaf.range(&self.contents.box_of(id));
+            (0..3).map(|k| (last[k] - first[k] + 1) as u64).product::<u64>()
+        };
+        let references: u64 = list.iter().map(cells_of).sum();
+        let length = list.len() as u64;
+        2 * references <= length * leaf.cells() as u64
+            && references <= length * REFERENCES_A_PRIMITIVE
+    }
+
+    /// Calls `visit` with the place of each leaf cell of a stretch that primitive `id` goes to.
+    #[inline(always)]
+    fn leaf_cells_of(
+        &self,
+        leaf: &GridFrame<S>,
+        first_leaf: usize,
+        id: u32,
+        mut visit: impl FnMut(usize),
+    ) {
+        let (first, last) = leaf.range(&self.contents.box_of(id));
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                let row = first_leaf + leaf.index([0, y, z]);
+                (first[0]..=last[0]).for_each(|x| visit(row + x as usize));
+            }
+        }
+    }
+
+    /// Counts the references of each leaf cell and turns the counts into ends; returns how many
+    /// there are.
+    fn count(&self, part: &mut Part) -> u64 {
+        let base = part.cells.first().map_or(0, |cell| cell.first as usize);
+        for (at, cell) in part.range.clone().zip(part.cells) {
+            let first_leaf = cell.first as usize - base;
+            let list = self.lists.at(at);
+            if !cell.is_divided() {
+                if let Some(counter) = part.counters.get_mut(first_leaf)
+                    && !cell.is_vacant()
+                {
+                    *counter = list.len() as u32;
+                }
+                continue;
+            }
+            let leaf = self.leaf(at, cell.n);
+            for &id in list {
+                self.leaf_cells_of(&leaf, first_leaf, id, |i| part.counters[i] += 1);
+            }
+        }
+        let mut sum = 0u64;
+        for counter in part.counters.iter_mut() {
+            sum += u64::from(*counter);
+            // beyond a u32 the build is refused
+            *counter = sum as u32;
+        }
+        sum
+    }
+
+    /// Writes ids to their places and turns the ends into starts, `before` ids being those of
+    /// earlier stretches.
+    fn fill(&self, part: &mut Part, ids: &mut [u32], before: u32) {
+        let base = part.cells.first().map_or(0, |cell| cell.first as usize);
+        for (at, cell) in part.range.clone().zip(part.cells) {
+            let list = self.lists.at(at);
+            let leaf = self.leaf(at, cell.n.map(|n| n.max(1)));
+            // from the back: the last id placed comes first
+            for &id in list.iter().rev() {
+                self.leaf_cells_of(&leaf, cell.first as usize - base, id, |i| {
+                    part.counters[i] -= 1;
+                    ids[part.counters[i] as usize] = id;
+                });
+            }
+        }
+        part.counters.iter_mut().for_each(|start| *start += before);
+    }
+}
