@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::scale::record::ScaleRecord;
 use crate::args::Lights;
 use crate::query::Query;
 use crate::ray_order::Orders;
+use crate::scale::record::ScaleRecord;
 use crate::shard::ShardRecord;
 use crate::statistics::Estimate;
 use crate::statistics::outliers::outliers;

@@ -20,6 +20,7 @@ use crate::panics::{Panicked, caught};
 use crate::plan::Plan;
 use crate::pools::Pools;
 use crate::progress::Progress;
+use crate::query::Query;
 use crate::record::{Answered, Outliers, RowRecord, Sample, SceneRecord, Verdict};
 use crate::reference::{Reference, Stage};
 use crate::scale::trial::Outcome;

@@ -79,9 +79,9 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// ([`Ray::is_traceable`]).
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
 
-    /// Answers a whole batch in a way of its own, with the answers of [`Structure::walk`]; false
-    /// when it has none for this set, and rays are walked one after the other. Rays are brought
-    /// near ([`crate::far_ray`]) within `reach`.
+    /// Answers the rays of a batch in a way of its own, with the answers of [`Structure::walk`];
+    /// false when it has none for this set, and rays are walked one after the other. Rays are
+    /// brought near ([`crate::far_ray`]) within `reach`.
     #[inline(always)]
     fn closest_batch<P: PrimSet<S>>(
         &self,
@@ -102,6 +102,13 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
         _reach: S,
         _blocked: &mut [bool],
     ) -> bool {
+        false
+    }
+
+    /// Whether [`Structure::closest_batch`] and [`Structure::occlusion_batch`], where they serve,
+    /// have several rays on their way at once: such a row is marked as one of batches.
+    #[inline(always)]
+    fn has_rays_side_by_side(&self) -> bool {
         false
     }
 

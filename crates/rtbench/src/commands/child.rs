@@ -51,8 +51,8 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             (serde_json::to_string(&count_all(&plan)?), 0)
         }
         ChildAction::AskWindows { rays } => {
-            let plan = like::plan(&record, &Narrowed::default(), context)?;
-            (serde_json::to_string(&ask_all(&plan, rays as usize)?), 0)
+            let plan = like::plan(&record()?, &Narrowed::default(), context)?;
+            (serde_json::to_string(&ask_all(&plan, *rays as usize)?), 0)
         }
     };
     writeln!(context.out, "{}", answer.map_err(json)?)?;

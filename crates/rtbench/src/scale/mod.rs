@@ -83,6 +83,8 @@ impl<'r> Scale<'r> {
         }
         let of_run = RunArgs {
             scenes: sizes.iter().map(|size| size.name.clone()).collect(),
+            as_set: None,
+            by_kind: false,
             structures,
             overrides: args.overrides.clone(),
             measuring: measuring(&args.measuring),

@@ -233,6 +233,10 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         false
     }
 
+    fn has_rays_side_by_side(&self) -> bool {
+        self.is_batch
+    }
+
     fn shape(&self) -> Shape {
         self.shape
     }
