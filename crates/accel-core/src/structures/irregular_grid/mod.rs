@@ -115,7 +115,7 @@ struct Effort {
 }
 
 const FAST: Effort = Effort { longest_list: 64, density: 0.125, most_neighbours: 2 };
-const QUALITY: Effort = Effort { longest_list: 32, density: 0.25, most_neighbours: 24 };
+const QUALITY: Effort = Effort { longest_list: 32, density: 0.125, most_neighbours: 24 };
 
 /// The structure.
 pub struct IrregularGrid<S: Scalar> {
