@@ -37,8 +37,14 @@ mod tests {
     #[test]
     fn rules_compete_where_the_number_of_voxels_is_swept() {
         for entry in REGISTRY {
-            let grids =
-                ["uniform-grid", "compact-grid", "hashed-grid", "bricked-grid", "proximity-clouds"];
+            let grids = [
+                "uniform-grid",
+                "compact-grid",
+                "two-level-grid",
+                "hashed-grid",
+                "bricked-grid",
+                "proximity-clouds",
+            ];
             let is_grid = grids.contains(&entry.info.name);
             for p in entry.info.params {
                 let expected = is_grid && ["density", "resolution"].contains(&p.name);
