@@ -11,10 +11,10 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
 use accel_core::structures::{
-    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, no_defect, obvhs_bvh2,
+    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, obvhs_bvh2,
 };
 use accel_core::{Ray, Scalar};
-use common::{Ended, run_with};
+use common::{Ended, planted, run_with};
 use rtbench::clock::SystemClock;
 use rtbench::scene_source::Installed;
 
@@ -147,15 +147,8 @@ impl<S: Scalar> Structure<S> for Fickle<S> {
 }
 
 static FICKLE: StructureInfo = StructureInfo {
-    name: "uniform-grid",
-    summary: "a liar in the place of a grid",
-    paper: "none",
-    deviations: "none",
     params: accel_core::structures::uniform_grid::INFO.params,
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
-    sampled: false,
+    ..planted("uniform-grid", "a liar in the place of a grid")
 };
 
 static PLANTED: &[Entry] = &[

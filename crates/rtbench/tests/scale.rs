@@ -11,11 +11,9 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
 use accel_core::structures::brute_force::BruteForce;
-use accel_core::structures::{
-    BuildError, Entry, Shape, Structure, StructureInfo, no_defect, obvhs_cwbvh,
-};
+use accel_core::structures::{BuildError, Entry, Shape, Structure, StructureInfo, obvhs_cwbvh};
 use accel_core::{Ray, Scalar, occluders};
-use common::{Ended, Folder, PLANTED, run, run_in_world, run_stepping, run_with};
+use common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
 use rtbench::args::Precision;
 use rtbench::clock::{Clock, SteppingClock};
 use rtbench::record::{RunRecord, Verdict};
@@ -110,17 +108,7 @@ impl<S: Scalar> Structure<S> for Quadratic<S> {
     }
 }
 
-static QUADRATIC_INFO: StructureInfo = StructureInfo {
-    name: "quadratic",
-    summary: "takes its time",
-    paper: "none",
-    deviations: "none",
-    params: &[],
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
-    sampled: false,
-};
+static QUADRATIC_INFO: StructureInfo = planted("quadratic", "takes its time");
 
 static SLOW: &[Entry] = &[
     accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),

@@ -9,11 +9,10 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
 use accel_core::structures::{
-    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, no_defect, obvhs_bvh2,
-    obvhs_cwbvh,
+    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, obvhs_bvh2, obvhs_cwbvh,
 };
 use accel_core::{Hit, Ray, Scalar, Vector};
-use common::{Ended, Folder, row, run_with};
+use common::{Ended, Folder, planted, row, run_with};
 use rtbench::clock::SteppingClock;
 use rtbench::query::Query;
 use rtbench::record::{RunRecord, Verdict};
@@ -211,17 +210,7 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
     }
 }
 
-static COHERENT: StructureInfo = StructureInfo {
-    name: "coherent",
-    summary: "serves neighbours alone",
-    paper: "none",
-    deviations: "none",
-    params: &[],
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
-    sampled: false,
-};
+static COHERENT: StructureInfo = planted("coherent", "serves neighbours alone");
 
 static WITH_COHERENT: &[Entry] = &[
     accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),

@@ -7,11 +7,9 @@ use std::time::Duration;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, no_defect,
-};
+use accel_core::structures::{BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo};
 use accel_core::{Ray, Scalar, Vector};
-use common::{Ended, Folder, PLANTED, run_with};
+use common::{Ended, Folder, PLANTED, planted, run_with};
 use renderer::leaving::OffsetRule;
 use rtbench::clock::{SteppingClock, SystemClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
@@ -82,17 +80,7 @@ type LosesLongDirections<S> = Faulty<S, LongDirections>;
 type LosesShortDirections<S> = Faulty<S, ShortDirections>;
 type AlwaysPanics<S> = Faulty<S, Panics>;
 
-const INFO: StructureInfo = StructureInfo {
-    name: "negative-zeros",
-    summary: "wrong on purpose",
-    paper: "none",
-    deviations: "none",
-    params: &[],
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
-    sampled: false,
-};
+const INFO: StructureInfo = planted("negative-zeros", "wrong on purpose");
 static ZEROS: StructureInfo = INFO;
 static LONG: StructureInfo = StructureInfo { name: "long-directions", ..INFO };
 static SHORT: StructureInfo = StructureInfo { name: "short-directions", ..INFO };

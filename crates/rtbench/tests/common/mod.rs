@@ -42,17 +42,22 @@ impl<S: Scalar> Structure<S> for Dropper<S> {
     }
 }
 
-const INFO: StructureInfo = StructureInfo {
-    name: "dropper",
-    summary: "forgets a primitive",
-    paper: "none",
-    deviations: "none",
-    params: &[],
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
-    sampled: false,
-};
+/// What a structure made for a test says of itself.
+pub const fn planted(name: &'static str, summary: &'static str) -> StructureInfo {
+    StructureInfo {
+        name,
+        summary,
+        paper: "none",
+        deviations: "none",
+        params: &[],
+        variants: &[""],
+        also_tested: &[],
+        known_defect: no_defect,
+        sampled: false,
+    }
+}
+
+const INFO: StructureInfo = planted("dropper", "forgets a primitive");
 static DROPPER: StructureInfo = INFO;
 static SHIPPED: StructureInfo =
     StructureInfo { known_defect: |_| Some("forgets on purpose"), ..INFO };

@@ -130,10 +130,7 @@ impl<S: Scalar> IrregularGrid<S> {
     /// no longer matters.
     #[inline(always)]
     fn step(&self, lane: &mut Lane<S>) -> bool {
-        let exit = lane.course.exit(&lane.voxel);
-        // not finite: it leaves through no face, or the planes' parameters overflow
-        let goes_on = (exit.t <= lane.best.t) & exit.t.is_finite();
-        lane.course.advance(&mut lane.at, &exit, &self.place) & goes_on
+        lane.course.leave(&mut lane.at, &lane.voxel, lane.best.t, &self.place)
     }
 
     /// Answers all rays, several at once. What is done for each lane is done without branches where
@@ -228,6 +225,21 @@ impl<S: Scalar> IrregularGrid<S> {
         }
     }
 
+    #[inline(always)]
+    fn answer<Q: Query<S>>(
+        &self,
+        blocks: &[TriangleBlock<S>],
+        rays: &[Ray<S>],
+        reach: S,
+        mut query: Q,
+    ) {
+        if self.is_batch {
+            self.trace(blocks, rays, reach, &mut query);
+        } else {
+            self.trace_one_by_one(blocks, rays, reach, &mut query);
+        }
+    }
+
     /// Closest hits of all rays.
     pub(super) fn trace_closest(
         &self,
@@ -236,12 +248,7 @@ impl<S: Scalar> IrregularGrid<S> {
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        let mut query = Closest { rays, hits };
-        if self.is_batch {
-            self.trace(blocks, rays, reach, &mut query);
-        } else {
-            self.trace_one_by_one(blocks, rays, reach, &mut query);
-        }
+        self.answer(blocks, rays, reach, Closest { rays, hits });
     }
 
     /// Occlusion of all rays.
@@ -253,12 +260,7 @@ impl<S: Scalar> IrregularGrid<S> {
         reach: S,
         blocked: &mut [bool],
     ) {
-        let mut query = Occlusion { prims, blocked };
-        if self.is_batch {
-            self.trace(blocks, rays, reach, &mut query);
-        } else {
-            self.trace_one_by_one(blocks, rays, reach, &mut query);
-        }
+        self.answer(blocks, rays, reach, Occlusion { prims, blocked });
     }
 }
 

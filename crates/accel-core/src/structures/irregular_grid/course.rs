@@ -116,33 +116,21 @@ impl<S: Scalar> Course<S> {
         Some((this, at))
     }
 
-    /// Where the ray leaves a voxel's box.
+    /// Goes on to the point where the ray leaves a voxel's box. False when that lies outside of the
+    /// lattice or beyond `t_max`; the point has no meaning then. Without branches.
     #[inline(always)]
-    pub(super) fn exit(&self, voxel: &Voxel) -> Exit<S> {
+    pub(super) fn leave(&self, at: &mut Point, voxel: &Voxel, t_max: S, place: &Place<S>) -> bool {
         let planes = voxel.pick(self.far);
         let exits = (FourOf::<S>::from_i32(planes) - self.origin) * self.inverse;
         let [x, y, z, _] = exits.to_array();
-        Exit { planes, exits, t: x.lesser(y).lesser(z) }
-    }
-
-    /// Moves to the point beyond an exit; false when it lies outside of the lattice.
-    #[inline(always)]
-    pub(super) fn advance(&self, at: &mut Point, exit: &Exit<S>, place: &Place<S>) -> bool {
-        let t = FourOf::<S>::splat(exit.t);
+        let exit = x.lesser(y).lesser(z);
+        let t = FourOf::<S>::splat(exit);
         let there = place.within(self.origin + self.direction * t);
         // never back, whatever rounding says: all ones turn the order round
         let onward = (there ^ self.down).max(*at ^ self.down) ^ self.down;
-        let beyond = exit.planes + self.down;
-        *at = exit.exits.at_most(t).select(beyond, onward);
-        !place.is_left(*at)
+        let beyond = planes + self.down;
+        *at = exits.at_most(t).select(beyond, onward);
+        // not finite: it leaves through no face, or the planes' parameters overflow
+        (exit <= t_max) & exit.is_finite() & !place.is_left(*at)
     }
-}
-
-/// Where a ray leaves a voxel's box.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Exit<S: Scalar> {
-    planes: Point,
-    exits: FourOf<S>,
-    /// The ray's parameter at the nearest of the far planes.
-    pub(super) t: S,
 }

@@ -4,8 +4,9 @@
 //! cells beyond it if each of their lists is part of the cell's own, as far as the nearest of them
 //! reaches. Boxes may then overlap; a ray that leaves one has met all that lies in it.
 //!
-//! Deviations: a face that has more than a set number of neighbours stays where it is, since
-//! looking at all of them takes most of the build; faces move in turn until none does.
+//! Deviations: a face stays where it is once it has looked at a set number of neighbours, over all
+//! its moves, since looking at all of them takes most of the build; faces move in turn until none
+//! does, where the paper makes a set number of passes.
 
 use std::cmp::Ordering;
 
@@ -15,7 +16,7 @@ use wide::i32x4;
 use super::cells::{Cell, Cells};
 use super::voxels::Voxels;
 
-/// Grows all cells, looking at no more than `most_neighbours` for a step of a face.
+/// Grows all cells; no face looks at more than `most_neighbours`.
 pub(super) fn expand(cells: &mut Cells, voxels: &Voxels, most_neighbours: usize) {
     let whole: &Cells = cells;
     let grown = whole
@@ -36,6 +37,7 @@ struct Growth<'a> {
 
 impl Growth<'_> {
     fn run(mut self) -> Cell {
+        // neighbours that each face may still look at
         let mut left = [self.most_neighbours; 6];
         // bit k: the lower face of axis k may still move; bit k + 3: the upper one
         let mut faces = 0b11_1111u32;

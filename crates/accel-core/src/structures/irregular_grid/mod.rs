@@ -194,12 +194,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             if voxel.list() != 0 && self.lists.test(voxel.list(), sink).is_break() {
                 return;
             }
-            let exit = course.exit(&voxel);
-            // not finite: it leaves through no face, or the planes' parameters overflow
-            if sink.t_max() < exit.t
-                || !exit.t.is_finite()
-                || !course.advance(&mut at, &exit, &self.place)
-            {
+            if !course.leave(&mut at, &voxel, sink.t_max(), &self.place) {
                 return;
             }
         }

@@ -1,5 +1,7 @@
 //! Which parts of a division each primitive goes to.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -92,37 +94,37 @@ impl Placement<'_> {
     }
 }
 
-/// Pairs in the order of their parts: where each part's ids end, and the ids.
-pub(super) struct ByPart {
-    pub(super) ends: Vec<usize>,
-    pub(super) ids: Vec<u32>,
-}
+/// Where the ids of each part end, among ids in the order of their parts.
+pub(super) struct Ends(Vec<usize>);
 
-impl ByPart {
-    pub(super) fn new(parts: usize, pairs: &[Vec<Pair>]) -> Self {
+impl Ends {
+    /// Appends the ids of pairs in the order of their parts, those of a part in the order of the
+    /// pairs. Ends are counted from the first that is appended.
+    pub(super) fn sort<'p>(
+        parts: usize,
+        pairs: impl Iterator<Item = &'p Pair> + Clone,
+        ids: &mut Vec<u32>,
+    ) -> Self {
         let mut ends = vec![0usize; parts + 1];
-        for &(part, _) in pairs.iter().flatten() {
+        for &(part, _) in pairs.clone() {
             ends[part as usize + 1] += 1;
         }
         for i in 0..parts {
             ends[i + 1] += ends[i];
         }
-        let mut ids = vec![0; ends[parts]];
-        for &(part, id) in pairs.iter().flatten() {
+        let base = ids.len();
+        ids.resize(base + ends[parts], 0);
+        for &(part, id) in pairs {
             // the beginning of a part becomes its end
             let at = &mut ends[part as usize];
-            ids[*at] = id;
+            ids[base + *at] = id;
             *at += 1;
         }
-        ends.truncate(parts);
-        Self { ends, ids }
+        Self(ends)
     }
 
-    fn begin(&self, part: usize) -> usize {
-        part.checked_sub(1).map_or(0, |before| self.ends[before])
-    }
-
-    pub(super) fn of(&self, part: usize) -> &[u32] {
-        &self.ids[self.begin(part)..self.ends[part]]
+    /// Where the ids of a part are.
+    pub(super) fn of(&self, part: usize) -> Range<usize> {
+        part.checked_sub(1).map_or(0, |before| self.0[before])..self.0[part]
     }
 }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::cells::{Cell, Cells, DIVIDED, TooLarge};
 use super::empty_boxes::EmptyBoxes;
 use super::lattice::{Division, Lattice};
-use super::place::{ByPart, Pair, Placement, Source};
+use super::place::{Ends, Pair, Placement, Source};
 
 /// How cells are divided.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +25,7 @@ pub(super) struct Settings {
     /// Limit for the references in all lists.
     pub(super) max_references: u64,
 }
+
 /// Divides. Parts with many primitives are divided by all threads of the pool; how the work is
 /// shared out depends on the scene alone, so that any number of threads gives the same cells.
 pub(super) fn subdivide(
@@ -45,6 +46,7 @@ pub(super) fn subdivide(
 const LARGE: usize = 1 << 13;
 /// Into about so many groups of parts.
 const GROUPS: usize = 32;
+
 /// What all threads see.
 #[derive(Clone, Copy)]
 struct Shared<'a> {
@@ -53,17 +55,19 @@ struct Shared<'a> {
     /// Ids stored by all together.
     stored: &'a AtomicU64,
 }
+
 impl<'a> Shared<'a> {
     /// Cells of the parts of a division, whose entries come first.
     fn divide_large(&self, division: &Division, pairs: &[Vec<Pair>]) -> Result<Cells, TooLarge> {
         let count = division.count();
-        let by_part = ByPart::new(count, pairs);
-        let empty = EmptyBoxes::new(division.parts, |part| by_part.of(part).is_empty());
+        let mut ids = Vec::new();
+        let ends = Ends::sort(count, pairs.iter().flatten(), &mut ids);
+        let empty = EmptyBoxes::new(division.parts, |part| ends.of(part).is_empty());
         let mut groups: Vec<Range<usize>> = Vec::new();
-        let wanted = (by_part.ids.len() + count) / GROUPS + 1;
+        let wanted = (ids.len() + count) / GROUPS + 1;
         let (mut start, mut weight) = (0, 0);
         for part in 0..count {
-            weight += by_part.of(part).len() + 1;
+            weight += ends.of(part).len() + 1;
             if weight >= wanted || part + 1 == count {
                 groups.push(start..part + 1);
                 (start, weight) = (part + 1, 0);
@@ -74,7 +78,7 @@ impl<'a> Shared<'a> {
             worker.cells.entries.resize(group.len(), 0);
             for (i, part) in group.clone().enumerate() {
                 worker.ids.clear();
-                worker.ids.extend_from_slice(by_part.of(part));
+                worker.ids.extend_from_slice(&ids[ends.of(part)]);
                 let n = worker.ids.len();
                 worker.cells.entries[i] = worker.part(0..n, part, division, &empty)?;
             }
@@ -127,24 +131,11 @@ impl<'a> Worker<'a> {
         self.cells.check()?;
         self.cells.divided += 1;
         let base = self.ids.len();
-        // the beginning of each part becomes its end
-        let mut ends = vec![0usize; count + 1];
-        for &(part, _) in &self.pairs {
-            ends[part as usize + 1] += 1;
-        }
-        for i in 0..count {
-            ends[i + 1] += ends[i];
-        }
-        self.ids.resize(base + self.pairs.len(), 0);
-        for &(part, id) in &self.pairs {
-            let at = &mut ends[part as usize];
-            self.ids[base + *at] = id;
-            *at += 1;
-        }
-        let begin = |part: usize| part.checked_sub(1).map_or(0, |before| ends[before]);
-        let empty = EmptyBoxes::new(division.parts, |part| begin(part) == ends[part]);
-        for (part, &end) in ends.iter().enumerate().take(count) {
-            let entry = self.part(base + begin(part)..base + end, part, division, &empty)?;
+        let ends = Ends::sort(count, self.pairs.iter(), &mut self.ids);
+        let empty = EmptyBoxes::new(division.parts, |part| ends.of(part).is_empty());
+        for part in 0..count {
+            let Range { start, end } = ends.of(part);
+            let entry = self.part(base + start..base + end, part, division, &empty)?;
             self.cells.entries[first_entry + part] = entry;
         }
         empty.share(&mut self.cells.entries[first_entry..first_entry + count]);
