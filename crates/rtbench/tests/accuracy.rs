@@ -15,8 +15,8 @@ use accel_core::structures::{
 };
 use accel_core::{Ray, Scalar};
 use common::{Ended, planted, run_with};
-use rtbench::clock::SystemClock;
-use rtbench::scene_source::Installed;
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
 
 fn run(arguments: &str) -> Ended {
     run_with(REGISTRY, &Installed, &SystemClock::default(), arguments)

@@ -7,10 +7,10 @@ use std::io::{self, Write};
 use std::process::{Command, Stdio};
 
 use common::{Folder, PLANTED, run};
-use rtbench::clock::SystemClock;
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
+use measurement::system::world::SystemWorld;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
-use rtbench::scene_source::Installed;
-use rtbench::world::SystemWorld;
 
 #[test]
 fn unknown_names_are_usage_errors_that_say_what_is_valid() {
@@ -161,7 +161,7 @@ fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
             environment: Environment::default(),
         };
         let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
-        assert_eq!(rtbench::run(&mut context, arguments), expected);
+        assert_eq!(studies::run(&mut context, arguments), expected);
         let err = String::from_utf8_lossy(&err);
         assert!(err.starts_with(said) && err.is_empty() == said.is_empty(), "{err}");
     }

@@ -19,9 +19,9 @@ use accel_core::structures::{
     BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, brute_force, no_defect,
 };
 use accel_core::{Ray, Scalar};
+use measurement::journal::lines::{Line, read};
+use measurement::record::{SceneRecord, Verdict};
 use resuming::{begun, csv, journal, outputs, record, run, run_in, show};
-use rtbench::journal::lines::{Line, read};
-use rtbench::record::{SceneRecord, Verdict};
 
 /// Arguments of the program as a process.
 fn program(arguments: &str) -> Command {

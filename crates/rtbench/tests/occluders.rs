@@ -9,9 +9,9 @@ use accel_core::structures::{BuildError, PrimsRef, Shape, StructureInfo};
 use accel_core::{Ray, Scalar};
 use common::{Ended, Folder, PLANTED, row, run, run_over};
 use glam::DVec3;
-use rtbench::clock::SystemClock;
-use rtbench::record::{Answered, Verdict};
-use rtbench::scene_source::Installed;
+use measurement::record::{Answered, Verdict};
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
 
 /// Says that every light is seen: the wrong occluder that must be found out.
 struct Bright;

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{Ended, Folder, run_stepping};
+use measurement::record::warnings::Warning;
 use roxmltree::{Document, Node, ParsingOptions};
 use rtbench::report::SECTIONS;
-use rtbench::warnings::Warning;
 use serde_json::{Value, json};
 
 /// A small run in a folder, one of its rows wrong.
@@ -304,7 +304,7 @@ fn what_cannot_be_read_is_an_error_that_names_the_file() {
 /// The record of a run that finished no scene.
 fn minimal() -> String {
     json!({
-        "schema_version": rtbench::record::SCHEMA_VERSION,
+        "schema_version": measurement::record::SCHEMA_VERSION,
         "tool": { "name": "rtbench", "version": "0", "git_revision": null },
         "command_line": ["rtbench", "run"],
         "started_unix_s": 0,

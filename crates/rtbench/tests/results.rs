@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use accel_core::structures::REGISTRY;
 use common::{Ended, Folder, PLANTED, row, run_stepping, run_with};
-use rtbench::clock::{Clock, SteppingClock, SystemClock};
-use rtbench::record::SCHEMA_VERSION;
-use rtbench::scene_source::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};
-use rtbench::warnings::Warning;
+use measurement::record::SCHEMA_VERSION;
+use measurement::record::warnings::Warning;
+use measurement::scenes::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::system::clock::{Clock, SteppingClock, SystemClock};
 
 const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
     n_ts,n_ets,n_eets,saved_part,answers,rays,memory_bytes,pending_cells,build_s,build_s_low,build_s_high,\

@@ -14,12 +14,12 @@ use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{BuildError, Entry, Shape, Structure, StructureInfo, obvhs_cwbvh};
 use accel_core::{Ray, Scalar, occluders};
 use common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
+use measurement::record::{RunRecord, Verdict};
+use measurement::scenes::Installed;
+use measurement::system::clock::{Clock, SteppingClock};
+use measurement::system::world::FixedWorld;
 use rtbench::args::Precision;
-use rtbench::clock::{Clock, SteppingClock};
-use rtbench::record::{RunRecord, Verdict};
-use rtbench::scale::trial::{BuildLimits, Outcome, TrialBuild};
-use rtbench::scene_source::Installed;
-use rtbench::world::FixedWorld;
+use studies::scale::trial::{BuildLimits, Outcome, TrialBuild};
 
 /// Three sizes of 16, 64 and 256 triangles, on few rays.
 const SIZES: &str = "scale tetra --sizes 16..256 --per-decade 2 --size 16 --rounds 2";
@@ -35,7 +35,7 @@ fn csv(folder: &Folder, name: &str) -> Vec<Row> {
 
 /// The verdicts of a row at each size.
 fn verdicts(record: &RunRecord, row: &str) -> Vec<Verdict> {
-    let of = |scene: &rtbench::record::SceneRecord| {
+    let of = |scene: &measurement::record::SceneRecord| {
         scene.rows.iter().find(|r| r.label() == row).map(|r| r.verdict)
     };
     record.scenes.iter().filter_map(of).collect()

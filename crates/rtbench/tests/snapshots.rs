@@ -11,9 +11,9 @@ use std::time::Duration;
 use accel_core::structures::{Entry, REGISTRY};
 use clap::CommandFactory;
 use common::{Folder, PLANTED, run_with};
+use measurement::scenes::Installed;
+use measurement::system::clock::SteppingClock;
 use rtbench::args::Cli;
-use rtbench::clock::SteppingClock;
-use rtbench::scene_source::Installed;
 
 /// A command whose text is kept; `DIR` in it is a folder of its own.
 struct Snapshot {

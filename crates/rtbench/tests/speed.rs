@@ -13,10 +13,10 @@ use accel_core::structures::{
 };
 use accel_core::{Hit, Ray, Scalar, Vector};
 use common::{Ended, Folder, planted, row, run_with};
-use rtbench::clock::SteppingClock;
-use rtbench::query::Query;
-use rtbench::record::{RunRecord, Verdict};
-use rtbench::scene_source::Installed;
+use measurement::record::query::Query;
+use measurement::record::{RunRecord, Verdict};
+use measurement::scenes::Installed;
+use measurement::system::clock::SteppingClock;
 
 const KINDS: &str = "--rays primary,shadow,diffuse --lights first";
 

@@ -5,8 +5,8 @@ mod common;
 use std::collections::HashMap;
 
 use common::{Folder, PLANTED, WRONG_ONLY, run, run_stepping, run_with};
-use rtbench::clock::SystemClock;
-use rtbench::scene_source::Installed;
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
 
 type Row = HashMap<String, String>;
 

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, row, run_with};
-use rtbench::clock::SystemClock;
-use rtbench::record::Verdict;
-use rtbench::scene_source::Installed;
+use measurement::record::Verdict;
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
 
 fn run(registry: &[accel_core::structures::Entry], arguments: &str) -> common::Ended {
     run_with(registry, &Installed, &SystemClock::default(), arguments)

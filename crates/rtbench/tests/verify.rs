@@ -10,15 +10,15 @@ use accel_core::sink::Sink;
 use accel_core::structures::{BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo};
 use accel_core::{Ray, Scalar, Vector};
 use common::{Ended, Folder, PLANTED, planted, run_with};
+use measurement::scenes::Installed;
+use measurement::system::clock::{SteppingClock, SystemClock};
+use measurement::system::world::SystemWorld;
 use renderer::leaving::OffsetRule;
-use rtbench::clock::{SteppingClock, SystemClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
-use rtbench::random::Random;
-use rtbench::scene_source::Installed;
-use rtbench::verify::cases::secondary::leaving_a_shape_under;
-use rtbench::verify::judge::{Judge, Judged};
-use rtbench::verify::subject::Subject;
-use rtbench::world::SystemWorld;
+use statistics::random::Random;
+use studies::verify::cases::secondary::leaving_a_shape_under;
+use studies::verify::judge::{Judge, Judged};
+use studies::verify::subject::Subject;
 
 /// Brute force that does not answer some rays: which ones is its fault.
 struct Faulty<S, F> {
@@ -112,7 +112,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
         verbosity: Verbosity::Normal,
         environment: Environment::default(),
     };
-    let code = rtbench::run(&mut context, ["rtbench", "verify", "--replay", line]);
+    let code = studies::run(&mut context, ["rtbench", "verify", "--replay", line]);
     let text = |bytes| String::from_utf8(bytes).unwrap();
     Ended { code, out: text(out), err: text(err) }
 }

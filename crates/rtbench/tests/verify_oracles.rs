@@ -7,11 +7,11 @@ use accel_core::mailbox::{Mailbox, MailboxSource, Stamps};
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::voxel_walk::GridFrame;
 use accel_core::{Hit, Ray, Vector};
-use rtbench::random::Random;
-use rtbench::verify::model::Model;
-use rtbench::verify::parts::{clouds, mailboxes, walks};
-use rtbench::verify::registry::{Ask, find};
-use rtbench::verify::round::Round;
+use statistics::random::Random;
+use studies::verify::model::Model;
+use studies::verify::parts::{clouds, mailboxes, walks};
+use studies::verify::registry::{Ask, find};
+use studies::verify::round::Round;
 
 /// Rays of a round.
 const RAYS: usize = 400;

@@ -1,4 +1,4 @@
-//! The command line as typed: syntax only. What it means is decided in [`crate::plan`].
+//! The command line as typed: syntax only. What it means is decided in [`measurement::plan`].
 
 mod accuracy;
 mod baseline;
@@ -35,11 +35,14 @@ pub use verify::VerifyArgs;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::builder::{OsStringValueParser, TypedValueParser};
+use clap::builder::{OsStringValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use scene_loading::source_names::name_of_path;
 
-use crate::ray_order::Orders;
+use measurement::rays::order::Orders;
+use measurement::settings::choice::Choice;
+use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings};
+use studies::sweep::SweepSettings;
 
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
@@ -130,6 +133,12 @@ pub(crate) fn scene_name() -> impl TypedValueParser<Value = String> {
     OsStringValueParser::new().map(|name| name_of_path(&name))
 }
 
+/// One of the values of a setting.
+pub(crate) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(values).try_map(|text| T::typed(&text).ok_or("no such value"))
+}
+
 impl Command {
     /// Whether it goes on for long and has rows to lose.
     pub fn measures(&self) -> bool {
@@ -168,8 +177,8 @@ pub struct RunArgs {
     #[command(flatten)]
     pub measuring: MeasuringArgs,
     /// Measure one part of the table only: 2/8 is the second of eight; `rtbench merge` joins them
-    #[arg(long, value_name = "I/N", value_parser = crate::shard::Shard::parse)]
-    pub shard: Option<crate::shard::Shard>,
+    #[arg(long, value_name = "I/N", value_parser = measurement::settings::shard::Shard::parse)]
+    pub shard: Option<measurement::settings::shard::Shard>,
     /// Also print ratios of each kind of ray, and the time to a picture of a million primary rays
     #[arg(long)]
     pub by_kind: bool,
@@ -252,28 +261,30 @@ pub struct MeasuringArgs {
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
     /// The order in which rows are asked the rays
-    #[arg(long, value_enum, default_value_t = Orders::Scanline)]
+    #[arg(long, value_parser = choice::<Orders>(),
+          default_value = Orders::default().name())]
     pub order: Orders,
     /// Which lights shadow rays run to
-    #[arg(long, value_enum, default_value_t = Lights::Each)]
+    #[arg(long, value_parser = choice::<Lights>(),
+          default_value = Lights::default().name())]
     pub lights: Lights,
     /// Longest pass over the rays; a slower row is timed on a sample of them [default: 200ms, 30ms
     /// with --quick]
-    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub pass_limit: Option<Duration>,
     /// Rounds: each visits every row once
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
-          value_parser = crate::quantity::count(1..=10_000))]
+          value_parser = measurement::settings::quantity::count(1..=10_000))]
     pub rounds: Option<u32>,
     /// Go on with rounds until this time has passed, all scenes together: 60s, 1.5m, 2h30m
-    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub time_budget: Option<Duration>,
     /// Small images and few rounds: a first look
     #[arg(long)]
     pub quick: bool,
     /// Threads that build and trace
     #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
+          value_parser = clap::value_parser!(u16).range(1..=MeasuringSettings::MOST_THREADS.into()))]
     pub threads: u16,
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -282,39 +293,76 @@ pub struct MeasuringArgs {
     #[arg(long, value_name = "STRUCTURE")]
     pub reference: Option<String>,
     /// Arithmetic of primitives and rays
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    #[arg(long, value_parser = choice::<Precision>(),
+          default_value = Precision::default().name())]
     pub precision: Precision,
     /// Width and height of the image
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=8192))]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MeasuringSettings::LARGEST_SIZE.into()))]
     pub size: Option<u32>,
 }
 
-/// Which lights shadow rays run to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Lights {
-    /// From every hit, each that the hit faces
-    Each,
-    /// From every primary hit, the first: one shadow ray a hit
-    First,
-}
-
-impl Lights {
-    /// As typed.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Each => "each",
-            Self::First => "first",
+impl MeasuringArgs {
+    /// What was typed.
+    pub fn settings(&self) -> MeasuringSettings {
+        MeasuringSettings {
+            rays: self.rays.clone(),
+            order: self.order,
+            lights: self.lights,
+            pass_limit: self.pass_limit,
+            rounds: self.rounds,
+            time_budget: self.time_budget,
+            quick: self.quick,
+            threads: self.threads,
+            seed: self.seed,
+            reference: self.reference.clone(),
+            precision: self.precision,
+            size: self.size,
         }
     }
 }
 
-/// Arithmetic of primitives and rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Precision {
-    /// Single.
-    F32,
-    /// Double.
-    F64,
+impl RunArgs {
+    /// What was typed, but for the files to write.
+    pub fn settings(&self) -> RunSettings {
+        RunSettings {
+            scenes: self.scenes.clone(),
+            structures: self.structures.clone(),
+            overrides: self.overrides.clone(),
+            measuring: self.measuring.settings(),
+            shard: self.shard,
+            by_kind: self.by_kind,
+        }
+    }
+}
+
+/// What `--set` says in the command line of a run, program first; nothing where it is none of a run.
+pub fn overrides_in(command_line: &[String]) -> Vec<String> {
+    match Cli::try_parse_from(command_line).map(|cli| cli.command) {
+        Ok(Command::Run(args)) => args.overrides,
+        Ok(Command::Baseline(args)) => match args.action {
+            BaselineAction::Save(args) => args.run.overrides,
+            _ => Vec::new(),
+        },
+        _ => Vec::new(),
+    }
+}
+
+impl SweepArgs {
+    /// What was typed, but for the files to write.
+    pub fn settings(&self) -> SweepSettings {
+        SweepSettings {
+            scenes: self.scenes.clone(),
+            structure: self.structure.clone(),
+            parameter: self.parameter.clone(),
+            values: self.values.clone(),
+            from: self.from,
+            to: self.to,
+            steps: self.steps,
+            linear: self.linear,
+            settings: self.settings.clone(),
+            measuring: self.measuring.settings(),
+        }
+    }
 }
 
 /// `rtbench list`.

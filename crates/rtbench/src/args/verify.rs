@@ -15,7 +15,7 @@ pub struct VerifyArgs {
     pub structures: Vec<String>,
     /// Rays a case and precision; the default takes about 5 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000,
-          value_parser = crate::quantity::count(1..=100_000_000))]
+          value_parser = measurement::settings::quantity::count(1..=100_000_000))]
     pub rays: u32,
     /// Seed of scenes and rays
     #[arg(long, value_name = "N", default_value_t = 1)]

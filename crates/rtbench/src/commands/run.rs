@@ -10,16 +10,17 @@ use scene_loading::source_names::{name_of_path, path_of_name};
 
 use crate::args::{Cli, Color, Command, RunArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
+use crate::commands::run_outputs;
 use crate::commands::scale;
 use crate::context::Context;
 use crate::error::Error;
-use crate::export::files::Outputs;
-use crate::export::text;
-use crate::interrupt::{self, Unfinished};
-use crate::journal::lines::{Manifest, Recovered};
-use crate::journal::{Journal, JournalError};
-use crate::plan::Plan;
-use crate::record::RunRecord;
+use measurement::journal::lines::{Line, Manifest, Recovered};
+use measurement::journal::{Journal, JournalError};
+use measurement::plan::Plan;
+use measurement::record::RunRecord;
+use measurement::system::files::make_folder;
+use measurement::system::interrupt::{self, Mark, Unfinished};
+use studies::run::text;
 
 /// Runs and returns the exit code. `arguments` are those of the process, program first.
 ///
@@ -34,7 +35,7 @@ pub fn run(
     if let Some(folder) = &args.resume {
         return resume(context, folder, color);
     }
-    let plan = Plan::new(args, context.registry, context.occluders, context.scenes)?;
+    let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let mut kept = Kept::default();
     // The journal first: it refuses where the outputs would overwrite a run that is not finished.
@@ -55,10 +56,9 @@ pub(super) fn journal_in(
     record: &RunRecord,
     arguments: &[OsString],
 ) -> Result<Journal, Error> {
-    let make = std::fs::create_dir_all(folder);
-    make.map_err(|source| Error::Write { path: folder.to_owned(), source })?;
+    make_folder(folder)?;
     let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
-    Journal::begin(folder, manifest(context, plan, record, arguments))
+    Ok(Journal::begin(folder, manifest(context, plan, record, arguments))?)
 }
 
 /// A run that was begun in a folder, and what it left there.
@@ -85,7 +85,7 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
         Err(error) => return Err(differs(format!("arguments: {error}")).into()),
     };
     args.exports.output = Some(folder.to_owned());
-    let plan = Plan::new(&args, context.registry, context.occluders, context.scenes)?;
+    let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
     measure(context, &args, color, &plan, kept, record)
@@ -134,11 +134,18 @@ pub(super) fn go_on(
 /// [`Error::Signals`], the journal's.
 pub(super) fn watch(kept: &Kept, folder: Option<&Path>, scenes: usize) -> Result<(), Error> {
     let journal = match (&kept.journal, folder) {
-        (Some(journal), Some(folder)) => Some((journal.handle()?, folder.to_owned())),
+        (Some(journal), Some(folder)) => {
+            Some((journal.handle()?, mark_line as Mark, folder.to_owned()))
+        }
         _ => None,
     };
     let finished = Arc::clone(&kept.count);
     interrupt::watch(Unfinished { journal, scenes, finished }).map_err(Error::Signals)
+}
+
+/// The last line of a journal whose run a signal ended.
+fn mark_line(signal: i32) -> Option<String> {
+    serde_json::to_string(&Line::Interrupted(signal)).ok()
 }
 
 fn measure(
@@ -150,7 +157,7 @@ fn measure(
     record: RunRecord,
 ) -> Result<u8, Error> {
     let colors = context.terminal.colors(color);
-    let mut outputs = Outputs::of_run(&args.exports)?;
+    let mut outputs = run_outputs::of_run(&args.exports)?;
     let has_tables = !outputs.are_printed();
     watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
     let measured =

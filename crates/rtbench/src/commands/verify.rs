@@ -2,19 +2,21 @@
 
 use crate::args::{Color, VerifyArgs};
 use crate::context::Context;
-use crate::error::{Error, SUCCESS, WRONG_HITS};
-use crate::export::files::write_file;
-use crate::export::text::write_table;
-use crate::machine;
-use crate::plan::PlanError;
-use crate::pools::deep_pool;
-use crate::progress::Progress;
-use crate::verify::check::{PRECISIONS, Plan, Replayed, replay};
-use crate::verify::registry::{find, select};
-use crate::verify::replay::Replay;
-use crate::verify::report::Report;
-use crate::verify::subject::Subject;
-use crate::verify::timing;
+use crate::error::Error;
+use crate::exit_code::{SUCCESS, WRONG_HITS};
+use crate::exports::outputs::write_file;
+use measurement::plan::error::PlanError;
+use measurement::rounds::error::MeasureError;
+use measurement::system::machine;
+use measurement::system::pools::deep_pool;
+use measurement::system::progress::Progress;
+use presentation::text::write_table;
+use studies::verify::check::{PRECISIONS, Plan, Replayed, replay};
+use studies::verify::registry::{find, select};
+use studies::verify::replay::Replay;
+use studies::verify::report::Report;
+use studies::verify::subject::Subject;
+use studies::verify::timing;
 
 /// Verifies, or repeats one trial, and returns the exit code.
 ///
@@ -81,7 +83,7 @@ fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
     let subject = Subject::parse(context.registry, &line.subject)?;
     let scene = || format!("{} round {}", case.id, line.round);
     let Replayed { question, wrong, refused } = replay(case, line, &subject)
-        .map_err(|source| Error::Build { scene: scene(), source })?
+        .map_err(|source| MeasureError::Build { scene: scene(), source })?
         .ok_or_else(|| PlanError::Malformed {
             text: line.to_string(),
             expected: "a round that has so many rays",

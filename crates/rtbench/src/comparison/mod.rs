@@ -11,11 +11,12 @@ use regex_lite::Regex;
 use serde::Serialize;
 
 use crate::comparison::cautions::cautions;
-use crate::comparison::differences::{Concerns, Difference, differences, scenes_of_both};
+use crate::comparison::differences::{Difference, differences, scenes_of_both};
 use crate::comparison::entry::{Entry, Outcome};
 use crate::comparison::means::{Mean, means};
-use crate::metrics::{METRICS, Metric};
-use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict, label};
+use measurement::record::metrics::Concerns;
+use measurement::record::metrics::{METRICS, Metric};
+use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, label};
 
 /// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]

@@ -11,7 +11,7 @@ use toml::Value;
 
 use crate::args::Cli;
 use crate::config::{Config, ConfigError};
-use crate::suggest;
+use measurement::settings::suggest;
 
 /// What may not stand in a file: what belongs to one run alone.
 const NOT_THERE: [&str; 3] = ["help", "resume", "version"];

@@ -36,7 +36,8 @@ pub use set_defaults::of_set;
 pub use sets::Configured;
 
 use crate::gate::thresholds::Thresholds;
-use crate::suggest;
+use measurement::plan::error::PlanError;
+use measurement::settings::suggest;
 
 /// The file's name.
 pub const NAME: &str = "rtbench.toml";
@@ -79,6 +80,9 @@ pub enum ConfigError {
         /// What is wrong, and what is valid.
         message: String,
     },
+    /// It names something that is not there.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
 }
 
 /// A table, its keys and values with their places.

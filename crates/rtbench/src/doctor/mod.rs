@@ -6,10 +6,10 @@ pub mod system;
 
 use serde::Serialize;
 
-use crate::clock::Clock;
 use crate::doctor::memory::Latency;
 use crate::doctor::noise::Noise;
 use crate::doctor::system::System;
+use measurement::system::clock::Clock;
 
 /// What is said of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

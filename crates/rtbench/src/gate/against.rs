@@ -9,13 +9,13 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::check::stride_for;
-use crate::child_process::{ChildError, answer, without_samples};
-use crate::clock::Clock;
-use crate::gate::{MatchedRow, ROUNDS};
-use crate::progress::Progress;
-use crate::random::Random;
-use crate::record::{RowRecord, RunRecord};
+use crate::gate::ROUNDS;
+use measurement::answers::check::stride_for;
+use measurement::record::{RowRecord, RunRecord};
+use measurement::system::child_process::{ChildError, answer, without_samples};
+use measurement::system::clock::Clock;
+use measurement::system::progress::Progress;
+use statistics::random::Random;
 
 /// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The least
 /// of their times counts, of each kind of rays by itself: other programs only add to it, and a
@@ -56,15 +56,6 @@ pub struct PairedRow {
     pub build: Vec<[f64; 2]>,
     /// Trace.
     pub trace: Vec<[f64; 2]>,
-}
-
-impl PairedRow {
-    /// True for that row.
-    pub fn is_of(&self, row: &MatchedRow<'_>) -> bool {
-        self.scene == row.scene.1.name
-            && self.structure == row.now.structure
-            && self.settings == row.now.settings
-    }
 }
 
 /// Two binaries and what they measure.

@@ -4,7 +4,7 @@
 //! answers must be those of the baseline: ids and every bit of t.
 
 use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung};
-use crate::record::Verdict;
+use measurement::record::Verdict;
 
 /// Registry line.
 pub const RUNG: Rung =

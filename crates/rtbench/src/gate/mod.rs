@@ -17,12 +17,12 @@ pub mod wall_clock;
 use serde::Serialize;
 
 use crate::baselines::BaselineError;
-use crate::callgrind::{CallgrindError, CountedRow};
 use crate::gate::against::{AgainstError, PairedRow};
 use crate::gate::thresholds::{ThresholdError, Thresholds};
 use crate::like::LikeError;
-use crate::record::{RowRecord, RunRecord, SceneRecord};
-use crate::statistics::Estimate;
+use measurement::callgrind::{CallgrindError, CountedRow};
+use measurement::record::{RowRecord, RunRecord, SceneRecord};
+use statistics::estimate::Estimate;
 
 /// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can
 /// be significant among thousands of rows; that of the 5 of `run` cannot even be among ten.
@@ -204,6 +204,14 @@ pub struct MatchedRow<'a> {
     pub base: &'a RowRecord,
     /// The row now.
     pub now: &'a RowRecord,
+}
+
+impl MatchedRow<'_> {
+    /// Whether it is that row.
+    pub fn is(&self, scene: &str, structure: &str, settings: &str) -> bool {
+        let Self { scene: (_, own), now, .. } = self;
+        own.name == scene && now.structure == structure && now.settings == settings
+    }
 }
 
 impl<'a> Evidence<'a> {

@@ -6,7 +6,6 @@
 pub mod break_even;
 pub mod costs;
 mod date;
-mod html;
 pub mod material;
 mod plots;
 mod sections;
@@ -14,9 +13,9 @@ mod tables;
 
 pub use material::ReportError;
 
-use crate::export::svg_plot::palette::dark_rules;
-use crate::report::html::Html;
 use crate::report::material::Material;
+use presentation::html::Html;
+use presentation::svg_plot::palette::dark_rules;
 
 /// How the page looks, but for the colours of plots in the dark.
 static STYLE: &str = include_str!("page.css");

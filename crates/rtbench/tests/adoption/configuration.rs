@@ -20,7 +20,7 @@ fn sets_and_defaults_are_those_of_the_file() {
     let ended = run_stepping(&format!("run --config {path} -o {}/all", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let text = fs::read_to_string(format!("{}/all/results.json", folder.path())).unwrap();
-    let record: rtbench::record::RunRecord = serde_json::from_str(&text).unwrap();
+    let record: measurement::record::RunRecord = serde_json::from_str(&text).unwrap();
     assert_eq!(record.planned, ["tetra:1", "tri", "tetra:2"]);
     assert_eq!(record.settings.resolution, [8, 8]);
     assert_eq!(record.scenes[0].rows[0].samples.len(), 2);
@@ -28,7 +28,7 @@ fn sets_and_defaults_are_those_of_the_file() {
     assert!(line.ends_with("--rounds=2 both --size=8 --structures=obvhs-cwbvh"), "{line}");
     // the journal needs the file no more, but for its sets
     let typed = run_stepping(&format!("run tetra:2 --rounds 3 --config {path} --export-json -"));
-    let record: rtbench::record::RunRecord = serde_json::from_str(&typed.out).unwrap();
+    let record: measurement::record::RunRecord = serde_json::from_str(&typed.out).unwrap();
     assert_eq!(record.planned, ["tetra:2"]);
     assert_eq!(record.scenes[0].rows[0].samples.len(), 3);
 

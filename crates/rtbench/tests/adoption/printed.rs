@@ -70,8 +70,8 @@ fn misspelt_names_are_answered_with_the_right_ones() {
     ] {
         let ended = crate::common::run_with(
             accel_core::structures::REGISTRY,
-            &rtbench::scene_source::Installed,
-            &rtbench::clock::SystemClock::default(),
+            &measurement::scenes::Installed,
+            &measurement::system::clock::SystemClock::default(),
             arguments,
         );
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::common::{Folder, run_stepping};
-use rtbench::warnings::Warning;
+use measurement::record::warnings::Warning;
 
 const RUN: &str = "run tetra:1 tetra:2 balls:1 --size 12 --rounds 2 --seed 7 \
                    -s uniform-grid:density=1,uniform-grid,light-buffer,obvhs-cwbvh,obvhs-bvh2";

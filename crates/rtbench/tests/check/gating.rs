@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use rtbench::clock::SystemClock;
+use measurement::record::RunRecord;
+use measurement::system::clock::SystemClock;
 use rtbench::context::Environment;
-use rtbench::record::RunRecord;
 
 use crate::common::{DECLARED, Ended, Folder, PLANTED};
 use crate::{in_folder, run_in, run_timed, saved, with_program};

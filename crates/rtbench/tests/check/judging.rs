@@ -1,13 +1,13 @@
 //! Each rung on records with a planted fault.
 
-use rtbench::callgrind::CountedRow;
+use measurement::callgrind::CountedRow;
+use measurement::record::{RunRecord, Verdict};
 use rtbench::gate::against::PairedRow;
 use rtbench::gate::report::Report;
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{
     Evidence, Finding, Instructions, Outcome, Times, comparable, judge, wall_clock,
 };
-use rtbench::record::{RunRecord, Verdict};
 
 use crate::planted::{REFERENCE, ROW, record, row, timed};
 

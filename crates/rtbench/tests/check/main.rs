@@ -14,10 +14,10 @@ use std::time::Duration;
 
 use accel_core::structures::Entry;
 use common::{Ended, PLANTED};
-use rtbench::clock::{Clock, SteppingClock};
+use measurement::scenes::Installed;
+use measurement::system::clock::{Clock, SteppingClock};
+use measurement::system::world::SystemWorld;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
-use rtbench::scene_source::Installed;
-use rtbench::world::SystemWorld;
 
 /// A run over that registry in that environment, each interval of time a millisecond.
 fn run_in(registry: &[Entry], environment: Environment, arguments: &str) -> Ended {
@@ -45,7 +45,7 @@ fn run_timed(
         verbosity: Verbosity::Normal,
         environment,
     };
-    let code = rtbench::run(&mut context, words());
+    let code = studies::run(&mut context, words());
     let text = |bytes| String::from_utf8(bytes).unwrap();
     Ended { code, out: text(out), err: text(err) }
 }

@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use rtbench::random::Random;
-use rtbench::record::{RowRecord, RunRecord, Sample};
+use measurement::record::{RowRecord, RunRecord, Sample};
+use statistics::random::Random;
 
 use crate::common::{Folder, PLANTED};
 use crate::{in_folder, run_in};

@@ -1,6 +1,6 @@
 //! Instruction counts, where valgrind is installed.
 
-use rtbench::callgrind;
+use measurement::callgrind;
 
 use crate::common::{Folder, PLANTED};
 use crate::{run_in, with_program};

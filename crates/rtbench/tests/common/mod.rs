@@ -13,11 +13,11 @@ use accel_core::structures::{
     BuildError, Entry, Shape, Structure, StructureInfo, brute_force, no_defect, obvhs_bvh2,
     obvhs_cwbvh, uniform_grid,
 };
-use rtbench::clock::{Clock, SteppingClock, SystemClock};
+use measurement::record::{RowRecord, RunRecord};
+use measurement::scenes::{Installed, SceneSource};
+use measurement::system::clock::{Clock, SteppingClock, SystemClock};
+use measurement::system::world::{FixedWorld, World};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
-use rtbench::record::{RowRecord, RunRecord};
-use rtbench::scene_source::{Installed, SceneSource};
-use rtbench::world::{FixedWorld, World};
 
 /// Brute force that forgets the first primitive, which the camera sees in the scenes of these
 /// tests: the wrong structure that must be found out. (One that no ray meets could not be.)
@@ -139,7 +139,7 @@ pub fn run_in_world(
         environment: Environment::default(),
     };
     let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
-    let code = rtbench::run(&mut context, arguments);
+    let code = studies::run(&mut context, arguments);
     let text = |bytes| String::from_utf8(bytes).expect("outputs are UTF-8");
     Ended { code, out: text(out), err: text(err) }
 }

@@ -9,13 +9,13 @@ use std::time::Duration;
 
 use accel_core::occluders;
 use accel_core::structures::{Entry, REGISTRY};
-use rtbench::clock::SteppingClock;
+use measurement::journal::lines::{Recovered, read};
+use measurement::journal::{Journal, NAME};
+use measurement::record::RunRecord;
+use measurement::scenes::Installed;
+use measurement::system::clock::SteppingClock;
+use measurement::system::world::SystemWorld;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
-use rtbench::journal::lines::{Recovered, read};
-use rtbench::journal::{Journal, NAME};
-use rtbench::record::RunRecord;
-use rtbench::scene_source::Installed;
-use rtbench::world::SystemWorld;
 
 /// Runs the program over that registry: exit code, standard output, standard error.
 pub fn run_in(
@@ -37,7 +37,7 @@ pub fn run_in(
         environment: Environment::default(),
     };
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
-    let code = rtbench::run(&mut context, arguments);
+    let code = studies::run(&mut context, arguments);
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (code, text(out), text(err))
 }

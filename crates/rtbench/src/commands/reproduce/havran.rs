@@ -6,11 +6,13 @@ use std::io::Write;
 use super::chosen;
 use crate::args::HavranArgs;
 use crate::context::Context;
-use crate::error::{Error, FAILURE, SUCCESS};
-use crate::export::csv;
-use crate::reproduce::published::{SCENES, figures};
-use crate::reproduce::verdict::Verdict;
-use crate::reproduce::{ReproduceError, Row, reproduce_scene, structures};
+use crate::error::Error;
+use crate::exit_code::{FAILURE, SUCCESS};
+use measurement::system::files::WriteError;
+use presentation::csv;
+use studies::reproduce::published::{SCENES, figures};
+use studies::reproduce::verdict::Verdict;
+use studies::reproduce::{ReproduceError, Row, reproduce_scene, structures};
 
 /// Reproduces scene after scene, prints a line a figure as soon as a scene is done, and the sums;
 /// with `--strict` an unexplained difference is a failure.
@@ -23,7 +25,7 @@ pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     let mut file = match &args.export_csv {
         Some(path) => Some((
             path,
-            File::create(path).map_err(|source| Error::Write { path: path.clone(), source })?,
+            File::create(path).map_err(|source| WriteError { path: path.clone(), source })?,
         )),
         None => None,
     };
@@ -41,7 +43,7 @@ pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     if let Some((path, file)) = &mut file {
         let text = csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))?;
         file.write_all(text.as_bytes())
-            .map_err(|source| Error::Write { path: (*path).clone(), source })?;
+            .map_err(|source| WriteError { path: (*path).clone(), source })?;
     }
     let unexplained = rows.iter().any(|r| r.verdict == Verdict::Unexplained);
     Ok(if args.strict && unexplained { FAILURE } else { SUCCESS })

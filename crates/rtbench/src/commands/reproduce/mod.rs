@@ -6,7 +6,7 @@ mod zachmann;
 use crate::args::{Publication, ReproduceArgs};
 use crate::context::Context;
 use crate::error::Error;
-use crate::reproduce::ReproduceError;
+use studies::reproduce::ReproduceError;
 
 /// Reproduces the publication and returns the exit code.
 ///

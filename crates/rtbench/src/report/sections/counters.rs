@@ -4,12 +4,12 @@
 
 use serde::Deserialize;
 
-use crate::export::numbers::short;
-use crate::export::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
-use crate::export::table::Table;
 use crate::report::material::Material;
 use crate::report::tables::{self, Look, words};
 use crate::report::{Page, Shown};
+use presentation::numbers::short;
+use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
+use presentation::table::Table;
 
 /// A figure as `rtbench reproduce havran1999 --export-csv` writes it.
 #[derive(Debug, Clone, Deserialize)]

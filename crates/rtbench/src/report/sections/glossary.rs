@@ -1,8 +1,8 @@
 //! What the symbols mean: those of Havran and Sixta (1999), and those of the times.
 
-use crate::report::html::Html;
 use crate::report::material::Material;
 use crate::report::{Page, Shown};
+use presentation::html::Html;
 
 /// Symbols and words of the tables' heads.
 static MEANINGS: &[(&str, &str)] = &[

@@ -3,13 +3,13 @@
 
 use serde::Deserialize;
 
-use crate::export::numbers::{ratio, short};
-use crate::export::table::{Cell, Style, Table};
-use crate::record::Verdict;
 use crate::report::material::Material;
 use crate::report::tables::{self, Look};
 use crate::report::{Page, Shown};
-use crate::statistics::Estimate;
+use measurement::record::Verdict;
+use presentation::numbers::{ratio, short};
+use presentation::table::{Cell, Style, Table};
+use statistics::estimate::Estimate;
 
 /// A row as `rtbench reproduce zachmann2007 --export-csv` writes it.
 #[derive(Debug, Clone, Deserialize)]

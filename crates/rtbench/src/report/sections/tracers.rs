@@ -2,15 +2,15 @@
 
 use serde::Deserialize;
 
-use crate::accuracy::record::Standing;
-use crate::export::numbers::{milliseconds, short};
-use crate::export::svg_plot::figure;
-use crate::export::table::Table;
 use crate::report::material::Material;
 use crate::report::tables::{self, Look, words};
 use crate::report::{Page, Shown};
-use crate::statistics::{Estimate, estimate};
-use crate::tracer_comparison::plot::{Placed, error_over_time};
+use presentation::numbers::{milliseconds, short};
+use presentation::svg_plot::figure;
+use presentation::table::Table;
+use statistics::estimate::{Estimate, estimate};
+use studies::accuracy::record::Standing;
+use studies::tracer_comparison::plot::{Placed, error_over_time};
 
 /// A comparison as `rtbench compare-tracers -o` writes it; candidate queries are left out.
 #[derive(Debug, Clone, Deserialize)]
@@ -111,7 +111,7 @@ impl TracersRecord {
         table
     }
 
-    fn plot(&self) -> crate::export::svg_plot::Plot {
+    fn plot(&self) -> presentation::svg_plot::Plot {
         let placed = self.images.iter().filter_map(|image| {
             let Outcome::Made { seconds, rmse, standing, .. } = &image.outcome else { return None };
             Some(Placed {

@@ -1,0 +1,8 @@
+//! Timing: rounds in seeded random order over the rows of a scene.
+
+pub mod error;
+pub mod measure;
+pub mod scene_run;
+pub mod schedule;
+pub mod scope;
+pub mod trial;

@@ -1,0 +1,12 @@
+//! The outside world: clock, machine, threads, processes, signals, files.
+
+pub mod child_process;
+pub mod clock;
+pub mod files;
+pub mod interrupt;
+pub mod machine;
+pub mod panics;
+pub mod pools;
+pub mod pressure;
+pub mod progress;
+pub mod world;
