@@ -57,7 +57,6 @@ use crate::exit_code::{FAILURE, SUCCESS, USAGE};
 use measurement::scenes::Installed;
 use measurement::settings::suggest;
 use measurement::system::clock::SystemClock;
-use measurement::system::world::SystemWorld;
 use measurement::system::{interrupt, panics};
 
 /// The whole program on the process's own arguments, outputs and clock.
@@ -78,7 +77,7 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
         occluders: occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
-        world: &SystemWorld { tool: program::tool(), compiler: program::compiler() },
+        world: &program::world(),
         out: &mut out,
         err: &mut err,
         command_line,

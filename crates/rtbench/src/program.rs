@@ -1,6 +1,7 @@
 //! What this program is and was compiled with, as `build.rs` saw it.
 
 use measurement::record::{Compiler, Tool};
+use measurement::system::world::SystemWorld;
 
 /// The program.
 pub fn tool() -> Tool {
@@ -21,6 +22,11 @@ pub fn compiler() -> Compiler {
         profile: option_env!("RTBENCH_PROFILE").map(Into::into),
         opt_level: option_env!("RTBENCH_OPT_LEVEL").map(Into::into),
     }
+}
+
+/// The world that this program finds.
+pub fn world() -> SystemWorld {
+    SystemWorld { tool: tool(), compiler: compiler() }
 }
 
 #[cfg(test)]

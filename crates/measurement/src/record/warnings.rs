@@ -97,7 +97,7 @@ mod tests {
     fn run(scenes: &[&[f64]]) -> RunRecord {
         let rows: Vec<_> = scenes.iter().map(|times| [("obvhs-cwbvh", *times)]).collect();
         let scenes: Vec<_> = rows.iter().map(|rows| ("tetra", &rows[..])).collect();
-        test_record::run(&scenes)
+        made_up::run(&scenes)
     }
 
     fn only(run: &RunRecord) -> String {

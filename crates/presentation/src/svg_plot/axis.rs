@@ -1,6 +1,6 @@
 //! From numbers to places on an axis, and where its ticks are.
 
-use crate::svg_plot::Scale;
+use crate::svg_plot::plot::Scale;
 
 /// Ticks wanted on a linear axis, about.
 const TICKS: f64 = 6.0;

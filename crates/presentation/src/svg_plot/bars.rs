@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use crate::svg_plot::axis::Fitted;
+use crate::svg_plot::document::document;
 use crate::svg_plot::palette::{GREY, GRID, INK, MARK, SERIES};
 use crate::svg_plot::pen::{Font, LETTER, PLAIN, Pen};
-use crate::svg_plot::{Axis, Ring, WIDTH, document};
+use crate::svg_plot::plot::{Axis, Ring, WIDTH};
 use statistics::estimate::Estimate;
 
 /// Height of a bar with the room around it.
@@ -166,7 +167,7 @@ impl Place {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::svg_plot::Scale;
+    use crate::svg_plot::plot::Scale;
 
     fn sample(scale: Scale, values: &[f64]) -> BarChart {
         let bar = |&x: &f64| BarRow {

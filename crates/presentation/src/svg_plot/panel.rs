@@ -4,7 +4,7 @@ use crate::svg_plot::axis::Fitted;
 use crate::svg_plot::flags::spread;
 use crate::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES, style_of};
 use crate::svg_plot::pen::{BOLD_LETTER, Font, LETTER, PLAIN, Pen};
-use crate::svg_plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
+use crate::svg_plot::plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
 
 /// Room left of the frame, below it, and its height.
 const LEFT: f64 = 78.0;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::svg_plot::Ring;
 use crate::svg_plot::palette::{BEST, INK};
+use crate::svg_plot::plot::Ring;
 use crate::svg_plot::xml::escaped;
 
 /// Width of a letter of a label, about.

@@ -6,7 +6,8 @@ use std::time::Duration;
 use clap::{Args, Subcommand};
 
 use crate::args::baseline::FolderArgs;
-use crate::args::{TrialArgs, choice, scene_name};
+use crate::args::parsers::{choice, scene_name};
+use crate::args::scale::TrialArgs;
 use crate::gate::thresholds::Thresholds;
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 

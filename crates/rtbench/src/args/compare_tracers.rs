@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::scene_name;
+use crate::args::parsers::scene_name;
 
 /// `rtbench compare-tracers`.
 #[derive(Debug, Clone, Args)]

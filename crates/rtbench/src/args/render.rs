@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::scene_name;
+use crate::args::parsers::scene_name;
 
 /// `--shadows` for shadow rays that the structure answers.
 pub const STRUCTURE_SHADOWS: &str = "structure";

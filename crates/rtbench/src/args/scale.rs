@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::{MeasuringArgs, choice, scene_name};
+use crate::args::measuring::MeasuringArgs;
+use crate::args::parsers::{choice, scene_name};
 use measurement::rounds::trial::BuildLimits;
 use measurement::settings::Precision;
 use studies::scale::ScaleSettings;

@@ -4,9 +4,10 @@ use std::io::Write;
 
 use crate::args::{Color, DoctorArgs, Format};
 use crate::context::Context;
+use crate::doctor::finding::Level;
 use crate::doctor::memory::{self, LINE};
 use crate::doctor::system::System;
-use crate::doctor::{Diagnosis, Level, diagnose};
+use crate::doctor::{Diagnosis, diagnose};
 use crate::error::Error;
 use presentation::table::Style;
 use presentation::text::painted;

@@ -16,6 +16,7 @@ pub mod profile;
 pub mod render;
 pub mod report;
 pub mod reproduce;
+mod resumable;
 pub mod run;
 mod run_outputs;
 pub mod scale;

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 use crate::args::{Color, ScaleArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
-use crate::commands::run::{Begun, go_on, journal_in, watch};
+use crate::commands::resumable::{Begun, go_on, journal_in, watch};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;

@@ -1,7 +1,7 @@
 //! What is to be kept in mind with a comparison.
 
+use crate::comparison::choice::{Choice, Named};
 use crate::comparison::differences::Difference;
-use crate::comparison::{Choice, Named};
 use measurement::record::metrics::Concerns;
 
 /// What is to be said of two runs that are compared all the same.

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
+use crate::comparison::choice::{Choice, Pair};
 use crate::comparison::entry::{Outcome, exact_ratio, exceeds};
-use crate::comparison::{Choice, Pair};
 use measurement::record::RowRecord;
 use measurement::record::metrics::Metric;
 use statistics::estimate::{Estimate, geometric_mean};

@@ -9,8 +9,8 @@ use clap::{ArgMatches, CommandFactory};
 use toml::Value;
 
 use crate::args::Cli;
-use crate::config::ConfigError;
 use crate::config::defaults::{is_typed, not_typed, valid_default};
+use crate::config::file::ConfigError;
 use measurement::plan::error::PlanError;
 use measurement::scenes::SceneSource;
 use measurement::settings::suggest;

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use crate::doctor::{Finding, Level};
+use crate::doctor::finding::{Finding, Level};
 use measurement::system::machine::{kibibytes, value};
 use measurement::system::world::World;
 

@@ -9,13 +9,16 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::gate::ROUNDS;
 use measurement::answers::check::stride_for;
 use measurement::record::{RowRecord, RunRecord};
 use measurement::system::child_process::{ChildError, answer, without_samples};
 use measurement::system::clock::Clock;
 use measurement::system::progress::Progress;
 use statistics::random::Random;
+
+/// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can
+/// be significant among thousands of rows; that of the 5 of `run` cannot even be among ten.
+pub const ROUNDS: u32 = 15;
 
 /// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The least
 /// of their times counts, of each kind of rays by itself: other programs only add to it, and a

@@ -3,7 +3,7 @@
 //! They are the same on every machine, so any difference is one of the code. More work or more
 //! memory is a regression; less is an improvement, to be kept by saving a new baseline.
 
-use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung};
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung};
 use measurement::record::metrics::{METRICS, Metric};
 use statistics::estimate::Estimate;
 

@@ -3,7 +3,7 @@
 //! They repeat to within a few of a million, whatever else the machine does, so a threshold of 1%
 //! needs no test. What they do not see are cache misses and mispredicted branches.
 
-use crate::gate::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung};
+use crate::gate::evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung};
 use measurement::callgrind::CountedRow;
 use statistics::estimate::Estimate;
 

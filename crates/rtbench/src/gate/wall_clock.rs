@@ -11,7 +11,7 @@
 //! chance. An interval that reaches beyond the threshold says that it may be: inconclusive.
 
 use crate::gate::against::PairedRow;
-use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung, Times};
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung, Times};
 use measurement::record::SceneRecord;
 use measurement::record::metrics::METRICS;
 use statistics::estimate::{Estimate, estimate, median};

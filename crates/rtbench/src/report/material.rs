@@ -8,9 +8,7 @@ use scene_loading::source_hash::sha256_of_bytes;
 use serde::de::DeserializeOwned;
 
 use crate::report::costs::{Profile, profiles};
-use crate::report::sections::counters::Reproduced;
-use crate::report::sections::lecture::LectureRow;
-use crate::report::sections::tracers::TracersRecord;
+use crate::report::records::{LectureRow, Reproduced, TracersRecord};
 use measurement::record::file::{self, RecordError};
 use measurement::record::{RunRecord, SceneRecord};
 use studies::accuracy::record::AccuracyRecord;

@@ -1,6 +1,6 @@
 //! Tables of the other formats as HTML.
 
-use crate::report::sections::glossary::meaning;
+use crate::report::glossary::meaning;
 use presentation::html::{Attribute, Html};
 use presentation::table::{Cell, Style, Table};
 

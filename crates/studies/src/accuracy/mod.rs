@@ -23,3 +23,4 @@ pub mod stage;
 pub mod summary;
 pub mod tables;
 pub mod timing;
+pub mod work;

@@ -10,7 +10,7 @@ use accel_core::{Hit, Ray, Scalar};
 use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;
 
-use crate::accuracy::timing::Work;
+use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
 use measurement::rays::batches::{Answers, trace};

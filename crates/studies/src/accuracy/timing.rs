@@ -5,19 +5,10 @@ use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, Place};
 use crate::accuracy::record::{SceneOutcome, Standing, VariantRecord};
 use crate::accuracy::stage::Stage;
+use crate::accuracy::work::Work;
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::schedule::round_order;
 use statistics::estimate::{Estimate, estimate, median};
-
-/// What is timed of a variant.
-pub trait Work {
-    /// Undoes what the last run left, so that it cannot pass for this one's.
-    fn prepare(&mut self) {}
-    /// The work itself.
-    fn run(&mut self);
-    /// A number that changes with any answer of the last run.
-    fn fingerprint(&self) -> u64;
-}
 
 /// A variant, judged and ready to be timed.
 pub struct Variant<'a> {

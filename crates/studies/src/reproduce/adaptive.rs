@@ -9,7 +9,7 @@ use accel_core::structures::{PrimsRef, Structure};
 use accel_core::tracer::{Bound, ShadowRule};
 use renderer::RayKind;
 
-use super::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// The settings of `adaptive-grid` for a published one like `f=1.5 m=0.1 o=-`.
 fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {

@@ -2,7 +2,8 @@
 //! was left out there, one printed differently), so the setting is the one that it repeats.
 
 use super::published::{Figure, table};
-use super::{Count, STRUCTURES, Setting};
+use super::setting::{Count, Setting};
+use super::structures::STRUCTURES;
 
 /// The name of the table.
 pub(super) const TABLE: &str = "best";

@@ -2,7 +2,7 @@
 
 use accel_core::tracer::ShadowRule;
 
-use super::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// The settings of `hug` for a published one like `HNG=2 HCN=0`.
 fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {

@@ -8,7 +8,7 @@
 use accel_core::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
-use super::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// The columns, as named in the table.
 pub const COLUMNS: [&str; 5] =

@@ -4,7 +4,7 @@
 use accel_core::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
-use super::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// Builds the grid that `params` names, as `RMD=3 RHT=+`.
 fn build<'g>(

@@ -3,7 +3,9 @@
 
 use accel_core::tracer::ShadowRule;
 
-use super::{Counted, PublishedScene, ReproduceError, Setting, Work, grid_counters, registered};
+use super::setting::{
+    Counted, PublishedScene, ReproduceError, Setting, Work, grid_counters, registered,
+};
 
 /// Builds the grid at the published resolution and counts.
 pub(super) fn count(

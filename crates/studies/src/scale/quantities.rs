@@ -103,7 +103,7 @@ mod tests {
         let mut scenes = Vec::new();
         for n in [100_u64, 1000, 10_000, 100_000] {
             let mut scene =
-                test_record::run(&[("s", &[("a", &[1.0]), ("b x=1", &[1.0])])]).scenes.remove(0);
+                made_up::run(&[("s", &[("a", &[1.0]), ("b x=1", &[1.0])])]).scenes.remove(0);
             scene.primitives = n;
             for row in &mut scene.rows {
                 let build = 1e-9 * (n * n) as f64;

@@ -7,18 +7,10 @@ use accel_core::structures::{BuildError, Buildable};
 use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::{Hit, Ray, Scalar};
 
+pub use super::mismatch::Mismatch;
 use super::round::{Expected, Round};
 use super::subject::{Subject, with_brute_force};
 use super::twin::{Same, Twin};
-
-/// A wrong answer.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Mismatch {
-    /// Index of the ray in the round.
-    pub ray: usize,
-    /// What was said and what is right.
-    pub what: String,
-}
 
 /// What came of a round.
 #[derive(Debug, Clone, PartialEq, Eq)]

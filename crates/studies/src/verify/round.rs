@@ -1,7 +1,8 @@
 //! What a case draws from a seed: a scene, rays, and what is expected of them.
 
-use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
-use glam::DVec3;
+use accel_core::{Hit, Ray, Scalar};
+
+pub use super::rays::ray;
 
 use super::model::Model;
 use super::twin::Twin;
@@ -73,9 +74,4 @@ impl<S: Scalar> Round<S> {
         self.rays.push(ray);
         self.expected.push(expected);
     }
-}
-
-/// A ray with the interval [0, infinity], rounded to `S`.
-pub fn ray<S: Scalar>(origin: DVec3, direction: DVec3) -> Ray<S> {
-    Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
 }

@@ -4,7 +4,7 @@ use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 
 use super::model::{Corners, Model};
-use super::round::ray;
+use super::rays::ray;
 
 /// What must not change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::Write;
 
-use super::chosen;
 use crate::args::HavranArgs;
+use crate::commands::reproduce::chosen::chosen;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};

@@ -1,8 +1,8 @@
 //! `rtbench reproduce zachmann2007`: the lecture's two tables as ratios, then and now.
 
-use super::chosen;
 use crate::args::ZachmannArgs;
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::commands::reproduce::chosen::chosen;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;

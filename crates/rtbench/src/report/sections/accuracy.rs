@@ -1,8 +1,8 @@
 //! What accuracy costs in time: each axis with its front.
 
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown};
 use presentation::svg_plot::figure;
 use studies::accuracy::{plot, summary, tables as axis_tables};
 

@@ -4,9 +4,10 @@
 use crate::report::break_even::{BreakEven, break_even, count_interval, envelope};
 use crate::report::costs::{Cost, Profile, lead_for};
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::plots;
 use crate::report::sections::headlines::names;
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown, plots};
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};

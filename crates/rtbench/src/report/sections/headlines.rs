@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::report::costs::{Lead, lead, lead_for, lead_over_all};
 use crate::report::material::Material;
-use crate::report::{Page, Shown};
+use crate::report::page::{Page, Shown};
 use measurement::record::{SceneRecord, Verdict};
 use presentation::html::Html;
 use presentation::numbers::short;

@@ -2,8 +2,8 @@
 
 use crate::report::date::utc;
 use crate::report::material::{DataFile, Material};
+use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown};
 use measurement::record::{RunRecord, SceneRecord};
 use presentation::html::Html;
 use presentation::numbers::mebibytes;

@@ -1,8 +1,9 @@
 //! Each scene: its table in the manner of Havran and Sixta (1999), and its bars.
 
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::plots;
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown, plots};
 use studies::run::tables::scene_table;
 
 /// One after another.

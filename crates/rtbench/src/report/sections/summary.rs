@@ -1,8 +1,9 @@
 //! All scenes together: the table and the bars.
 
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::plots;
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown, plots};
 use studies::run::tables::summary_table;
 
 /// The geometric means.

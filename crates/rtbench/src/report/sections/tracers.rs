@@ -1,65 +1,14 @@
 //! Samples, cones and beams on a scene: time against error, as `rtbench compare-tracers` found it.
 
-use serde::Deserialize;
-
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::records::{Outcome, TracersRecord};
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown};
 use presentation::numbers::{milliseconds, short};
 use presentation::svg_plot::figure;
 use presentation::table::Table;
 use statistics::estimate::{Estimate, estimate};
-use studies::accuracy::record::Standing;
 use studies::tracer_comparison::plot::{Placed, error_over_time};
-
-/// A comparison as `rtbench compare-tracers -o` writes it; candidate queries are left out.
-#[derive(Debug, Clone, Deserialize)]
-pub struct TracersRecord {
-    /// The command line, program first.
-    pub command_line: Vec<String>,
-    scene: String,
-    resolution: [u32; 2],
-    threads: usize,
-    seed: u64,
-    reference: Reference,
-    images: Vec<Image>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct Reference {
-    own_error: f64,
-    samples: u32,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct Image {
-    row: Row,
-    outcome: Outcome,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct Row {
-    tracer: String,
-    settings: String,
-    samples: Option<u32>,
-}
-
-impl Row {
-    fn label(&self) -> String {
-        let samples = self
-            .samples
-            .map(|n| format!(" {n} sample{}", if n == 1 { "" } else { "s" }))
-            .unwrap_or_default();
-        format!("{} {}", self.tracer, self.settings).trim_end().to_owned() + &samples
-    }
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
-enum Outcome {
-    Refused { refused: String },
-    Made { seconds: Vec<f64>, rmse: f64, below_reference: bool, standing: Standing },
-}
 
 /// Scene by scene.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

@@ -2,8 +2,8 @@
 //! are counted and never dropped.
 
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown};
 use measurement::record::{Outliers, SceneRecord};
 use presentation::table::Table;
 

@@ -7,7 +7,7 @@ pub mod integer_walk;
 pub mod mailboxes;
 pub mod walks;
 
-use super::judge::Mismatch;
+use super::mismatch::Mismatch;
 use statistics::random::Random;
 
 /// What came of examining a part.

@@ -1,0 +1,93 @@
+//! A wrong structure must be found out, must not show a time, and must end the run with 4.
+
+use crate::common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, row, run_with};
+use measurement::record::Verdict;
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
+
+fn run(registry: &[accel_core::structures::Entry], arguments: &str) -> crate::common::Ended {
+    run_with(registry, &Installed, &SystemClock::default(), arguments)
+}
+
+#[test]
+fn a_structure_that_drops_a_primitive_is_wrong_and_has_no_times() {
+    let folder = Folder::new();
+    let arguments = "run tetra:2 --quick -s obvhs-cwbvh,dropper,brute-force -o";
+    let ended = run(PLANTED, &format!("{arguments} {}", folder.path()));
+    assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
+    let line = ended.out.lines().find(|l| l.starts_with("dropper")).unwrap();
+    assert_eq!(line.matches("wrong").count(), 5, "four times and the verdict: {line}");
+    let record = folder.record();
+    let wrong = row(&record, "dropper");
+    assert_eq!(wrong.verdict, Verdict::Wrong);
+    assert!(wrong.mismatches > 0 && wrong.example.as_ref().is_some_and(|e| e.contains("ray")));
+    assert!(wrong.samples.is_empty() && wrong.trace_s.is_none() && wrong.ratio.is_none());
+    assert_eq!(row(&record, "obvhs-cwbvh").verdict, Verdict::Ok);
+    assert_eq!(row(&record, "brute-force").verdict, Verdict::Ok);
+    let csv = folder.csv();
+    let wrong = csv.iter().find(|r| r["structure"] == "dropper").unwrap();
+    assert_eq!(wrong["verdict"], "wrong");
+    for times in ["build_s", "trace_s", "render_s", "ratio_to_reference", "primary_mrays"] {
+        assert_eq!(wrong[times], "", "{times}");
+    }
+    assert!(folder.text("results.md").contains("| wrong |"));
+    let summary = record.summary.iter().find(|s| s.structure == "dropper").unwrap();
+    assert_eq!((summary.verdict, summary.ratio), (Verdict::Wrong, None));
+}
+
+#[test]
+fn a_declared_defect_is_shown_and_is_no_failure() {
+    let folder = Folder::new();
+    let ended = run(DECLARED, &format!("run tetra:2 --quick -s all -o {}", folder.path()));
+    assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+    let record = folder.record();
+    let shipped = row(&record, "dropper");
+    assert_eq!(shipped.verdict, Verdict::WrongAsShipped);
+    assert!(shipped.mismatches > 0 && shipped.trace_s.is_some());
+    assert!(ended.out.contains("wrong (as shipped)") && ended.out.contains("forgets on purpose"));
+}
+
+#[test]
+fn a_wrong_reference_is_refused_by_the_oracle() {
+    let folder = Folder::new();
+    let ended = run(WRONG_FIRST, &format!("run tetra:2 --quick -o {}", folder.path()));
+    assert_eq!(ended.code, 4);
+    let record = folder.record();
+    let oracle = &record.scenes[0].oracle;
+    assert_eq!(oracle.reference.as_deref(), Some("brute-force"));
+    assert!(oracle.refused.iter().any(|r| r.starts_with("dropper")), "{oracle:?}");
+    assert!(ended.err.contains("refused as reference"), "{}", ended.err);
+    assert_eq!(row(&record, "dropper").verdict, Verdict::Wrong);
+}
+
+#[test]
+fn without_any_right_structure_rows_are_judged_by_the_oracle() {
+    let folder = Folder::new();
+    let ended = run(WRONG_ONLY, &format!("run tetra:2 --quick -o {}", folder.path()));
+    assert_eq!(ended.code, 4);
+    let record = folder.record();
+    assert_eq!(record.scenes[0].oracle.reference, None);
+    let row = row(&record, "dropper");
+    assert_eq!(row.verdict, Verdict::Wrong);
+    assert!(row.mismatches > 0 && row.checked_rays >= row.mismatches);
+}
+
+#[test]
+fn real_structures_are_right_on_mixed_primitives_in_both_precisions() {
+    for precision in ["f32", "f64"] {
+        let folder = Folder::new();
+        let real = "brute-force,uniform-grid,obvhs-bvh2,obvhs-cwbvh";
+        let arguments = format!("run balls:2 gears:1 --quick -s {real} --precision {precision} -o");
+        let ended = run(PLANTED, &format!("{arguments} {}", folder.path()));
+        assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+        let record = folder.record();
+        assert_eq!(record.settings.precision, precision);
+        for scene in &record.scenes {
+            assert_eq!(scene.oracle.reference.as_deref(), Some("obvhs-bvh2"));
+            assert!(scene.oracle.checked > 100 && scene.oracle.refused.is_empty());
+            assert!(scene.rows.iter().all(|r| r.mismatches == 0 && r.checked_rays > 0));
+            let total: u64 = scene.rays.values().sum();
+            assert!(scene.rows.iter().filter(|r| r.checked_rays == total).count() >= 3);
+        }
+    }
+}
