@@ -171,7 +171,7 @@ fn explained(message: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     pub(super) fn read(text: &str) -> Result<Config, String> {

@@ -8,6 +8,7 @@ mod common;
 mod compare_tracers;
 mod effects;
 mod hard_cases;
+mod house;
 mod occluders;
 mod report;
 mod results;
