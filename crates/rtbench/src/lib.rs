@@ -69,6 +69,7 @@ pub mod ray_order;
 pub mod ray_overrides;
 pub mod record;
 pub mod record_file;
+mod recorded_command;
 pub mod reference;
 pub mod report;
 pub mod reproduce;
@@ -194,7 +195,7 @@ pub fn run_in(
         environment: context.environment.clone(),
         out: &mut *context.out,
         err: &mut *context.err,
-        command_line,
+        command_line: recorded_command::recorded(&command_line, folder),
         terminal: context.terminal,
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,
