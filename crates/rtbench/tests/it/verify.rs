@@ -1,15 +1,13 @@
 //! `rtbench verify`: structures pass a fast subset, planted faults are caught, lines replay.
 
-mod common;
-
 use std::time::Duration;
 
+use crate::common::{Ended, Folder, PLANTED, planted, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
 use accel_core::structures::{BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo};
 use accel_core::{Ray, Scalar, Vector};
-use common::{Ended, Folder, PLANTED, planted, run_with};
 use renderer::leaving::OffsetRule;
 use rtbench::clock::{SteppingClock, SystemClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};

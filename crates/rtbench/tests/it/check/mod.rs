@@ -1,8 +1,5 @@
 //! `rtbench check` and `rtbench baseline`.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod baselines;
 mod gating;
 mod judging;
@@ -12,8 +9,8 @@ mod valgrind;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::common::{Ended, PLANTED};
 use accel_core::structures::Entry;
-use common::{Ended, PLANTED};
 use rtbench::clock::{Clock, SteppingClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::scene_source::Installed;

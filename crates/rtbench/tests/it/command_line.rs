@@ -1,12 +1,10 @@
 //! Exit codes and messages.
 
-mod common;
-
 use accel_core::primitives::chosen;
 use std::io::{self, Write};
 use std::process::{Command, Stdio};
 
-use common::{Folder, PLANTED, run};
+use crate::common::{Folder, PLANTED, run};
 use rtbench::clock::SystemClock;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::scene_source::Installed;

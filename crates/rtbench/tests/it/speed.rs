@@ -1,10 +1,9 @@
 //! Orders of rays, one shadow ray a primary hit, ratios by kind, batches told from single rays, and
 //! the options that a set of scenes has for its runs.
 
-mod common;
-
 use std::time::Duration;
 
+use crate::common::{Ended, Folder, planted, row, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
@@ -12,7 +11,6 @@ use accel_core::structures::{
     BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, obvhs_bvh2, obvhs_cwbvh,
 };
 use accel_core::{Hit, Ray, Scalar, Vector};
-use common::{Ended, Folder, planted, row, run_with};
 use rtbench::clock::SteppingClock;
 use rtbench::query::Query;
 use rtbench::record::{RunRecord, Verdict};
@@ -215,7 +213,7 @@ static COHERENT: StructureInfo = planted("coherent", "serves neighbours alone");
 static WITH_COHERENT: &[Entry] = &[
     accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
     accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
-    accel_core::entry!(crate::Coherent, COHERENT),
+    accel_core::entry!(crate::speed::Coherent, COHERENT),
 ];
 
 #[test]

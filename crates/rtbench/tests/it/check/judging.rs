@@ -9,7 +9,7 @@ use rtbench::gate::{
 };
 use rtbench::record::{RunRecord, Verdict};
 
-use crate::planted::{REFERENCE, ROW, record, row, timed};
+use super::planted::{REFERENCE, ROW, record, row, timed};
 
 fn of(base: &RunRecord, now: &RunRecord, instructions: Instructions<'_>) -> Vec<Finding> {
     let thresholds = &Thresholds::default();

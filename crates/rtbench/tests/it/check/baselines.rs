@@ -1,7 +1,7 @@
 //! Baselines: kept, listed, shown, promoted, removed.
 
+use super::{in_folder, run_in, saved};
 use crate::common::{Folder, PLANTED};
-use crate::{in_folder, run_in, saved};
 
 #[test]
 fn a_baseline_is_kept_listed_shown_promoted_and_removed() {

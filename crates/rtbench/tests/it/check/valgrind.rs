@@ -2,8 +2,8 @@
 
 use rtbench::callgrind;
 
+use super::{run_in, with_program};
 use crate::common::{Folder, PLANTED};
-use crate::{run_in, with_program};
 
 #[test]
 fn instruction_counts_repeat_and_a_planted_3_percent_is_found() {

@@ -1,13 +1,11 @@
 //! Exports: complete, readable again, and the same for the same seed.
 
-mod common;
-
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::common::{Ended, Folder, PLANTED, row, run_stepping, run_with};
 use accel_core::structures::REGISTRY;
-use common::{Ended, Folder, PLANTED, row, run_stepping, run_with};
 use rtbench::clock::{Clock, SteppingClock, SystemClock};
 use rtbench::record::SCHEMA_VERSION;
 use rtbench::scene_source::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};

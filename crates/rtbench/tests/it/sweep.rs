@@ -1,10 +1,8 @@
 //! `rtbench sweep` end to end: rows, marks, exports, errors.
 
-mod common;
-
 use std::collections::HashMap;
 
-use common::{Folder, PLANTED, WRONG_ONLY, run, run_stepping, run_with};
+use crate::common::{Folder, PLANTED, WRONG_ONLY, run, run_stepping, run_with};
 use rtbench::clock::SystemClock;
 use rtbench::scene_source::Installed;
 
@@ -166,7 +164,11 @@ fn an_unwritable_plot_is_found_before_measuring() {
 }
 
 /// Right at depth 1, wrong at any other.
-struct Planted<S>(accel_core::structures::brute_force::BruteForce<S>, common::Dropper<S>, bool);
+struct Planted<S>(
+    accel_core::structures::brute_force::BruteForce<S>,
+    crate::common::Dropper<S>,
+    bool,
+);
 
 impl<S: accel_core::Scalar> accel_core::structures::Structure<S> for Planted<S> {
     fn build<P: accel_core::primitives::PrimSet<S>>(
@@ -213,7 +215,7 @@ static WRONG_SWEPT: &[accel_core::structures::Entry] = &[
         accel_core::structures::obvhs_cwbvh::ObvhsCwBvh,
         accel_core::structures::obvhs_cwbvh::INFO
     ),
-    accel_core::entry!(crate::Planted, PLANTED_INFO),
+    accel_core::entry!(crate::sweep::Planted, PLANTED_INFO),
 ];
 
 #[test]

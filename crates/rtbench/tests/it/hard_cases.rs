@@ -3,8 +3,6 @@
 
 #![cfg(unix)]
 
-mod resuming;
-
 use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt;
 use std::path::Path;
@@ -12,6 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
@@ -19,7 +18,6 @@ use accel_core::structures::{
     BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, brute_force, no_defect,
 };
 use accel_core::{Ray, Scalar};
-use resuming::{begun, csv, journal, outputs, record, run, run_in, show};
 use rtbench::journal::lines::{Line, read};
 use rtbench::record::{SceneRecord, Verdict};
 
@@ -280,8 +278,8 @@ static IN_A_ROUND: StructureInfo = StructureInfo { name: "panics-in-a-round", ..
 
 static PLANTED: &[Entry] = &[
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
-    accel_core::entry!(crate::AtARay, AT_A_RAY),
-    accel_core::entry!(crate::InARound, IN_A_ROUND),
+    accel_core::entry!(crate::hard_cases::AtARay, AT_A_RAY),
+    accel_core::entry!(crate::hard_cases::InARound, IN_A_ROUND),
 ];
 
 #[test]
@@ -448,12 +446,12 @@ fn k4_memory_that_runs_out() {
 
 #[test]
 fn a_resumed_run_has_the_table_of_an_unbroken_one() {
-    resuming::same_table();
+    crate::resuming::same_table();
 }
 
 #[test]
 fn a_run_that_would_differ_is_not_resumed() {
-    resuming::refusals();
+    crate::resuming::refusals();
 }
 
 /// The fixed inputs of the fuzz target `results`.

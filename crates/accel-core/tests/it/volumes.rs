@@ -1,14 +1,12 @@
 //! Bounding volumes and their hierarchy, in more settings than are measured, against brute force:
 //! the same hits to the bit.
 
-mod common;
-
+use crate::common::{Random, Set, all_scenes, rays_for};
 use accel_core::counters::WorkCounters;
 use accel_core::primitives::{MixedSetBuilder, TriangleSet, Watertight};
 use accel_core::structures::{BuildError, Buildable, PrimsRef, Shape, find};
 use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray, Vec3, Vector};
-use common::{Random, Set, all_scenes, rays_for};
 use glam::{DVec3, dvec3};
 
 const SETTINGS: &[(&str, &str)] = &[

@@ -6,8 +6,8 @@ use rtbench::clock::SystemClock;
 use rtbench::context::Environment;
 use rtbench::record::RunRecord;
 
+use super::{in_folder, run_in, run_timed, saved, with_program};
 use crate::common::{DECLARED, Ended, Folder, PLANTED};
-use crate::{in_folder, run_in, run_timed, saved, with_program};
 
 fn check(folder: &Folder, options: &str) -> Ended {
     run_in(PLANTED, in_folder(&folder.path()), &format!("check --baseline main {options}"))

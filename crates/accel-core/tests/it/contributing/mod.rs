@@ -1,15 +1,12 @@
 //! The worked example of CONTRIBUTING.md: it compiles, it gives the right answers, and the text
 //! shows this very file.
 
-mod agreement;
-mod common;
-#[path = "contributing/two_boxes.rs"]
 mod two_boxes;
 
+use crate::agreement::mismatches;
+use crate::common::{Random, all_scenes, rays_for};
 use accel_core::entry;
 use accel_core::structures::{Buildable, Entry};
-use agreement::mismatches;
-use common::{Random, all_scenes, rays_for};
 
 static REGISTRY: &[Entry] = &[entry!(two_boxes::TwoBoxes, two_boxes::INFO)];
 
@@ -29,7 +26,7 @@ fn the_example_agrees_with_brute_force() {
 
 #[test]
 fn the_text_shows_the_example_as_it_is() {
-    let text = include_str!("../../../CONTRIBUTING.md");
-    let code = include_str!("contributing/two_boxes.rs");
+    let text = include_str!("../../../../../CONTRIBUTING.md");
+    let code = include_str!("two_boxes.rs");
     assert!(text.contains(&format!("```rust\n{code}```")), "CONTRIBUTING.md shows older code");
 }

@@ -1,16 +1,14 @@
 //! The text of every command, as users see it, with a clock and a world that are the same
 //! everywhere. A difference is an error that shows it; where it is meant,
-//! `RTBENCH_UPDATE_SNAPSHOTS=1 cargo test -p rtbench --test snapshots` writes the files anew.
-
-mod common;
+//! `RTBENCH_UPDATE_SNAPSHOTS=1 cargo test -p rtbench --test it snapshots` writes the files anew.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use crate::common::{Folder, PLANTED, run_with};
 use accel_core::structures::{Entry, REGISTRY};
 use clap::CommandFactory;
-use common::{Folder, PLANTED, run_with};
 use rtbench::args::Cli;
 use rtbench::clock::SteppingClock;
 use rtbench::scene_source::Installed;

@@ -1,8 +1,6 @@
 //! Effects on the command line: plans, images, costs, heat maps.
 
-mod common;
-
-use common::{Folder, run, run_stepping};
+use crate::common::{Folder, run, run_stepping};
 
 #[test]
 fn plans_name_what_calls_for_each_effect() {

@@ -1,13 +1,11 @@
 //! A wrong structure must be found out, must not show a time, and must end the run with 4.
 
-mod common;
-
-use common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, row, run_with};
+use crate::common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, row, run_with};
 use rtbench::clock::SystemClock;
 use rtbench::record::Verdict;
 use rtbench::scene_source::Installed;
 
-fn run(registry: &[accel_core::structures::Entry], arguments: &str) -> common::Ended {
+fn run(registry: &[accel_core::structures::Entry], arguments: &str) -> crate::common::Ended {
     run_with(registry, &Installed, &SystemClock::default(), arguments)
 }
 

@@ -1,8 +1,6 @@
 //! The page of `rtbench report`: its structure, what it says of wrong rows, what it lacks.
 
-mod common;
-
-use common::{Ended, Folder, run_stepping};
+use crate::common::{Ended, Folder, run_stepping};
 use roxmltree::{Document, Node, ParsingOptions};
 use rtbench::report::SECTIONS;
 use rtbench::warnings::Warning;

@@ -1,13 +1,11 @@
 //! The light buffer as a row of a run and as the shadow path of an image.
 
-mod common;
-
+use crate::common::{Ended, Folder, PLANTED, row, run, run_over};
 use accel_core::counters::WorkCounters;
 use accel_core::occluders::{self, BoxedOccluder, Occluder, light_buffer};
 use accel_core::params::Params;
 use accel_core::structures::{BuildError, PrimsRef, Shape, StructureInfo};
 use accel_core::{Ray, Scalar};
-use common::{Ended, Folder, PLANTED, row, run, run_over};
 use glam::DVec3;
 use rtbench::clock::SystemClock;
 use rtbench::record::{Answered, Verdict};
@@ -53,7 +51,7 @@ static BRIGHT: StructureInfo = StructureInfo {
 
 static OCCLUDERS: &[occluders::Entry] = &[
     accel_core::occluder!(light_buffer::build, light_buffer::INFO),
-    accel_core::occluder!(crate::bright, BRIGHT),
+    accel_core::occluder!(crate::occluders::bright, BRIGHT),
 ];
 
 fn run_planted(arguments: &str) -> Ended {

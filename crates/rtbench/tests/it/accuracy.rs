@@ -1,12 +1,11 @@
 //! `rtbench accuracy`: errors are real where variants are cheap, none where they are the reference,
 //! and what cannot be is refused.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use crate::common::{Ended, planted, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
@@ -14,7 +13,6 @@ use accel_core::structures::{
     BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, obvhs_bvh2,
 };
 use accel_core::{Ray, Scalar};
-use common::{Ended, planted, run_with};
 use rtbench::clock::SystemClock;
 use rtbench::scene_source::Installed;
 
@@ -153,7 +151,7 @@ static FICKLE: StructureInfo = StructureInfo {
 
 static PLANTED: &[Entry] = &[
     accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
-    accel_core::entry!(crate::Fickle, FICKLE),
+    accel_core::entry!(crate::accuracy::Fickle, FICKLE),
 ];
 
 #[test]

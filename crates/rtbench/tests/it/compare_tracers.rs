@@ -1,8 +1,6 @@
 //! Samples, cones and beams on the command line.
 
-mod common;
-
-use common::{Folder, run, run_stepping};
+use crate::common::{Folder, run, run_stepping};
 
 #[test]
 fn what_there_is_is_listed_with_what_it_refuses() {

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use rtbench::random::Random;
 use rtbench::record::{RowRecord, RunRecord, Sample};
 
+use super::{in_folder, run_in};
 use crate::common::{Folder, PLANTED};
-use crate::{in_folder, run_in};
 
 /// The row that faults are planted in.
 pub const ROW: &str = "uniform-grid";

@@ -1,15 +1,11 @@
 //! Every structure of the registry, in every variant, against brute force: same primitive, same
 //! parameter bits, same occlusion, on random and on awkward scenes and rays, in f32 and f64.
 
-mod agreement;
-mod common;
-mod threads;
-
+use crate::agreement::mismatches;
+use crate::common::{Random, all_scenes, rays_for};
 use accel_core::primitives::MixedSetBuilder;
 use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
 use accel_core::{Hit, Ray};
-use agreement::mismatches;
-use common::{Random, all_scenes, rays_for};
 use glam::dvec3;
 
 fn check<S: Buildable>() {

@@ -1,19 +1,17 @@
 //! `rtbench scale` end to end: sizes, slopes, limits, wrong rows, resuming, processes.
 
-mod common;
-
 use std::collections::HashMap;
 use std::process::Command;
 use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 use std::time::Duration;
 
+use crate::common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
 use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{BuildError, Entry, Shape, Structure, StructureInfo, obvhs_cwbvh};
 use accel_core::{Ray, Scalar, occluders};
-use common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
 use rtbench::args::Precision;
 use rtbench::clock::{Clock, SteppingClock};
 use rtbench::record::{RunRecord, Verdict};
@@ -112,7 +110,7 @@ static QUADRATIC_INFO: StructureInfo = planted("quadratic", "takes its time");
 
 static SLOW: &[Entry] = &[
     accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
-    accel_core::entry!(crate::Quadratic, QUADRATIC_INFO),
+    accel_core::entry!(crate::scale::Quadratic, QUADRATIC_INFO),
 ];
 
 /// What builds took, and a microsecond for each reading.
