@@ -261,6 +261,29 @@ fn the_readme_is_short_and_leads_to_every_chapter() {
     }
 }
 
+/// The examples that a script builds: what follows `--example`.
+fn examples_in(script: &str) -> Vec<String> {
+    let named = script.split("--example ").skip(1);
+    named.filter_map(|rest| rest.split_whitespace().next()).map(str::to_owned).collect()
+}
+
+#[test]
+fn scripts_build_examples_that_are_there() {
+    let folders = ["renderer", "rtbench"].map(|c| root().join("crates").join(c).join("examples"));
+    let mut built = 0;
+    for script in std::fs::read_dir(root().join("scripts")).unwrap() {
+        let path = script.unwrap().path();
+        for example in examples_in(&std::fs::read_to_string(&path).unwrap()) {
+            let file = format!("{example}.rs");
+            let is_there = folders.iter().any(|folder| folder.join(&file).exists());
+            assert!(is_there, "{}: there is no example {example}", path.display());
+            built += 1;
+        }
+    }
+    assert!(built >= 4, "{built}");
+    assert_eq!(examples_in("cargo build -q --example none --features x"), ["none"]);
+}
+
 /// The folders of somebody's machine that a text names.
 fn machine_paths(text: &str) -> Vec<&str> {
     let paths = ["/home/", "/root/", "/tmp/", "/work/", "/Users/"];
