@@ -29,7 +29,7 @@ pub struct Context<'a> {
     pub out: &'a mut dyn Write,
     /// Standard error: warnings.
     pub err: &'a mut dyn Write,
-    /// The command line, for the record.
+    /// The command line, program first; commands get it as results record it.
     pub command_line: Vec<String>,
     /// Whether the outputs are terminals, and what the environment says of colours.
     pub terminal: Terminal,

@@ -36,6 +36,7 @@ pub mod gate;
 pub mod like;
 pub mod profile;
 pub mod program;
+mod recorded_command;
 pub mod report;
 pub mod schema;
 
@@ -140,7 +141,7 @@ pub fn run_in(
         environment: context.environment.clone(),
         out: &mut *context.out,
         err: &mut *context.err,
-        command_line,
+        command_line: recorded_command::recorded(&command_line, folder),
         terminal: context.terminal,
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{LoadError, Place};
 use crate::fetch::Places;
 use crate::obj::ObjOptions;
-use crate::scene::Scene;
+use crate::scene::{Scene, Warning};
 use crate::scene_file::{SceneFile, Source};
 use crate::scene_set::SceneSet;
 use crate::source_embedded::{ASSETS, SCENES, SETS};
@@ -308,7 +308,14 @@ impl Described {
                     path: asset.path.clone(),
                 })?;
                 let source = format!("{}: {}", asset.package(), asset.path);
-                (self.parse(&path, read_file(&path)?)?, source)
+                let mut scene = self.parse(&path, read_file(&path)?)?;
+                // results carry warnings: they name the package, not the folder of this machine
+                let (place, package) = (path.display().to_string(), asset.package() + ": ");
+                let folder = place.strip_suffix(&asset.path).filter(|folder| !folder.is_empty());
+                for Warning(text) in &mut scene.warnings {
+                    *text = folder.map_or(text.clone(), |folder| text.replace(folder, &package));
+                }
+                (scene, source)
             }
         };
         self.file.apply(&self.path, &mut scene)?;

@@ -267,6 +267,29 @@ fn packages_are_found_in_cargo_and_copied_to_the_cache() {
 }
 
 #[test]
+fn warnings_about_a_package_do_not_say_where_it_lies() {
+    let obj = "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n";
+    let hash = "3e27fb8680c098f697a4db54b9831691e26c13d59783f61ae2f5644ab3214034";
+    let cache = tempfile::tempdir().unwrap();
+    let package = cache.path().join("some-1.2.3/media");
+    std::fs::create_dir_all(&package).unwrap();
+    std::fs::write(package.join("a.obj"), obj).unwrap();
+    let source = r#"{"crate": {"name": "some", "version": "1.2.3", "path": "media/a.obj"}}"#;
+    let (_folder, catalogue) = folder(&scene_json(source, &format!(r#", "sha256": "{hash}""#)));
+    let places = Places { cargo_home: None, cache: Some(cache.path().to_owned()) };
+    let loaded = catalogue.resolve(&names(&["a"])).unwrap()[0].load_from(&places).unwrap();
+    assert_eq!(loaded.source, "some 1.2.3: media/a.obj");
+    let warnings: Vec<String> = loaded.scene.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        warnings,
+        [
+            "some 1.2.3: media/a.obj:1: material file some 1.2.3: media/lost.mtl is missing",
+            "some 1.2.3: media/a.obj: 1 faces without area left out (first: line 6)"
+        ]
+    );
+}
+
+#[test]
 fn a_package_that_is_not_there_says_how_to_get_it() {
     let catalogue = SceneCatalogue::embedded().unwrap();
     for name in ["kitchen", "sponza"] {

@@ -3,6 +3,7 @@
 pub mod file;
 pub mod label;
 #[cfg(any(test, feature = "testing"))]
+#[allow(clippy::unwrap_used)]
 pub mod made_up;
 pub mod merge;
 pub mod metrics;

@@ -174,7 +174,7 @@ fn explained(message: &str) -> String {
 pub(super) mod tests {
     use super::*;
 
-    pub(super) fn read(text: &str) -> Result<Config, String> {
+    pub(in crate::config) fn read(text: &str) -> Result<Config, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(NAME);
         fs::write(&path, text).unwrap();

@@ -23,6 +23,30 @@ fn json(ended: &Ended) -> Value {
 }
 
 #[test]
+fn a_process_records_what_to_type_and_no_folder_of_its_machine() {
+    let folder = Folder::new();
+    let program = env!("CARGO_BIN_EXE_rtbench");
+    let output = format!("{}/out", folder.path());
+    let typed = ["run", "tetra:1", "--quick", "--rounds", "1", "--size", "4", "-s", "obvhs-cwbvh"];
+    let csv = format!("--export-csv={output}.csv");
+    let ended =
+        std::process::Command::new(program).args(typed).args([&csv, "-o", &output]).output();
+    let ended = ended.unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let record: Value = serde_json::from_str(&folder.text("out/results.json")).unwrap();
+    let line: Vec<&str> =
+        record["command_line"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(
+        line,
+        [&["rtbench"][..], &typed[..], &["--export-csv=out.csv", "-o", "out"]].concat()
+    );
+    for file in ["out/results.json", "out/results.md", "out/results.csv"] {
+        let text = folder.text(file);
+        assert!(!text.contains(&folder.path()) && !text.contains(program), "{file}");
+    }
+}
+
+#[test]
 fn records_are_of_their_schema() {
     let validator = validator("run-record");
     let folder = Folder::new();
