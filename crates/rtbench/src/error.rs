@@ -33,19 +33,19 @@ pub enum Error {
     Plan(#[from] PlanError),
     /// Nothing that can be swept.
     #[error(transparent)]
-    Sweep(SweepError),
+    Sweep(Box<SweepError>),
     /// Nothing that can be scaled.
     #[error(transparent)]
-    Scale(ScaleError),
+    Scale(Box<ScaleError>),
     /// A scene could not be loaded.
     #[error(transparent)]
     Load(#[from] LoadError),
     /// A scene could not be measured.
     #[error(transparent)]
-    Measure(MeasureError),
+    Measure(Box<MeasureError>),
     /// A study ended early.
     #[error(transparent)]
-    Study(StudyError),
+    Study(Box<StudyError>),
     /// An output file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -75,10 +75,10 @@ pub enum Error {
     Compare(#[from] CompareError),
     /// Nothing could be held against a baseline.
     #[error(transparent)]
-    Gate(#[from] GateError),
+    Gate(Box<GateError>),
     /// The configuration cannot be used.
     #[error(transparent)]
-    Config(ConfigError),
+    Config(Box<ConfigError>),
     /// The parts of a run cannot be joined.
     #[error(transparent)]
     Merge(#[from] MergeError),
@@ -98,14 +98,14 @@ impl From<MeasureError> for Error {
     fn from(error: MeasureError) -> Self {
         match error {
             MeasureError::Load(error) => Self::Load(error),
-            other => Self::Measure(other),
+            other => Self::Measure(Box::new(other)),
         }
     }
 }
 
 impl From<GeometryError> for Error {
     fn from(error: GeometryError) -> Self {
-        Self::Measure(error.into())
+        MeasureError::from(error).into()
     }
 }
 
@@ -113,15 +113,15 @@ impl From<StudyError> for Error {
     fn from(error: StudyError) -> Self {
         match error {
             StudyError::Plan(error) => Self::Plan(error),
-            StudyError::Measure(error) => error.into(),
-            other => Self::Study(other),
+            StudyError::Measure(error) => (*error).into(),
+            other => Self::Study(Box::new(other)),
         }
     }
 }
 
 impl From<UnsavedImage> for Error {
     fn from(error: UnsavedImage) -> Self {
-        Self::Study(error.into())
+        StudyError::from(error).into()
     }
 }
 
@@ -130,7 +130,7 @@ impl From<SweepError> for Error {
         match error {
             SweepError::Plan(error) => Self::Plan(error),
             SweepError::Scene(error) => Self::Load(error),
-            other => Self::Sweep(other),
+            other => Self::Sweep(Box::new(other)),
         }
     }
 }
@@ -140,8 +140,14 @@ impl From<ScaleError> for Error {
         match error {
             ScaleError::Plan(error) => Self::Plan(error),
             ScaleError::Scene(error) => Self::Load(error),
-            other => Self::Scale(other),
+            other => Self::Scale(Box::new(other)),
         }
+    }
+}
+
+impl From<GateError> for Error {
+    fn from(error: GateError) -> Self {
+        Self::Gate(Box::new(error))
     }
 }
 
@@ -149,7 +155,7 @@ impl From<LikeError> for Error {
     fn from(error: LikeError) -> Self {
         match error {
             LikeError::Plan(error) => Self::Plan(error),
-            other => Self::Gate(other.into()),
+            other => GateError::from(other).into(),
         }
     }
 }
@@ -158,7 +164,7 @@ impl From<ConfigError> for Error {
     fn from(error: ConfigError) -> Self {
         match error {
             ConfigError::Plan(error) => Self::Plan(error),
-            other => Self::Config(other),
+            other => Self::Config(Box::new(other)),
         }
     }
 }

@@ -16,7 +16,7 @@ pub enum StudyError {
     Plan(#[from] PlanError),
     /// A scene could not be measured.
     #[error(transparent)]
-    Measure(#[from] MeasureError),
+    Measure(Box<MeasureError>),
     /// A scene has nothing that an axis of accuracy is about.
     #[error("{axis}: scene {scene} does not serve: {reason}")]
     UnfitScene {
@@ -45,8 +45,14 @@ pub struct UnsavedImage {
     pub source: ImageError,
 }
 
+impl From<MeasureError> for StudyError {
+    fn from(error: MeasureError) -> Self {
+        Self::Measure(Box::new(error))
+    }
+}
+
 impl From<GeometryError> for StudyError {
     fn from(error: GeometryError) -> Self {
-        Self::Measure(error.into())
+        MeasureError::from(error).into()
     }
 }

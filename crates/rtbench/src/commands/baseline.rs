@@ -65,7 +65,7 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
         if let Some(path) = &args.from {
             same_program(context, path, &baseline.record)?;
         }
-        baseline.instructions = Some(counted(context, &baseline.record)?);
+        baseline.instructions = Some(counted(context, &baseline.record).map_err(GateError::from)?);
     }
     let path = store.save(&args.name, &baseline, args.force).map_err(gate)?;
     context.say(format_args!("kept as {}", path.display()));
@@ -111,10 +111,13 @@ fn same_program(context: &Context<'_>, path: &Path, record: &RunRecord) -> Resul
 }
 
 /// Instruction counts of the rows of a record, by this program.
-pub(super) fn counted(context: &mut Context<'_>, record: &RunRecord) -> Result<Counts, Error> {
+pub(super) fn counted(
+    context: &mut Context<'_>,
+    record: &RunRecord,
+) -> Result<Counts, CallgrindError> {
     context.say("counting instructions under valgrind");
     let program = context.environment.program.as_deref();
-    Ok(callgrind::count(program, record).map_err(GateError::from)?)
+    callgrind::count(program, record)
 }
 
 fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Error> {

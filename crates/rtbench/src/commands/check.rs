@@ -181,7 +181,7 @@ impl Check<'_> {
         let counts = match self.wants_counts {
             true => {
                 let base = callgrind::count(Some(old), &now).map_err(GateError::from)?;
-                Some((base, counted(context, &now)?))
+                Some((base, counted(context, &now).map_err(GateError::from)?))
             }
             false => None,
         };
@@ -215,14 +215,10 @@ impl Check<'_> {
         base: &RunRecord,
     ) -> Result<Result<Counts, String>, Error> {
         match counted(context, base) {
-            Err(Error::Gate(GateError::Callgrind(CallgrindError::NoValgrind(why))))
-                if !self.args.instructions =>
-            {
-                Ok(Err(format!(
-                    "the baseline has instruction counts, and valgrind is missing: {why}"
-                )))
-            }
-            other => other.map(Ok),
+            Err(CallgrindError::NoValgrind(why)) if !self.args.instructions => Ok(Err(format!(
+                "the baseline has instruction counts, and valgrind is missing: {why}"
+            ))),
+            other => Ok(Ok(other.map_err(GateError::from)?)),
         }
     }
 

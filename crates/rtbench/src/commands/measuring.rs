@@ -170,15 +170,17 @@ fn measure_one(
     known: &dyn KnownScene,
     equipment: &Equipment<'_>,
     deadline: Option<Duration>,
-) -> Result<SceneRecord, MeasureError> {
+) -> Result<SceneRecord, Error> {
     let measured = caught(|| {
-        known.load().map_err(MeasureError::from).and_then(|loaded| match plan.precision {
-            Precision::F32 => run_scene::<f32>(plan, &loaded, equipment, deadline),
-            Precision::F64 => run_scene::<f64>(plan, &loaded, equipment, deadline),
+        let loaded = known.load()?;
+        Ok(match plan.precision {
+            Precision::F32 => run_scene::<f32>(plan, &loaded, equipment, deadline)?,
+            Precision::F64 => run_scene::<f64>(plan, &loaded, equipment, deadline)?,
         })
     });
-    let scene = || known.name().to_owned();
-    measured.unwrap_or_else(|source| Err(MeasureError::Panicked { scene: scene(), source }))
+    measured.unwrap_or_else(|source| {
+        Err(MeasureError::Panicked { scene: known.name().to_owned(), source }.into())
+    })
 }
 
 /// 4 when a row is wrong, 1 when something could not be measured, else 0.

@@ -47,7 +47,7 @@ pub fn of_set(
     for (name, value) in &options {
         let invalid = |message| ConfigError::InSet { set: set.clone(), message };
         if NOT_IN_SETS.contains(&&**name) {
-            return Err(invalid(format!("{name}: not an option of sets")).into());
+            return Err(invalid(format!("{name}: not an option of sets")));
         }
         let value = Value::try_from(value).map_err(|e| invalid(format!("{name}: {e}")))?;
         defaults.push(valid_default(&cli, known, name, &value).map_err(invalid)?);

@@ -54,7 +54,8 @@ pub fn timed(
     for subject in structures {
         let ratio = |model: &Model<f32>, usual: &[Ray<f32>], odd: &[Ray<f32>]| {
             let over = subject.over(model, |tracer| ratio(tracer, clock, usual, odd));
-            over.map_err(|source| MeasureError::Build { scene: "R4 or R1".to_owned(), source })
+            let scene = || "R4 or R1".to_owned();
+            over.map_err(|source| StudyError::from(MeasureError::Build { scene: scene(), source }))
         };
         let (meaningless, negative_zeros) =
             (ratio(&bad.model, &normal, &bad.rays)?, ratio(&signs.model, &zeros[0], &zeros[1])?);
