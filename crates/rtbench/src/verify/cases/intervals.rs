@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::{point_within, toward};
 use crate::case;
 use crate::random::Random;
-use crate::verify::draw::{one_of, point, signed, unit};
+use crate::verify::draw::{one_of, point, signed, single, unit};
 use crate::verify::every_hit::{every_hit, first_within, push_chain};
 use crate::verify::meshes::{icosphere, soup};
 use crate::verify::model::{Corners, Model};
@@ -35,7 +35,11 @@ fn intervals<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>,
     let mut round = Round::new(model);
     while round.rays.len() < rays {
         let target = point_within(random, &targets);
-        let (origin, along) = toward(random, target, 2.0);
+        let (mut origin, along) = toward(random, target, 2.0);
+        if random.below(2) == 0 {
+            // beyond the target, which then lies behind
+            origin = single(target + along * (0.1 + unit(random)));
+        }
         let whole = Ray { t_min: S::from_f64(-1e30), ..ray::<S>(origin, along) };
         if !whole.is_traceable() {
             continue;

@@ -41,8 +41,8 @@ fn nested_planes<S: Buildable>(
     let is_solid = random.below(4) == 0;
     let most = if is_solid { MOST_CUBES[1] } else { MOST_CUBES[0] };
     // small ones more often: large ones take long to build
-    let part = unit(random);
-    let cubes = Cubes { side: 2 + ((most - 1.0) * part * part) as i32, is_solid };
+    let part = unit(random).powf(1.5);
+    let cubes = Cubes { side: 2 + ((most - 1.0) * part) as i32, is_solid };
     let triangles: Vec<_> = cubes.all().flat_map(cube).collect();
     let mut round = Round::new(Model::triangles(&triangles)?);
     let columns = Columns::new(cubes);
@@ -82,7 +82,7 @@ impl Aim {
             sign: one_of(random, &[1.0, -1.0]),
             outside: f64::from(outside),
             at,
-            off: [off_plane(random), off_plane(random)],
+            off: off_planes(random),
         }
     }
 
@@ -151,17 +151,24 @@ impl Aim {
     }
 }
 
-/// What a direction has across its axis.
+/// What a direction has on the other two axes: of one size or of two, of either sign.
+fn off_planes(random: &mut Random) -> [f64; 2] {
+    let next = off_plane(random);
+    let last = if random.below(2) == 0 { next } else { off_plane(random) };
+    [next, last].map(|size| f64::copysign(size, signed(random)))
+}
+
+/// How far a direction leaves a plane; f32 holds it.
 fn off_plane(random: &mut Random) -> f64 {
-    let size = match random.below(8) {
-        0 | 1 => 0.0,
+    // the least of f32, where less would become nothing
+    let least = f64::from(f32::from_bits(1));
+    let size: f64 = match random.below(8) {
+        0 => 0.0,
         // the cosine of a quarter turn, in f64 and in f32
-        2 => one_of(random, &[6.123e-17, 4.371e-8]),
-        _ => 10.0_f64.powf(-45.0 + 42.0 * unit(random)),
+        1 => one_of(random, &[6.123e-17, 4.371e-8]),
+        _ => 10.0_f64.powf(-45.0 + 42.0 * unit(random)).max(least),
     };
-    // the least of f32, where it would become nothing
-    let size = if size > 0.0 { size.max(f64::from(f32::from_bits(1))) } else { size };
-    f64::from((size as f32).copysign(signed(random) as f32))
+    f64::from(size as f32)
 }
 
 /// The triangles of the cubes by columns along each axis.

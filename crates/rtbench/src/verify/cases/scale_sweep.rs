@@ -1,7 +1,8 @@
 //! The whole served range of scales, power of two by power of two: bits must stay.
 //!
-//! A sparse set of scales passes over a fault at one of them. f32 has every exponent that is served
-//! in each round; f64 one from each of as many equal parts of its range, drawn anew for each round.
+//! A sparse set of scales passes over a fault at one of them. Each round tries one exponent from each
+//! of [`PARTS`] equal parts of the served range: a few rounds try all of f32, a few hundred all of
+//! f64.
 
 use accel_core::primitives::PrimitiveError;
 use accel_core::structures::Buildable;
@@ -28,7 +29,7 @@ pub const K1_DENSE: Case = case!(
 );
 
 /// Scales of a round.
-const PARTS: usize = 62;
+const PARTS: usize = 16;
 
 fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let triangles: Vec<Corners> = match random.below(4) {

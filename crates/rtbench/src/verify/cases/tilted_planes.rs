@@ -33,7 +33,7 @@ fn tilted_planes<S: Buildable>(
     random: &mut Random,
     rays: usize,
 ) -> Result<Round<S>, PrimitiveError> {
-    let side = one_of(random, &[2, 3, 4, 6, 8, 12, 16, 24]);
+    let side = one_of(random, &[2, 4, 8, 12, 16, 24, 32]);
     let normal = direction(random);
     let turn = unit(random) * std::f64::consts::TAU;
     let any = normal.any_orthonormal_vector();
