@@ -90,6 +90,39 @@ pub fn watch(_: Unfinished) -> std::io::Result<()> {
     Ok(())
 }
 
+/// For work that can stop between two of its steps: the number of the first SIGINT, SIGTERM or
+/// SIGHUP that comes from here on, and 0 until then. A second one ends the process at once, with the
+/// code 128 + signal.
+///
+/// # Errors
+/// The system's, when signals cannot be had.
+#[cfg(unix)]
+pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::flag::{register_conditional_shutdown, register_usize};
+
+    let signalled = Arc::new(AtomicUsize::new(0));
+    if IS_ARMED.swap(false, SeqCst) {
+        let is_second = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            // in this order: the first finds the flag down
+            register_conditional_shutdown(signal, 128 + signal, Arc::clone(&is_second))?;
+            signal_hook::flag::register(signal, Arc::clone(&is_second))?;
+            register_usize(signal, Arc::clone(&signalled), signal as usize)?;
+        }
+    }
+    Ok(signalled)
+}
+
+/// Elsewhere no signal is told.
+///
+/// # Errors
+/// None.
+#[cfg(not(unix))]
+pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
+    Ok(Arc::default())
+}
+
 #[cfg(unix)]
 fn end(unfinished: Unfinished, signal: i32) -> ! {
     let begin = std::time::Instant::now();

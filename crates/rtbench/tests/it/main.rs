@@ -20,3 +20,4 @@ mod sweep;
 mod verdicts;
 mod verify;
 mod verify_oracles;
+mod verify_planted;

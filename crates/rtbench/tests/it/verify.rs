@@ -206,7 +206,7 @@ fn an_offset_of_zero_hits_what_it_leaves() {
         let judged = rounds.map(|round| {
             let brute_force = Subject::parse(REGISTRY, "brute-force").unwrap();
             match Judge::new(&round).unwrap().judge(&brute_force) {
-                Judged::Asked(wrong) => wrong.len(),
+                Judged::Asked(wrong, _) => wrong.len(),
                 other => panic!("{other:?}"),
             }
         });

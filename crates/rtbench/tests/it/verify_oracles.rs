@@ -7,9 +7,11 @@ use accel_core::mailbox::{Mailbox, MailboxSource, Stamps};
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::voxel_walk::GridFrame;
 use accel_core::{Hit, Ray, Vector};
+use renderer::leaving::OffsetRule;
 use statistics::random::Random;
+use studies::verify::cases::shells::shells_under;
 use studies::verify::model::Model;
-use studies::verify::parts::{clouds, mailboxes, walks};
+use studies::verify::parts::{clouds, kernels, mailboxes, walks};
 use studies::verify::registry::{Ask, find};
 use studies::verify::round::Round;
 
@@ -161,6 +163,82 @@ fn shapes_met_elsewhere_are_refuted() {
     };
     assert!(refuted("G11", behind) > 0);
     assert!(refuted("G6", |_, _| Hit { t: 1.0, id: 0 }) > 0 && refuted("G6", first) == 0);
+}
+
+#[test]
+fn laws_that_need_no_other_structure_are_held() {
+    for id in ["Gr12", "R8", "G14", "G15", "G16", "S7", "K1dense"] {
+        assert_eq!(told(id, first), [""; 0], "{id}");
+        let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
+        assert!(refuted(id, nothing) > 0, "{id}: nothing");
+        let last = |model: &Model<f32>, ray: &Ray<f32>| {
+            all_hits(model, ray).last().copied().unwrap_or(Hit::NONE)
+        };
+        assert!(refuted(id, last) > 0, "{id}: the farthest hit");
+    }
+    // from the plane of a flat scene nothing is met, at whatever parameter
+    let in_the_plane = |_: &Model<f32>, _: &Ray<f32>| Hit { t: 7.0, id: 0 };
+    let false_hits = told("R9", in_the_plane);
+    assert!(false_hits.iter().any(|told| told.ends_with("not Miss")));
+    // a sliver met where none of it is
+    let far_off = |model: &Model<f32>, ray: &Ray<f32>| {
+        let hit = first(model, ray);
+        Hit { t: hit.t + 20.0 / ray.direction.length(), ..hit }
+    };
+    assert!(refuted("G16", far_off) > refuted("G16", first));
+    // intervals that begin at 0, and hits that are met again
+    let from_zero = |model: &Model<f32>, ray: &Ray<f32>| {
+        first(model, &Ray { t_min: ray.t_min.max(0.0), ..*ray })
+    };
+    assert!(refuted("R8", from_zero) > 0);
+    let again = |model: &Model<f32>, ray: &Ray<f32>| {
+        first(model, &Ray { t_min: ray.t_min.next_down(), ..*ray })
+    };
+    for id in ["R8", "G15", "S7"] {
+        assert!(refuted(id, again) > 0, "{id}");
+    }
+}
+
+#[test]
+fn a_fixed_offset_skips_shells() {
+    let skipped = |rule| {
+        let mut random = Random::new(1, "shells");
+        let rounds = (0..20).map(|_| shells_under::<f32>(&mut random, 200, rule).unwrap());
+        let wrong = |round: Round<f32>| {
+            let asked = round.rays.iter().zip(&round.expected);
+            asked.filter(|(ray, e)| !e.admits(&first(&round.model, ray))).count()
+        };
+        rounds.map(wrong).sum::<usize>()
+    };
+    assert_eq!(skipped(OffsetRule::default()), 0);
+    assert!(skipped(OffsetRule::Fixed(1e-4)) > 100);
+    // met twice: the one that is left
+    assert!(skipped(OffsetRule::None) > 100);
+}
+
+/// The watertight test with its edge functions contracted, as another instruction set might.
+fn contracted(triangles: &[(u32, [[f32; 3]; 3])], ray: &Ray<f32>, best: &mut Hit<f32>) -> bool {
+    let mut any = false;
+    for (id, triangle) in triangles {
+        let Some(t) = woop(triangle, ray, |[a, b, c, d]| a.mul_add(b, -(c * d))) else { continue };
+        any |= t <= ray.t_max;
+        if t < best.t || t == best.t && *id < best.id {
+            *best = Hit { t, id: *id };
+        }
+    }
+    any
+}
+
+#[test]
+fn a_kernel_that_differs_by_instruction_set_is_refuted() {
+    let Ask::Parts([block]) = find("T8").unwrap().1.ask else { panic!("T8 asks one part") };
+    for examine in [block.single, block.double] {
+        let right = examine(&mut Random::new(1, "kernels"), 3000);
+        assert!(right.trials == 3000 && right.wrong.is_empty(), "{:?}", right.wrong.first());
+    }
+    let random = &mut Random::new(1, "kernels");
+    let wrong = kernels::examine::<f32>(random, 3000, contracted).wrong;
+    assert!(wrong.len() > 100, "{}", wrong.len());
 }
 
 /// A walk that adds up parameters, as the paper does.

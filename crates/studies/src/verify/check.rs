@@ -13,6 +13,7 @@ use super::replay::Replay;
 use super::report::{Line, Tally};
 use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
 use super::subject::Subject;
+use super::watch::Watch;
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;
 use statistics::random::Random;
@@ -38,6 +39,12 @@ pub struct Plan<'r> {
 }
 
 impl Plan<'_> {
+    /// Rounds of all cases in both precisions.
+    pub fn all_rounds(&self) -> u64 {
+        let of_case = |(_, case): &Listed| self.rounds(case).len() * PRECISIONS.len();
+        self.cases.iter().map(of_case).sum::<usize>() as u64
+    }
+
     /// Rays of each round of a case and precision.
     fn rounds(&self, case: &Case) -> Vec<usize> {
         let all = self.rays.div_ceil(case.share);
@@ -45,8 +52,9 @@ impl Plan<'_> {
         (0..all.div_ceil(most)).map(|i| most.min(all - i * most)).collect()
     }
 
-    /// Checks a case in a precision: a line for each subject that it asks. Runs in the current
-    /// rayon pool; the outcome does not depend on the number of threads.
+    /// Checks a case in a precision: a line for each subject that it asks, and the number of rounds
+    /// that all of them were asked. Runs in the current rayon pool; the outcome does not depend on
+    /// the number of threads, unless `watch` cuts it short.
     ///
     /// # Errors
     /// [`PlanError`] when settings of the case's own are not valid.
@@ -54,25 +62,37 @@ impl Plan<'_> {
         &self,
         (group, case): Listed,
         precision: Precision,
-    ) -> Result<Vec<Line>, PlanError> {
+        watch: &Watch<'_>,
+    ) -> Result<(Vec<Line>, u64), PlanError> {
         let subjects = Subject::asked(case, &self.subjects, self.registry)?;
-        if subjects.is_empty() {
-            return Ok(Vec::new());
-        }
         let sizes = self.rounds(case);
+        if subjects.is_empty() {
+            sizes.iter().for_each(|_| watch.round());
+            return Ok((Vec::new(), sizes.len() as u64));
+        }
         let tallies = (0_u64..)
             .zip(&sizes)
             .collect::<Vec<_>>()
             .into_par_iter()
             .map(|(number, &rays)| {
-                let drawn = Drawing { id: case.id, seed: self.seed, number, rays };
-                match (&case.ask, precision) {
-                    (Ask::Rays { single, .. }, Precision::F32) => drawn.ask(*single, &subjects),
-                    (Ask::Rays { double, .. }, Precision::F64) => drawn.ask(*double, &subjects),
-                    (Ask::Parts(_), _) => drawn.examine(case, precision, &subjects),
+                if watch.cut().is_some() {
+                    return vec![Tally::default(); subjects.len()];
                 }
+                let drawn = Drawing { id: case.id, seed: self.seed, number, rays };
+                let of_round = match (&case.ask, precision) {
+                    (Ask::Rays { single, .. }, Precision::F32) => {
+                        drawn.ask(*single, &subjects, watch)
+                    }
+                    (Ask::Rays { double, .. }, Precision::F64) => {
+                        drawn.ask(*double, &subjects, watch)
+                    }
+                    (Ask::Parts(_), _) => drawn.examine(case, precision, &subjects, watch),
+                };
+                watch.round();
+                of_round
             })
             .reduce(|| vec![Tally::default(); subjects.len()], added);
+        let complete = tallies.iter().map(Tally::rounds).min().unwrap_or_default();
         let told = |(tally, subject): (Tally, &Subject<'_>)| {
             let replay = |round: u64, ray| Replay {
                 case: case.id.to_owned(),
@@ -85,7 +105,8 @@ impl Plan<'_> {
             };
             Line::new(group.name, case.id, precision, subject, &tally, replay)
         };
-        Ok(tallies.into_iter().zip(&subjects).map(told).collect())
+        let asked = tallies.into_iter().zip(&subjects).filter(|(tally, _)| tally.rounds() > 0);
+        Ok((asked.map(told).collect(), complete))
     }
 }
 
@@ -108,7 +129,12 @@ impl Drawing<'_> {
     }
 
     /// One round against all subjects.
-    fn ask<S: Buildable>(&self, draw: Draw<S>, subjects: &[Subject<'_>]) -> Vec<Tally> {
+    fn ask<S: Buildable>(
+        &self,
+        draw: Draw<S>,
+        subjects: &[Subject<'_>],
+        watch: &Watch<'_>,
+    ) -> Vec<Tally> {
         let failed = |what: String| {
             subjects.iter().map(|_| Tally::refused(self.number, what.clone())).collect()
         };
@@ -118,7 +144,10 @@ impl Drawing<'_> {
         };
         match Judge::new(&round) {
             Ok(judge) => {
-                let judged = |s| Tally::of(self.number, round.rays.len(), judge.judge(s));
+                let judged = |s| match watch.cut() {
+                    None => Tally::of(self.number, round.rays.len(), judge.judge(s)),
+                    Some(_) => Tally::default(),
+                };
                 subjects.iter().map(judged).collect()
             }
             Err(error) => failed(error.to_string()),
@@ -126,8 +155,17 @@ impl Drawing<'_> {
     }
 
     /// One round of trials with the parts among the subjects.
-    fn examine(&self, case: &Case, precision: Precision, subjects: &[Subject<'_>]) -> Vec<Tally> {
+    fn examine(
+        &self,
+        case: &Case,
+        precision: Precision,
+        subjects: &[Subject<'_>],
+        watch: &Watch<'_>,
+    ) -> Vec<Tally> {
         let found = |subject: &Subject<'_>| {
+            if watch.cut().is_some() {
+                return None;
+            }
             let examine = examine_of(case, precision, subject)?;
             Some(Tally::found(self.number, self.findings(examine)))
         };
@@ -212,7 +250,7 @@ fn asked<S: Buildable>(
         return Ok(None);
     };
     let (wrong, refused) = match Judge::new(&round)?.judge(subject) {
-        Judged::Asked(all) => (of_ray(all, replay.ray), None),
+        Judged::Asked(all, _) => (of_ray(all, replay.ray), None),
         Judged::Refused(why) => (None, Some(why)),
         Judged::NotAsked => (None, Some("has no such primitives".to_owned())),
     };

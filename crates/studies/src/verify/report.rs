@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use csv::Writer;
 use serde::Serialize;
 
+use super::digest::Digest;
 use super::judge::{Judged, Mismatch};
 use super::parts::Findings;
 use super::replay::{Replay, precision_name};
 use super::subject::{CONTROL, Subject};
 use super::timing::Timed;
+use super::watch::Cut;
 use measurement::settings::Precision;
 use presentation::format_error::FormatError;
 use presentation::json;
@@ -25,6 +27,9 @@ pub struct Tally {
     mismatches: u64,
     tolerated: u64,
     refused: u64,
+    /// Rounds that were asked.
+    rounds: u64,
+    answers: Digest,
     /// Why the first of the refused rounds was.
     reason: Option<(u64, String)>,
     /// The first mismatches: round, ray and words.
@@ -35,9 +40,11 @@ impl Tally {
     /// Of one round.
     pub fn of(round: u64, rays: usize, judged: Judged) -> Self {
         match judged {
-            Judged::Asked(wrong) => Self {
+            Judged::Asked(wrong, answers) => Self {
                 trials: rays as u64,
                 mismatches: wrong.len() as u64,
+                rounds: 1,
+                answers: answers.of_round(round),
                 first: wrong
                     .into_iter()
                     .take(SHOWN)
@@ -46,19 +53,26 @@ impl Tally {
                 ..Self::default()
             },
             Judged::Refused(why) => Self::refused(round, why),
-            Judged::NotAsked => Self::default(),
+            Judged::NotAsked => Self { rounds: 1, ..Self::default() },
         }
     }
 
     /// Of one round of trials with a part.
     pub fn found(round: u64, Findings { trials, wrong, tolerated }: Findings) -> Self {
-        let asked = Self::of(round, trials as usize, Judged::Asked(wrong));
+        let mut answers = Digest::default();
+        [trials, wrong.len() as u64, tolerated].into_iter().for_each(|n| answers.word(n));
+        let asked = Self::of(round, trials as usize, Judged::Asked(wrong, answers));
         Self { tolerated, ..asked }
     }
 
     /// Of a round that was refused.
     pub fn refused(round: u64, why: String) -> Self {
-        Self { refused: 1, reason: Some((round, why)), ..Self::default() }
+        Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
+    }
+
+    /// Rounds that were asked.
+    pub fn rounds(&self) -> u64 {
+        self.rounds
     }
 
     /// Adds another; the order does not matter.
@@ -67,6 +81,8 @@ impl Tally {
         self.mismatches += other.mismatches;
         self.tolerated += other.tolerated;
         self.refused += other.refused;
+        self.rounds += other.rounds;
+        self.answers.add(other.answers);
         self.reason = self.reason.take().into_iter().chain(other.reason).min();
         self.first.extend(other.first);
         self.first.sort();
@@ -106,6 +122,10 @@ pub struct Line {
     pub refused: u64,
     /// Why the first of them was.
     pub reason: Option<String>,
+    /// Rounds that were asked: all of them, unless the check was cut short.
+    pub rounds: u64,
+    /// Stands for all answers: the same on every instruction set.
+    pub answers: String,
     /// The first mismatches.
     pub examples: Vec<Example>,
 }
@@ -135,6 +155,8 @@ impl Line {
             tolerated: tally.tolerated,
             refused: tally.refused,
             reason: tally.reason.as_ref().map(|(_, why)| why.clone()),
+            rounds: tally.rounds,
+            answers: format!("{:016x}", tally.answers.0),
             examples: tally.first.iter().map(example).collect(),
         }
     }
@@ -156,6 +178,12 @@ pub struct Report {
     pub rays: usize,
     /// Seconds.
     pub seconds: f64,
+    /// Why it ended before all was asked, if so.
+    pub cut: Option<Cut>,
+    /// Of a complete check: a round of a case in a precision each.
+    pub rounds: u64,
+    /// Those that were asked.
+    pub rounds_asked: u64,
     /// A line a case, precision and subject.
     pub lines: Vec<Line>,
     /// What odd rays cost; nothing where it was not asked for.
@@ -204,13 +232,39 @@ impl Report {
         let rows = rows.collect();
         let header =
             std::iter::once("structure").chain(groups.iter().copied()).chain([""]).collect();
-        Table { title: "mismatches/trials".into(), header, rows, notes: self.notes() }
+        let title = match self.cut {
+            None => "mismatches/trials".to_owned(),
+            Some(cut) => format!("INCOMPLETE ({}): mismatches/trials", self.said(cut)),
+        };
+        Table { title, header, rows, notes: self.notes() }
+    }
+
+    /// How it ended, and how far it came.
+    fn said(&self, cut: Cut) -> String {
+        let why = match cut {
+            Cut::Interrupted(signal) => format!("interrupted by signal {signal}"),
+            Cut::OutOfTime => "out of time".to_owned(),
+        };
+        format!("{why} after {} of {} rounds", self.rounds_asked, self.rounds)
+    }
+
+    /// Stands for all answers but those of rows with a known defect, which may differ by machine.
+    pub fn answers(&self) -> String {
+        let mut all = Digest::default();
+        let asked = self.lines.iter().filter(|l| l.known_defect.is_none());
+        for line in asked {
+            let of = u64::from_str_radix(&line.answers, 16).unwrap_or_default();
+            all.word(of);
+        }
+        format!("{:016x}", all.0)
     }
 
     /// What the table cannot say.
     fn notes(&self) -> Vec<String> {
-        let mut notes =
-            vec!["<x: no mismatch; its rate is below x with 95% confidence (3/trials)".to_owned()];
+        let mut notes = vec![
+            "<x: no mismatch; its rate is below x with 95% confidence (3/trials)".to_owned(),
+            format!("answers {}: the same on every instruction set", self.answers()),
+        ];
         if self.is_powerless() {
             notes.push("the negative control missed nothing: this run proves nothing".into());
         }
@@ -278,7 +332,7 @@ impl Report {
     }
 }
 
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 13] = [
     "group",
     "case",
     "precision",
@@ -289,10 +343,12 @@ const COLUMNS: [&str; 11] = [
     "bound_95",
     "tolerated",
     "refused_rounds",
+    "rounds",
+    "answers",
     "replay",
 ];
 
-fn fields(line: &Line) -> [String; 11] {
+fn fields(line: &Line) -> [String; 13] {
     [
         line.group.to_owned(),
         line.case.to_owned(),
@@ -304,6 +360,8 @@ fn fields(line: &Line) -> [String; 11] {
         bound(line.trials, line.mismatches).map(|b| format!("{b:.3e}")).unwrap_or_default(),
         line.tolerated.to_string(),
         line.refused.to_string(),
+        line.rounds.to_string(),
+        line.answers.clone(),
         line.examples.first().map(|e| e.replay.clone()).unwrap_or_default(),
     ]
 }

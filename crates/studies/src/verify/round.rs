@@ -22,6 +22,8 @@ pub enum Expected {
     Anything,
     /// No hit.
     Miss,
+    /// The tests of primitives break a law of geometry here, said in words: no answer is right.
+    Broken(String),
     /// A hit.
     Hit {
         /// Of this primitive; of any when `None`.
@@ -42,12 +44,23 @@ impl Expected {
         match *self {
             Self::Anything => true,
             Self::Miss => !hit.is_hit(),
+            Self::Broken(_) => false,
             Self::Hit { id, t: [low, high] } => {
                 let t = hit.t.to_f64();
                 hit.is_hit() && id.is_none_or(|id| id == hit.id) && low <= t && t <= high
             }
         }
     }
+}
+
+/// For each ray the only primitives that it can meet: a reference for scenes so large that asking
+/// all of them would take too long.
+#[derive(Debug, Default)]
+pub struct Near {
+    /// Ids in rising order.
+    pub lists: Vec<Vec<u32>>,
+    /// Which of the lists is that of each ray.
+    pub of: Vec<usize>,
 }
 
 /// A scene and its rays.
@@ -61,12 +74,14 @@ pub struct Round<S: Scalar> {
     pub expected: Vec<Expected>,
     /// The same in other guises, which must not change the answers.
     pub twins: Vec<Twin<S>>,
+    /// Brute force is asked for those primitives alone; for all where there is none.
+    pub near: Option<Near>,
 }
 
 impl<S: Scalar> Round<S> {
     /// A scene without rays yet.
     pub fn new(model: Model<S>) -> Self {
-        Self { model, rays: Vec::new(), expected: Vec::new(), twins: Vec::new() }
+        Self { model, rays: Vec::new(), expected: Vec::new(), twins: Vec::new(), near: None }
     }
 
     /// Adds a ray.

@@ -25,17 +25,33 @@ pub enum Subject<'r> {
 
 impl<'r> Subject<'r> {
     /// The structures and parts that `-s` asks for; all of them and the control where it asks for
-    /// nothing in particular.
+    /// nothing in particular. With `also_tested` structures that are named without settings have
+    /// their further settings asked too.
     ///
     /// # Errors
     /// [`PlanError`] naming what is valid.
-    pub fn all(registry: &'r [Entry], structures: &[String]) -> Result<Vec<Self>, PlanError> {
+    pub fn all(
+        registry: &'r [Entry],
+        structures: &[String],
+        also_tested: bool,
+    ) -> Result<Vec<Self>, PlanError> {
         let is_part = |name: &String| parts().any(|part| part == name);
         let (named, rest): (Vec<String>, Vec<String>) =
             structures.iter().cloned().partition(is_part);
         let mut subjects = Vec::new();
         if structures.is_empty() || !rest.is_empty() {
             subjects.extend(select(registry, &rest, &[])?.into_iter().map(Self::Structure));
+        }
+        let is_named = |entry: &&Entry| {
+            structures.is_empty() || rest.iter().any(|n| n == "all" || n == entry.info.name)
+        };
+        for entry in registry.iter().filter(is_named).filter(|_| also_tested) {
+            for settings in entry.info.also_tested {
+                let row = Row::parse(registry, &format!("{} {settings}", entry.info.name))?;
+                if !subjects.contains(&Self::Structure(row.clone())) {
+                    subjects.push(Self::Structure(row));
+                }
+            }
         }
         if structures.is_empty() {
             subjects.push(Self::Control);

@@ -5,7 +5,10 @@ use accel_core::structures::Buildable;
 use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
 
-use super::{point_within, shapes, soup_round, symmetry, toward};
+use super::{
+    crossings, on_edge, point_within, scale_sweep, shapes, slivers, soup_round, symmetry,
+    tilted_planes, toward,
+};
 use crate::case;
 use crate::verify::draw::{direction, one_of, point, signed, single, unit};
 use crate::verify::exact::{ExactRay, Soup};
@@ -37,7 +40,11 @@ pub static GROUP: Group = Group {
         shapes::G12,
         G13,
         G13_SCALED,
+        tilted_planes::G14,
+        crossings::G15,
+        slivers::G16,
         symmetry::K1,
+        scale_sweep::K1_DENSE,
         symmetry::P1,
     ],
 };
@@ -107,13 +114,6 @@ fn around_mesh<S: Buildable>(
         }
     }
     Ok(round)
-}
-
-/// A corner, or a point of an edge that f64 holds exactly.
-fn on_edge(random: &mut Random, mesh: &[Corners]) -> DVec3 {
-    let [a, b, _]: Corners = one_of(random, mesh);
-    let part = if random.below(2) == 0 { 0.0 } else { random.below(1 << 10) as f64 / 1024.0 };
-    a + (b - a) * part
 }
 
 fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {

@@ -7,8 +7,8 @@ use accel_core::structures::Buildable;
 use glam::{DVec3, dvec3};
 
 use super::{
-    LATTICE, lattice_point, lattice_round, lattice_soup, point_within, sign_direction, soup_round,
-    toward,
+    LATTICE, lattice_point, lattice_round, lattice_soup, nested_planes, point_within,
+    sign_direction, soup_round, toward,
 };
 use crate::case;
 use crate::verify::draw::{one_of, point, single, unit};
@@ -20,8 +20,10 @@ use crate::verify::round::{Expected, Round};
 use statistics::random::Random;
 
 /// The group.
-pub static GROUP: Group =
-    Group { name: "grid", cases: &[GR1, GR2, GR3, GR4, GR5, GR6, GR7, GR8, GR8_WRAPS, GR9, GR10] };
+pub static GROUP: Group = Group {
+    name: "grid",
+    cases: &[GR1, GR2, GR3, GR4, GR5, GR6, GR7, GR8, GR8_WRAPS, GR9, GR10, nested_planes::GR12],
+};
 
 const GR1: Case = case!(
     "Gr1",

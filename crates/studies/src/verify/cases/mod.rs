@@ -1,11 +1,19 @@
-//! The cases, a file a group.
+//! The cases: a file a group, and one for each case that takes more than a page.
 
+mod crossings;
+mod extreme_components;
 pub mod geometry;
 pub mod grid;
+mod intervals;
+mod nested_planes;
 pub mod ray;
+mod scale_sweep;
 pub mod secondary;
 pub mod shapes;
+pub mod shells;
+mod slivers;
 pub mod symmetry;
+mod tilted_planes;
 pub mod traversal;
 
 use accel_core::Ray;
@@ -89,6 +97,13 @@ pub(super) fn point_within(random: &mut Random, triangles: &[Corners]) -> DVec3 
     let [a, b, c]: Corners = one_of(random, triangles);
     let (u, v) = (unit(random) * 0.5, unit(random) * 0.5);
     a + (b - a) * u + (c - a) * v
+}
+
+/// A corner, or a point of an edge that f64 holds exactly.
+pub(super) fn on_edge(random: &mut Random, mesh: &[Corners]) -> DVec3 {
+    let [a, b, _]: Corners = one_of(random, mesh);
+    let part = if random.below(2) == 0 { 0.0 } else { random.below(1 << 10) as f64 / 1024.0 };
+    a + (b - a) * part
 }
 
 /// From around `target`, `distance` away, to it.

@@ -6,7 +6,8 @@ use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
 
 use super::{
-    lattice_point, lattice_round, lattice_soup, point_within, sign_direction, soup_round, toward,
+    extreme_components, intervals, lattice_point, lattice_round, lattice_soup, point_within,
+    sign_direction, soup_round, toward,
 };
 use crate::case;
 use crate::verify::draw::{direction, one_of, signed, unit, whole};
@@ -18,7 +19,10 @@ use crate::verify::twin::{Original, Same, Twin};
 use statistics::random::Random;
 
 /// The group.
-pub static GROUP: Group = Group { name: "ray", cases: &[R1, R2, R3, R4, R5, R6, R7] };
+pub static GROUP: Group = Group {
+    name: "ray",
+    cases: &[R1, R2, R3, R4, R5, R6, R7, intervals::R8, extreme_components::R9],
+};
 
 const R1: Case = case!("R1", "exact, mirrored", signs, "directions of -1, -0, 0 and 1");
 const R2: Case =

@@ -11,6 +11,7 @@ use renderer::leaving::{Leaving, OffsetRule};
 use renderer::surface::{SurfacePoint, Surfaces};
 use scene_loading::{Cone, Material, Scene};
 
+use super::shells;
 use crate::case;
 use crate::verify::draw::{direction, one_of, point, unit};
 use crate::verify::meshes::icosphere;
@@ -21,7 +22,8 @@ use crate::verify::subject::with_brute_force;
 use statistics::random::Random;
 
 /// The group.
-pub static GROUP: Group = Group { name: "secondary", cases: &[S1, S2, S3, S3_BALL, S4] };
+pub static GROUP: Group =
+    Group { name: "secondary", cases: &[S1, S2, S3, S3_BALL, S4, shells::S7] };
 
 const S1: Case = case!(
     "S1",
@@ -281,7 +283,7 @@ fn to_a_light_on_a_surface<S: Buildable>(
 
 /// A round of what `leave` makes of the points that brute force finds with `aimed`, as the renderer
 /// sees them, and of the directions that hit them.
-fn from_hits<S: Buildable>(
+pub(super) fn from_hits<S: Buildable>(
     scene: &Scene,
     aimed: &[Ray<S>],
     mut leave: impl FnMut(&SurfacePoint<'_>, DVec3, &mut Round<S>),

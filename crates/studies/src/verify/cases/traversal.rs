@@ -1,8 +1,7 @@
 //! Rays that are awkward to walk through cells.
 
-use accel_core::primitives::{PrimSet, PrimitiveError, TriangleSet};
+use accel_core::primitives::PrimitiveError;
 use accel_core::structures::Buildable;
-use accel_core::{Ray, Scalar};
 use glam::dvec3;
 
 use super::{
@@ -10,16 +9,16 @@ use super::{
 };
 use crate::case;
 use crate::verify::draw::{one_of, unit, whole};
+use crate::verify::every_hit::{every_hit, first_within};
 use crate::verify::meshes::soup;
-use crate::verify::model::Model;
-use crate::verify::parts::walks;
+use crate::verify::parts::{kernels, walks};
 use crate::verify::registry::{Case, Group};
-use crate::verify::round::{Expected, Round};
+use crate::verify::round::Round;
 use crate::verify::twin::Original;
 use statistics::random::Random;
 
 /// The group.
-pub static GROUP: Group = Group { name: "traversal", cases: &[T1, T2, T3, T4, T5, T6, T7] };
+pub static GROUP: Group = Group { name: "traversal", cases: &[T1, T2, T3, T4, T5, T6, T7, T8] };
 
 const T1: Case = case!(
     "T1",
@@ -54,6 +53,13 @@ const T7: Case = case!(
     "all tests",
     any_and_closest,
     "the closest hit is the least of all, any hit is one of them; intervals that begin at hits"
+);
+
+const T8: Case = case!(
+    "T8",
+    "the test of one",
+    parts kernels::KERNELS,
+    "eight triangles at once are answered as one after the other, to the last bit"
 );
 
 fn lattice_ties<S: Buildable>(
@@ -108,32 +114,17 @@ fn any_and_closest<S: Buildable>(
         let target = point_within(random, &triangles);
         toward(random, target, 2.0)
     })?;
-    let Model::Triangles(set) = &round.model else { return Ok(round) };
     for (ray, expected) in round.rays.iter_mut().zip(&mut round.expected) {
-        let all = all_hits(set, ray);
+        let all = every_hit(&round.model, ray);
         let start = S::from_f64(unit(random) * 0.8);
         ray.t_min = match (random.below(4), all.get(random.below(all.len()))) {
-            (0, Some(&(t, _))) => t,
-            (1, Some(&(t, _))) => t.next_up(),
-            (2, Some(&(t, _))) => t.next_down(),
+            (0, Some(hit)) => hit.t,
+            (1, Some(hit)) => hit.t.next_up(),
+            (2, Some(hit)) => hit.t.next_down(),
             _ => start,
         };
         ray.t_max = ray.t_min + S::from_f64(0.1 + unit(random));
-        let is_within = |t: S| ray.t_min <= t && t <= ray.t_max;
-        // in the order of the parameter, then of ids: the first is the closest
-        *expected = match all.into_iter().find(|(t, _)| is_within(*t)) {
-            Some((t, id)) => Expected::Hit { id: Some(id), t: [t.to_f64(); 2] },
-            None => Expected::Miss,
-        };
+        *expected = first_within(&all, ray.t_min, ray.t_max);
     }
     Ok(round)
-}
-
-/// Every hit of the ray's line ahead of its origin, by parameter and id, found without a structure.
-fn all_hits<S: Scalar>(set: &TriangleSet<S>, ray: &Ray<S>) -> Vec<(S, u32)> {
-    let setup = set.setup(ray);
-    let hit = |id| set.intersect(id, ray, &setup, S::INFINITY).map(|t| (t, id));
-    let mut all: Vec<(S, u32)> = (0..set.len() as u32).filter_map(hit).collect();
-    all.sort_by(|a, b| a.0.to_f64().total_cmp(&b.0.to_f64()).then(a.1.cmp(&b.1)));
-    all
 }

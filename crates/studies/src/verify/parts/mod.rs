@@ -4,6 +4,7 @@
 
 pub mod clouds;
 pub mod integer_walk;
+pub mod kernels;
 pub mod mailboxes;
 pub mod walks;
 
