@@ -13,6 +13,7 @@ use crate::accuracy::{csv, pictures, plot, summary, tables};
 use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
+use crate::export::created::Created;
 use crate::export::text::{write_notes, write_table};
 use crate::pools::pool;
 use crate::scene_source::KnownScene;
@@ -40,9 +41,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let axes = select(&args.axes)?;
     let quick = args.quick;
     let named = context.scenes.resolve(&args.scenes)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.output {
-        fs::create_dir_all(folder)
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let rounds = args.rounds.map_or(pick(ROUNDS, quick), |n| n as usize);
     let mut record = AccuracyRecord {

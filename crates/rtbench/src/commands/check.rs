@@ -38,10 +38,9 @@ pub fn run(
     color: Color,
 ) -> Result<u8, Error> {
     let thresholds = configured.with(&args.thresholds).map_err(GateError::from)?;
-    for path in [&args.export_csv, &args.export_markdown, &args.export_json].into_iter().flatten() {
-        create(path)?;
-    }
     let baseline = open(context, args)?;
+    let exports = [&args.export_csv, &args.export_markdown, &args.export_json];
+    let _created = create(exports)?;
     let wants_counts = match &baseline {
         _ if args.no_instructions => false,
         Some(baseline) if args.instructions && args.against.is_none() => {

@@ -18,6 +18,7 @@ use crate::args::{Color, CompareTracersArgs};
 use crate::commands::render::{one_scene, plan_of, structure};
 use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
+use crate::export::created::Created;
 use crate::export::text::write_table;
 use crate::machine;
 use crate::plan::PlanError;
@@ -47,9 +48,9 @@ pub fn run(
     let tracers = tracers(&args.tracers)?;
     let kinds = known(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.output {
-        fs::create_dir_all(folder)
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let loaded = known.load()?;
     for warning in &loaded.scene.warnings {

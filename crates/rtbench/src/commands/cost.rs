@@ -1,7 +1,6 @@
 //! `rtbench cost`: the lecture's product with a scene's numbers, predicted and measured; and where
 //! in the image the time goes.
 
-use std::fs;
 use std::path::Path;
 
 use accel_core::structures::BuildError;
@@ -18,6 +17,7 @@ use crate::cost::model::{Model, Work};
 use crate::cost::test_time::seconds_a_test;
 use crate::cost::{CostRow, Factor, Traced, counted, factors, is_near, measured, rows, worst};
 use crate::error::Error;
+use crate::export::created::Created;
 use crate::export::numbers::{milliseconds, short};
 use crate::export::table::{Cell, Style, Table};
 use crate::export::text::write_table;
@@ -34,9 +34,9 @@ const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
 pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.heat_maps {
-        fs::create_dir_all(folder)
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let settings = settings(args.size, &args.sampling);
     let calibration: Vec<&str> =

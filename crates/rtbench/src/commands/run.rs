@@ -37,17 +37,19 @@ pub fn run(
     let plan = Plan::new(args, context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let mut kept = Kept::default();
-    // The journal first: it refuses where the outputs would overwrite a run that is not finished.
+    // the outputs first: where one of them is refused, no run has begun
+    let outputs = Outputs::of_run(&args.exports)?;
     if let Some(folder) = &args.exports.output {
         kept.journal = Some(journal_in(context, folder, &plan, &record, arguments)?);
     }
-    measure(context, args, color, &plan, kept, record)
+    watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
+    measure(context, color, &plan, outputs, kept, record)
 }
 
-/// Begins the journal of a run in its folder, which is made.
+/// Begins the journal of a run in its folder, which is there.
 ///
 /// # Errors
-/// [`Error::Write`], those of [`Journal::begin`].
+/// Those of [`Journal::begin`].
 pub(super) fn journal_in(
     context: &Context<'_>,
     folder: &Path,
@@ -55,8 +57,6 @@ pub(super) fn journal_in(
     record: &RunRecord,
     arguments: &[OsString],
 ) -> Result<Journal, Error> {
-    let make = std::fs::create_dir_all(folder);
-    make.map_err(|source| Error::Write { path: folder.to_owned(), source })?;
     let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
     Journal::begin(folder, manifest(context, plan, record, arguments))
 }
@@ -88,7 +88,9 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
     let plan = Plan::new(&args, context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
-    measure(context, &args, color, &plan, kept, record)
+    let outputs = Outputs::of_run(&args.exports)?;
+    watch(&kept, Some(folder), plan.scenes.len())?;
+    measure(context, color, &plan, outputs, kept, record)
 }
 
 /// What is left to do of a run that was begun, and its record, which goes on with `record`.
@@ -143,16 +145,14 @@ pub(super) fn watch(kept: &Kept, folder: Option<&Path>, scenes: usize) -> Result
 
 fn measure(
     context: &mut Context<'_>,
-    args: &RunArgs,
     color: Color,
     plan: &Plan<'_>,
+    mut outputs: Outputs<'_>,
     kept: Kept,
     record: RunRecord,
 ) -> Result<u8, Error> {
     let colors = context.terminal.colors(color);
-    let mut outputs = Outputs::of_run(&args.exports)?;
     let has_tables = !outputs.are_printed();
-    watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);

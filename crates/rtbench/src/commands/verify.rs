@@ -3,7 +3,7 @@
 use crate::args::{Color, VerifyArgs};
 use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
-use crate::export::files::write_file;
+use crate::export::files::{create, write_file};
 use crate::export::text::write_table;
 use crate::machine;
 use crate::plan::PlanError;
@@ -31,6 +31,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
         rays: args.rays as usize,
         seed: args.seed,
     };
+    let _created = create([&args.export_csv, &args.export_json])?;
     let report = checked(context, args, &plan)?;
     write_file(args.export_csv.as_deref(), || report.to_csv())?;
     write_file(args.export_json.as_deref(), || report.to_json())?;
@@ -47,10 +48,8 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     Ok(if report.is_failure() { WRONG_HITS } else { SUCCESS })
 }
 
-/// All cases of the plan. The output files exist before the first.
+/// All cases of the plan.
 fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Result<Report, Error> {
-    write_file(args.export_csv.as_deref(), || Ok(String::new()))?;
-    write_file(args.export_json.as_deref(), || Ok(String::new()))?;
     let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
     let steps = plan.cases.len() * PRECISIONS.len();
     let progress = Progress::new(context.shows_progress(), steps as u64, None);

@@ -1,13 +1,15 @@
 //! The output files: created before anything is measured, written anew after each scene, so that
-//! an unwritable path is found at once and a killed run keeps what it finished.
+//! an unwritable path is found at once and a killed run keeps what it finished. A run that is refused
+//! leaves none that was not there.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::args::ExportArgs;
 use crate::error::Error;
 use crate::export::EXPORTERS;
+use crate::export::created::Created;
 use crate::interrupt::undisturbed;
 use crate::plan::PlanError;
 use crate::record::RunRecord;
@@ -29,6 +31,7 @@ pub struct Outputs<'a> {
     outputs: Vec<Output<'a>>,
     /// What goes to standard output, in place of the tables.
     printed: Option<Formatter<'a>>,
+    created: Created,
 }
 
 impl<'a> Outputs<'a> {
@@ -39,8 +42,7 @@ impl<'a> Outputs<'a> {
     pub fn of_run(args: &ExportArgs) -> Result<Self, Error> {
         let mut outputs = Self::default();
         if let Some(folder) = &args.output {
-            fs::create_dir_all(folder)
-                .map_err(|source| Error::Write { path: folder.clone(), source })?;
+            outputs.folder(folder)?;
             for exporter in &EXPORTERS {
                 let path = exporter.in_folder.map(|name| folder.join(name));
                 outputs.add(path.as_ref(), exporter.to_string)?;
@@ -50,6 +52,14 @@ impl<'a> Outputs<'a> {
             outputs.add((exporter.path)(args), exporter.to_string)?;
         }
         Ok(outputs)
+    }
+
+    /// Creates the folder of `-o`.
+    ///
+    /// # Errors
+    /// [`Error::Write`] naming the folder.
+    pub fn folder(&mut self, path: &Path) -> Result<(), Error> {
+        self.created.folder(path)
     }
 
     /// Whether standard output is taken, so that no tables may be printed.
@@ -84,7 +94,7 @@ impl<'a> Outputs<'a> {
             }
             self.printed = Some(Box::new(format));
         } else if let Some(path) = path {
-            let stream = open(path)?;
+            let stream = open(path, &mut self.created)?;
             self.outputs.push(Output { path: path.clone(), format: Box::new(format), stream });
         }
         Ok(())
@@ -125,12 +135,16 @@ pub fn write_file(
     write_text(path, &text()?)
 }
 
-/// Creates a file that is written later, so that an unwritable path is found at once.
+/// Creates the files that are named and written later.
 ///
 /// # Errors
 /// [`Error::Write`] naming the file.
-pub fn create(path: &Path) -> Result<(), Error> {
-    open(path).map(drop)
+pub fn create<'p>(paths: impl IntoIterator<Item = &'p Option<PathBuf>>) -> Result<Created, Error> {
+    let mut created = Created::default();
+    for path in paths.into_iter().flatten() {
+        created.file(path)?;
+    }
+    Ok(created)
 }
 
 /// Writes a finished file in one step, or a pipe or a device.
@@ -138,19 +152,21 @@ pub fn create(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// [`Error::Write`] naming the file.
 pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
-    let stream = open(path)?;
+    let mut created = Created::default();
+    let stream = open(path, &mut created)?;
     let written = undisturbed(|| match stream {
         None => replace(path, text.as_bytes()),
         Some(mut stream) => stream.write_all(text.as_bytes()),
     });
-    written.map_err(|source| Error::Write { path: path.to_owned(), source })
+    written.map_err(|source| Error::Write { path: path.to_owned(), source })?;
+    created.keep();
+    Ok(())
 }
 
 /// Creates the file; what is no file, but a pipe or a device, stays open.
-fn open(path: &Path) -> Result<Option<File>, Error> {
+fn open(path: &Path, created: &mut Created) -> Result<Option<File>, Error> {
+    let file = created.file(path)?;
     let error = |source| Error::Write { path: path.to_owned(), source };
-    let file =
-        OpenOptions::new().create(true).write(true).truncate(false).open(path).map_err(error)?;
     let is_file = file.metadata().map_err(error)?.is_file();
     Ok((!is_file).then_some(file))
 }

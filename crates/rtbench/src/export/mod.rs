@@ -1,6 +1,7 @@
 //! Results as files and tables, one format a file.
 
 pub mod bencher;
+pub mod created;
 pub mod csv;
 pub mod files;
 pub mod github_action_benchmark;
