@@ -15,7 +15,7 @@ use rtbench::clock::{SteppingClock, SystemClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use rtbench::random::Random;
 use rtbench::scene_source::Installed;
-use rtbench::verify::cases::secondary::leaving_a_shape_under;
+use rtbench::verify::cases::secondary::draws;
 use rtbench::verify::judge::{Judge, Judged};
 use rtbench::verify::subject::Subject;
 use rtbench::world::SystemWorld;
@@ -205,7 +205,8 @@ fn what_is_not_there_is_an_error_that_names_what_is() {
 fn an_offset_of_zero_hits_what_it_leaves() {
     let hits_with = |rule| {
         let mut random = Random::new(1, "offsets");
-        let rounds = (0..40).map(|_| leaving_a_shape_under::<f32>(&mut random, 500, rule).unwrap());
+        let [(_, draw), ..] = draws::<f32>();
+        let rounds = (0..40).map(|_| draw(&mut random, 500, rule).unwrap());
         let judged = rounds.map(|round| {
             let brute_force = Subject::parse(REGISTRY, "brute-force").unwrap();
             match Judge::new(&round).unwrap().judge(&brute_force) {
