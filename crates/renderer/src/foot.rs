@@ -17,13 +17,25 @@ pub struct Foot {
     /// The largest coordinate that its primitive is made of, world units, and more for slivers:
     /// where a ray meets the surface is uncertain by a few epsilons of the precision times this.
     pub magnitude: f64,
+    /// Where that is more because the primitive is a sliver.
+    pub sliver: Option<Sliver>,
+}
+
+/// A triangle so long and narrow that its shape bounds the uncertainty, not its coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sliver {
+    /// Its corners, world units.
+    pub corners: [DVec3; 3],
+    /// Its largest coordinate, world units: what [`Foot::magnitude`] would be for another shape.
+    pub coordinate: f64,
 }
 
 impl Foot {
     /// That of the primitive moved by `way`.
     pub fn moved_by(self, way: DVec3) -> Self {
         let (position, magnitude) = (self.position + way, self.magnitude + largest(way));
-        Self { position, magnitude, ..self }
+        // where a moving triangle is found is rounded otherwise than one at rest
+        Self { position, magnitude, sliver: None, ..self }
     }
 }
 
@@ -40,17 +52,14 @@ pub(crate) fn foot(scene: &Scene, polygon_normals: &[DVec3], id: u32, hit: DVec3
         Shape::Cone(i) => on_cone(&scene.cones[i as usize], hit),
         Shape::Polygon { first, count } => {
             let corners = &scene.vertices[first as usize..][..count as usize];
+            if let &[a, b, c] = corners {
+                return on_triangle([a, b, c], hit);
+            }
             let normal = polygon_normals.get(id as usize).copied().unwrap_or(DVec3::ZERO);
             on_plane(corners.iter().copied(), normal, hit)
         }
         Shape::Triangle { v } | Shape::Patch { v, .. } => {
-            let corners = v.map(|i| scene.vertices[i as usize]);
-            let [a, b, c] = corners;
-            let across = (b - a).cross(c - a);
-            let on_plane = on_plane(corners.into_iter(), across.normalize_or_zero(), hit);
-            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-            let extra = SLIVER * longest * longest * longest / across.length();
-            Foot { magnitude: on_plane.magnitude + extra, ..on_plane }
+            on_triangle(v.map(|i| scene.vertices[i as usize]), hit)
         }
     }
 }
@@ -65,7 +74,19 @@ fn on_sphere(sphere: &Sphere, hit: DVec3) -> Foot {
         position: sphere.center + normal * sphere.radius,
         normal,
         magnitude: largest(sphere.center) + sphere.radius,
+        sliver: None,
     }
+}
+
+fn on_triangle(corners: [DVec3; 3], hit: DVec3) -> Foot {
+    let [a, b, c] = corners;
+    let across = (b - a).cross(c - a);
+    let foot = on_plane(corners.into_iter(), across.normalize_or_zero(), hit);
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let extra = SLIVER * longest * longest * longest / across.length();
+    let coordinate = foot.magnitude;
+    let sliver = (extra > coordinate).then_some(Sliver { corners, coordinate });
+    Foot { magnitude: coordinate + extra, sliver, ..foot }
 }
 
 fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DVec3) -> Foot {
@@ -74,6 +95,7 @@ fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DV
         position: hit - normal * (hit - anchor).dot(normal),
         normal,
         magnitude: corners.map(largest).fold(largest(hit), f64::max),
+        sliver: None,
     }
 }
 
@@ -84,7 +106,7 @@ fn on_cone(cone: &Cone, hit: DVec3) -> Foot {
     let [base_radius, apex_radius] = [cone.base_radius.abs(), cone.apex_radius.abs()];
     let magnitude = largest(cone.base).max(largest(cone.apex)) + base_radius.max(apex_radius);
     if length == 0.0 {
-        return Foot { position: hit, normal: DVec3::ZERO, magnitude };
+        return Foot { position: hit, normal: DVec3::ZERO, magnitude, sliver: None };
     }
     let unit = axis / length;
     let from_base = hit - cone.base;
@@ -95,6 +117,7 @@ fn on_cone(cone: &Cone, hit: DVec3) -> Foot {
         position: cone.base + unit * along + radial * (base_radius + slope * along),
         normal: (radial - unit * slope).normalize_or_zero(),
         magnitude,
+        sliver: None,
     }
 }
 

@@ -1,9 +1,10 @@
 //! Files that are written whole, or not at all.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crate::system::created::Created;
 use crate::system::interrupt::undisturbed;
 
 /// A file or folder cannot be written.
@@ -16,43 +17,29 @@ pub struct WriteError {
     pub source: io::Error,
 }
 
-/// Makes a folder and those above it.
-///
-/// # Errors
-/// [`WriteError`] naming the folder.
-pub fn make_folder(path: &Path) -> Result<(), WriteError> {
-    fs::create_dir_all(path).map_err(|source| WriteError { path: path.to_owned(), source })
-}
-
-/// Creates a file that is written later, so that an unwritable path is found at once.
-///
-/// # Errors
-/// [`WriteError`] naming the file.
-pub fn create(path: &Path) -> Result<(), WriteError> {
-    open(path).map(drop)
-}
-
 /// Writes a finished file in one step, or a pipe or a device.
 ///
 /// # Errors
 /// [`WriteError`] naming the file.
 pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
-    let stream = open(path)?;
+    let mut created = Created::default();
+    let stream = open(path, &mut created)?;
     let written = undisturbed(|| match stream {
         None => replace(path, text.as_bytes()),
         Some(mut stream) => stream.write_all(text.as_bytes()),
     });
-    written.map_err(|source| WriteError { path: path.to_owned(), source })
+    written.map_err(|source| WriteError { path: path.to_owned(), source })?;
+    created.keep();
+    Ok(())
 }
 
 /// Creates the file; what is no file, but a pipe or a device, stays open.
 ///
 /// # Errors
 /// [`WriteError`] naming the file.
-pub fn open(path: &Path) -> Result<Option<File>, WriteError> {
+pub fn open(path: &Path, created: &mut Created) -> Result<Option<File>, WriteError> {
+    let file = created.file(path)?;
     let error = |source| WriteError { path: path.to_owned(), source };
-    let file =
-        OpenOptions::new().create(true).write(true).truncate(false).open(path).map_err(error)?;
     let is_file = file.metadata().map_err(error)?.is_file();
     Ok((!is_file).then_some(file))
 }

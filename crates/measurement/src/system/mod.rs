@@ -2,6 +2,7 @@
 
 pub mod child_process;
 pub mod clock;
+pub mod created;
 pub mod files;
 pub mod interrupt;
 pub mod machine;

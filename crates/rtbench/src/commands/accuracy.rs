@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
+use measurement::system::created::Created;
 use measurement::system::files::WriteError;
 use measurement::system::pools::pool;
 use presentation::format_error::FormatError;
@@ -44,8 +45,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let axes = select(&args.axes)?;
     let quick = args.quick;
     let named = context.scenes.resolve(&args.scenes)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.output {
-        fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let rounds = args.rounds.map_or(pick(ROUNDS, quick), |n| n as usize);
     let mut record = AccuracyRecord {

@@ -22,8 +22,8 @@ use crate::like::{self, LikeError, Narrowed};
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::{Plan, Rounds};
 use measurement::record::{RunRecord, Verdict};
+use measurement::system::created::create;
 use measurement::system::files::WriteError;
-use measurement::system::files::create;
 use measurement::system::interrupt::undisturbed;
 use measurement::system::pressure::Watch;
 use measurement::system::progress::Progress;
@@ -41,10 +41,9 @@ pub fn run(
     color: Color,
 ) -> Result<u8, Error> {
     let thresholds = args.thresholds.over(configured).checked().map_err(GateError::from)?;
-    for path in [&args.export_csv, &args.export_markdown, &args.export_json].into_iter().flatten() {
-        create(path)?;
-    }
     let baseline = open(context, args)?;
+    let exports = [&args.export_csv, &args.export_markdown, &args.export_json];
+    let _created = create(exports)?;
     let wants_counts = match &baseline {
         _ if args.no_instructions => false,
         Some(baseline) if args.instructions && args.against.is_none() => {

@@ -23,6 +23,7 @@ use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::settings::suggest;
+use measurement::system::created::Created;
 use measurement::system::files::WriteError;
 use measurement::system::machine;
 use measurement::system::pools::pool;
@@ -52,8 +53,9 @@ pub fn run(
     let tracers = tracers(&args.tracers)?;
     let kinds = known(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.output {
-        fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let loaded = known.load()?;
     for warning in &loaded.scene.warnings {

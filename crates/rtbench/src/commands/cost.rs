@@ -1,7 +1,6 @@
 //! `rtbench cost`: the lecture's product with a scene's numbers, predicted and measured; and where
 //! in the image the time goes.
 
-use std::fs;
 use std::path::Path;
 
 use accel_core::structures::BuildError;
@@ -17,7 +16,7 @@ use crate::error::Error;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::system::clock::Clock;
-use measurement::system::files::WriteError;
+use measurement::system::created::Created;
 use measurement::system::pools::pool;
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};
@@ -38,8 +37,9 @@ const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
 pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.heat_maps {
-        fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let settings = settings(args.size, &args.sampling);
     let calibration: Vec<&str> =

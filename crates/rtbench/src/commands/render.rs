@@ -20,7 +20,7 @@ use measurement::rounds::error::MeasureError;
 use measurement::rounds::scene_run::light_positions;
 use measurement::scenes::{KnownScene, SceneSource};
 use measurement::settings::suggest;
-use measurement::system::files::WriteError;
+use measurement::system::created::Created;
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use presentation::text::write_table;
@@ -35,10 +35,17 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;
     let output = match &args.output {
-        Some(path) => Some((path.as_path(), writable(path)?)),
+        Some(path) => Some((path.as_path(), format_of(path)?)),
         None => None,
     };
     let occluder = shadows(context, &args.shadows)?;
+    let pool = pool(args.threads.map_or_else(machine::threads, usize::from))?;
+    // all that was typed is valid: an unwritable path is found before a scene is loaded, and where
+    // that is refused, or the structure, the file is taken back
+    let mut created = Created::default();
+    if let Some((path, _)) = output {
+        created.file(path)?;
+    }
     let name = scene.name();
     let loaded = context.load(&*scene)?;
     for warning in &loaded.scene.warnings {
@@ -47,8 +54,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
     let settings = settings(args.size, &args.sampling);
     let plan = plan_of(&loaded.scene, &settings)?;
-    let threads = args.threads.map_or_else(machine::threads, usize::from);
-    let (table, image) = pool(threads)?
+    let (table, image) = pool
         .install(|| {
             let structure = row.entry.build(geometry.prims(), &row.params)?;
             let tracer: Box<dyn Tracer<f32>> = match &occluder {
@@ -101,19 +107,12 @@ pub fn one_scene(scenes: &dyn SceneSource, name: &str) -> Result<Box<dyn KnownSc
     }
 }
 
-/// The format of an image file; an unwritable path is found before the work is done.
-pub fn writable(path: &Path) -> Result<ImageFormat, Error> {
-    let format = ImageFormat::of(path).ok_or_else(|| PlanError::Malformed {
+/// The format of an image file.
+fn format_of(path: &Path) -> Result<ImageFormat, PlanError> {
+    ImageFormat::of(path).ok_or_else(|| PlanError::Malformed {
         text: path.display().to_string(),
         expected: "a file name that ends in .png or .exr",
-    })?;
-    std::fs::OpenOptions::new()
-        .create(true)
-        .write(true)
-        .truncate(false)
-        .open(path)
-        .map_err(|source| WriteError { path: path.to_owned(), source })?;
-    Ok(format)
+    })
 }
 
 /// What was typed, as the renderer takes it.

@@ -9,7 +9,6 @@ use measurement::journal::lines::{Line, Manifest, Recovered};
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
-use measurement::system::files::make_folder;
 use measurement::system::interrupt::{self, Mark, Unfinished};
 use scene_loading::source_names::name_of_path;
 
@@ -17,10 +16,10 @@ use crate::commands::measuring::Kept;
 use crate::context::Context;
 use crate::error::Error;
 
-/// Begins the journal of a run in its folder, which is made.
+/// Begins the journal of a run in its folder, which is there.
 ///
 /// # Errors
-/// [`Error::Write`], those of [`Journal::begin`].
+/// Those of [`Journal::begin`].
 pub fn journal_in(
     context: &Context<'_>,
     folder: &Path,
@@ -28,7 +27,6 @@ pub fn journal_in(
     record: &RunRecord,
     arguments: &[OsString],
 ) -> Result<Journal, Error> {
-    make_folder(folder)?;
     let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
     Ok(Journal::begin(folder, manifest(context, plan, record, arguments))?)
 }

@@ -13,6 +13,7 @@ use crate::commands::run_outputs;
 use crate::commands::scale;
 use crate::context::Context;
 use crate::error::Error;
+use crate::exports::outputs::Outputs;
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
@@ -34,11 +35,13 @@ pub fn run(
     let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let mut kept = Kept::default();
-    // The journal first: it refuses where the outputs would overwrite a run that is not finished.
+    // the outputs first: where one of them is refused, no run has begun
+    let outputs = run_outputs::of_run(&args.exports)?;
     if let Some(folder) = &args.exports.output {
         kept.journal = Some(journal_in(context, folder, &plan, &record, arguments)?);
     }
-    measure(context, args, color, &plan, kept, record)
+    watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
+    measure(context, color, &plan, outputs, kept, record)
 }
 
 /// Finishes the run that was begun in a folder.
@@ -60,21 +63,21 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
     let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
-    measure(context, &args, color, &plan, kept, record)
+    let outputs = run_outputs::of_run(&args.exports)?;
+    watch(&kept, Some(folder), plan.scenes.len())?;
+    measure(context, color, &plan, outputs, kept, record)
 }
 
 fn measure(
     context: &mut Context<'_>,
-    args: &RunArgs,
     color: Color,
     plan: &Plan<'_>,
+    mut outputs: Outputs<'_>,
     kept: Kept,
     record: RunRecord,
 ) -> Result<u8, Error> {
     let colors = context.terminal.colors(color);
-    let mut outputs = run_outputs::of_run(&args.exports)?;
     let has_tables = !outputs.are_printed();
-    watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use measurement::record::RunRecord;
-use measurement::system::files::make_folder;
 use presentation::format_error::FormatError;
 use presentation::json;
 use studies::run::{csv, markdown};
@@ -48,7 +47,7 @@ const fn exporter(
 pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
     let mut outputs = Outputs::default();
     if let Some(folder) = &args.output {
-        make_folder(folder)?;
+        outputs.folder(folder)?;
         for exporter in &EXPORTERS {
             let path = exporter.in_folder.map(|name| folder.join(name));
             outputs.add(path.as_ref(), exporter.to_string)?;

@@ -26,10 +26,12 @@ pub fn run(
     let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begun(context, &scale);
     let mut kept = Kept::default();
+    let outputs = outputs(args)?;
     if let Some(folder) = &args.output {
         kept.journal = Some(journal_in(context, folder, &scale.plan, &record, arguments)?);
     }
-    measure(context, args, color, &scale, kept, record)
+    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    measure(context, color, &scale, outputs, kept, record)
 }
 
 /// Finishes what was begun in the folder of `-o`.
@@ -46,7 +48,9 @@ pub(super) fn resume(
     let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begun(context, &scale);
     let (kept, record) = go_on(context, begun_before, &scale.plan, record)?;
-    measure(context, &args, color, &scale, kept, record)
+    let outputs = outputs(&args)?;
+    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    measure(context, color, &scale, outputs, kept, record)
 }
 
 /// The record before the first size.
@@ -56,16 +60,14 @@ fn begun(context: &Context<'_>, scale: &Scale<'_>) -> RunRecord {
 
 fn measure(
     context: &mut Context<'_>,
-    args: &ScaleArgs,
     color: Color,
     scale: &Scale<'_>,
+    mut outputs: Outputs<'static>,
     kept: Kept,
     record: RunRecord,
 ) -> Result<u8, Error> {
     let colors = context.terminal.colors(color);
-    let mut outputs = outputs(args)?;
     let has_tables = !outputs.are_printed();
-    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
     let measured =
         measure_rest(context, &scale.plan, &mut outputs, kept, record, |context, run, scene| {
             warn_of(context, scene);
@@ -85,6 +87,9 @@ fn measure(
 /// The files that the command line names, and those of its folder.
 fn outputs(args: &ScaleArgs) -> Result<Outputs<'static>, Error> {
     let mut outputs = Outputs::default();
+    if let Some(folder) = &args.output {
+        outputs.folder(folder)?;
+    }
     let within = |name| args.output.as_ref().map(|folder| folder.join(name));
     for path in [within("results.json"), args.export_json.clone()] {
         outputs.add(path.as_ref(), json::written)?;

@@ -7,6 +7,7 @@ use crate::exit_code::{INCONCLUSIVE, INTERRUPTED, SUCCESS, WRONG_HITS};
 use crate::exports::outputs::write_file;
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
+use measurement::system::created::create;
 use measurement::system::interrupt;
 use measurement::system::machine;
 use measurement::system::pools::deep_pool;
@@ -36,6 +37,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
         rays: args.rays as usize,
         seed: args.seed,
     };
+    let _created = create([&args.export_csv, &args.export_json])?;
     let report = checked(context, args, &plan)?;
     let colors = context.terminal.colors(color);
     write_table(context.out, &report.table(), colors)?;
@@ -60,12 +62,10 @@ fn signal_code(signal: usize) -> u8 {
     u8::try_from(128 + signal).unwrap_or(INTERRUPTED)
 }
 
-/// All cases of the plan, or those until it is cut short. The output files exist before the first,
-/// and hold what is done after each.
+/// All cases of the plan, or those until it is cut short. The output files hold what is done after
+/// each.
 fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Result<Report, Error> {
     let signal = interrupt::flag().map_err(Error::Signals)?;
-    write_file(args.export_csv.as_deref(), || Ok(String::new()))?;
-    write_file(args.export_json.as_deref(), || Ok(String::new()))?;
     let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
     let start = context.clock.now();
     let progress = Progress::new(context.shows_progress(), plan.all_rounds(), None);

@@ -1,11 +1,13 @@
 //! The output files: created before anything is measured, written anew after each scene, so that
-//! an unwritable path is found at once and a killed run keeps what it finished.
+//! an unwritable path is found at once and a killed run keeps what it finished. A run that is refused
+//! leaves none that was not there.
 
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use measurement::record::RunRecord;
+use measurement::system::created::Created;
 use measurement::system::files::{WriteError, open, replace, write_text};
 use measurement::system::interrupt::undisturbed;
 use presentation::format_error::FormatError;
@@ -45,9 +47,18 @@ pub struct Outputs<'a> {
     outputs: Vec<Output<'a>>,
     /// What goes to standard output, in place of the tables.
     printed: Option<Formatter<'a>>,
+    created: Created,
 }
 
 impl<'a> Outputs<'a> {
+    /// Creates the folder of `-o`.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] naming the folder.
+    pub fn folder(&mut self, path: &Path) -> Result<(), OutputError> {
+        Ok(self.created.folder(path)?)
+    }
+
     /// Whether standard output is taken, so that no tables may be printed.
     pub fn are_printed(&self) -> bool {
         self.printed.is_some()
@@ -80,7 +91,7 @@ impl<'a> Outputs<'a> {
             }
             self.printed = Some(Box::new(format));
         } else if let Some(path) = path {
-            let stream = open(path)?;
+            let stream = open(path, &mut self.created)?;
             self.outputs.push(Output { path: path.clone(), format: Box::new(format), stream });
         }
         Ok(())

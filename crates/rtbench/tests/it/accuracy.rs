@@ -58,6 +58,7 @@ fn errors_are_real_and_references_have_none() {
         ("voxel-walk", "accumulate", "f64"),
         ("ray-offset", "none", "error-bound"),
         ("ray-offset", "fixed", "error-bound"),
+        ("ray-offset", "none", "probed"),
         ("cell-insertion", "exact", "padded-exact"),
         ("box-test", "plain", "f64"),
     ] {
@@ -75,6 +76,42 @@ fn errors_are_real_and_references_have_none() {
     for file in ["summary.md", "accuracy.md", "accuracy.json", "leak.png", "acne.png"] {
         assert!(folder.path().join(file).is_file(), "{file}");
     }
+}
+
+#[test]
+fn offsets_are_held_against_the_smallest_and_their_harm_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = format!(
+        "accuracy smallest-offset refracted-shift shadow-terminator --scene teapot:3 --quick \
+         --rounds 3 --trials 4000 -o {}",
+        folder.path().display()
+    );
+    let ended = run(&arguments);
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    let rows = rows(folder.path());
+    let also = |axis: &str, variant: &str, name: &str| -> f64 {
+        let row = rows.iter().find(|r| r["axis"] == axis && r["variant"] == variant).unwrap();
+        let of_name = row["also"].split("; ").find_map(|a| a.strip_prefix(name)?.strip_prefix('='));
+        of_name.unwrap().parse().unwrap()
+    };
+    // no offset is below the smallest, one of 0.01 and one of 256 ulps far beyond
+    assert!(error_of(&rows, "smallest-offset", "none") > 1e5);
+    assert_eq!(error_of(&rows, "smallest-offset", "probed"), 0.0);
+    let median = |variant| also("smallest-offset", variant, "times the smallest, median");
+    assert!(median("none") < 1.0 && 1.0 < median("probed"));
+    assert!(median("probed") < median("ulp-wise"), "{}", median("ulp-wise"));
+    let moved = |variant| also("refracted-shift", variant, "10^-9 diagonals, median");
+    assert!(error_of(&rows, "refracted-shift", "none") > 1e5);
+    assert_eq!(error_of(&rows, "refracted-shift", "probed"), 0.0);
+    assert!(0.0 < moved("probed") && moved("probed") < moved("ulp-wise"));
+    // a coarse mesh blocks some of what its shading says is lit, under any rule
+    assert!(error_of(&rows, "shadow-terminator", "probed") > 0.0);
+    assert!(also("shadow-terminator", "none", "by the facet itself in 10^6") > 1e5);
+    assert_eq!(also("shadow-terminator", "probed", "by the facet itself in 10^6"), 0.0);
+    assert_eq!(also("shadow-terminator", "probed", "unlike the default in 10^6"), 0.0);
+    let ended = run("accuracy shadow-terminator --scene balls:1 --quick --rounds 3");
+    assert_eq!(ended.code, 1);
+    assert!(ended.err.contains("smooth surface"), "{}", ended.err);
 }
 
 #[test]
@@ -170,7 +207,7 @@ fn a_variant_that_answers_otherwise_while_it_is_timed_is_found_out() {
 fn axes_are_listed() {
     let ended = run("list axes");
     assert_eq!(ended.code, 0);
-    assert!(ended.out.lines().count() >= 14 && ended.out.contains("voxel-walk  "), "{}", ended.out);
+    assert!(ended.out.lines().count() >= 18 && ended.out.contains("voxel-walk  "), "{}", ended.out);
 }
 
 #[test]

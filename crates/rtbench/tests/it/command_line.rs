@@ -68,6 +68,59 @@ fn an_unwritable_path_is_found_before_measuring() {
     }
 }
 
+/// Each is refused, before or after its outputs are opened: what was not there still is not, and what
+/// was is as it was.
+#[test]
+fn what_is_refused_leaves_no_file_and_harms_none() {
+    let folder = Folder::new();
+    let at = |name: &str| format!("{}/{name}", folder.path());
+    std::fs::write(at("broken.nff"), "v\nfrom 1 2 three\n").unwrap();
+    std::fs::write(at("file"), "").unwrap();
+    let names = || {
+        let entries = std::fs::read_dir(folder.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    for (arguments, is_folder) in [
+        ("render tetra:2 --shadows light -o OUT.png", false),
+        ("render tetra:2 -s light-buffer -o OUT.png", false),
+        ("render tetra:2 -s uniform-grid:density=0 -o OUT.png", false),
+        ("render tetrra -o OUT.png", false),
+        ("render DIR/broken.nff -o OUT.png", false),
+        ("render effect-all --glossy-samples 65536 --shadow-samples 65536 -o OUT.png", false),
+        ("run tetra:2 -o OUT --export-csv DIR/file/below", true),
+        ("run tetra:2 --export-csv OUT.csv --export-json DIR/file/below", false),
+        ("run tetra:2 -s unifrom-grid --export-csv OUT.csv", false),
+        ("scale balls -o OUT --export-json DIR/file/below", true),
+        (
+            "sweep tetra:2 -s uniform-grid -p density --values 1,2 --export-csv OUT.csv \
+             --export-svg DIR/file/below",
+            false,
+        ),
+        ("check tetra:2 --baseline none --export-csv OUT.csv", false),
+        ("verify --cases G1 --export-csv OUT.csv --export-json DIR/file/below", false),
+        ("compare-tracers DIR/broken.nff -o OUT", true),
+        ("reproduce havran1999 --scenes blals --export-csv OUT.csv", false),
+    ] {
+        let spelled = |out: &str| arguments.replace("OUT", &at(out)).replace("DIR", &folder.path());
+        let before = names();
+        let ended = run(&spelled("new"));
+        assert!([1, 2].contains(&ended.code), "{arguments}: {}", ended.err);
+        assert_eq!(names(), before, "{arguments}: {}", ended.err);
+        if !is_folder {
+            for name in ["old.png", "old.csv"] {
+                std::fs::write(at(name), "what was there").unwrap();
+            }
+            assert!([1, 2].contains(&run(&spelled("old")).code), "{arguments}");
+            for name in ["old.png", "old.csv"] {
+                assert_eq!(folder.text(name), "what was there", "{arguments}");
+                std::fs::remove_file(at(name)).unwrap();
+            }
+        }
+    }
+}
+
 #[test]
 fn lists_come_from_the_registries() {
     let text = run("list structures");

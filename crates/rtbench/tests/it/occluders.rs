@@ -184,8 +184,8 @@ fn wrong_names_and_settings_are_errors_that_help() {
         ("run tetra:2 -s obvhs-bvh2 --set light-buffer.divide=2", "does not measure"),
         ("run tetra:2 -s light-buffer --set obvhs-bvh2.preset=fast", "does not measure"),
         ("run tetra:2 --reference light-buffer", "unknown structure"),
-        ("render tetra:2 -o x.png --shadows light", "valid: structure, light-buffer"),
-        ("render tetra:2 -o x.png -s light-buffer", "unknown structure"),
+        ("render tetra:2 -o /dev/null.png --shadows light", "valid: structure, light-buffer"),
+        ("render tetra:2 -o /dev/null.png -s light-buffer", "unknown structure"),
     ] {
         let ended = run(arguments);
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);

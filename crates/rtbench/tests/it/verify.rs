@@ -13,7 +13,7 @@ use measurement::system::clock::{SteppingClock, SystemClock};
 use renderer::leaving::OffsetRule;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use statistics::random::Random;
-use studies::verify::cases::secondary::leaving_a_shape_under;
+use studies::verify::cases::secondary::draws;
 use studies::verify::judge::{Judge, Judged};
 use studies::verify::subject::Subject;
 
@@ -202,7 +202,8 @@ fn what_is_not_there_is_an_error_that_names_what_is() {
 fn an_offset_of_zero_hits_what_it_leaves() {
     let hits_with = |rule| {
         let mut random = Random::new(1, "offsets");
-        let rounds = (0..40).map(|_| leaving_a_shape_under::<f32>(&mut random, 500, rule).unwrap());
+        let [(_, draw), ..] = draws::<f32>();
+        let rounds = (0..40).map(|_| draw(&mut random, 500, rule).unwrap());
         let judged = rounds.map(|round| {
             let brute_force = Subject::parse(REGISTRY, "brute-force").unwrap();
             match Judge::new(&round).unwrap().judge(&brute_force) {

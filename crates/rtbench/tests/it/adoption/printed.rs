@@ -60,7 +60,7 @@ fn misspelt_names_are_answered_with_the_right_ones() {
         ("accuracy --scene blals", "balls"),
         ("compare-tracers tetra:1 --tracers whited", "whitted"),
         ("compare-tracers tetra:1 --without sphere", "spheres"),
-        ("render tetra:1 -o x.png --shadows light-bufer", "light-buffer"),
+        ("render tetra:1 -o /dev/null.png --shadows light-bufer", "light-buffer"),
         ("verify --cases grdi", "grid"),
         ("verify -s octre", "octree"),
         ("reproduce havran1999 --scenes blals", "balls"),

@@ -47,18 +47,42 @@ const S4: Case =
 /// Rays that leave one hit point.
 const A_HIT: usize = 20;
 
-fn leaving_a_shape<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
-    leaving_a_shape_under(random, rays, OffsetRule::default())
+/// The cases as `verify` asks them: under the default rule.
+macro_rules! by_default {
+    ($($name:ident as $under:ident),*) => {$(
+        fn $name<S: Buildable>(
+            random: &mut Random,
+            rays: usize,
+        ) -> Result<Round<S>, PrimitiveError> {
+            $under(random, rays, OffsetRule::default())
+        }
+    )*};
 }
 
-/// [`S1`] under a rule of choice: with none, rays hit what they leave.
-///
-/// # Errors
-/// [`PrimitiveError`], if a drawn coordinate does not fit.
-pub fn leaving_a_shape_under<S: Buildable>(
+by_default!(
+    leaving_a_shape as leaving_a_shape_under,
+    leaving_far_away as leaving_far_away_under,
+    between_planes as between_planes_under,
+    under_a_ball as under_a_ball_under,
+    to_a_light_on_a_surface as to_a_light_on_a_surface_under
+);
+
+/// Draws a round whose rays leave surfaces under a rule.
+pub type Draw<S> = fn(&mut Random, usize, OffsetRule) -> Result<Round<S>, PrimitiveError>;
+
+/// The cases by name, under a rule of choice: with none, rays hit what they leave. Each draws the
+/// same scenes and the same number of rays for each rule.
+pub fn draws<S: Buildable>() -> [(&'static str, Draw<S>); 5] {
+    [
+        ("S1", leaving_a_shape_under),
+        ("S2", leaving_far_away_under),
+        ("S3", between_planes_under),
+        ("S3ball", under_a_ball_under),
+        ("S4", to_a_light_on_a_surface_under),
+    ]
+}
+
+fn leaving_a_shape_under<S: Buildable>(
     random: &mut Random,
     rays: usize,
     rule: OffsetRule,
@@ -94,9 +118,10 @@ pub fn leaving_a_shape_under<S: Buildable>(
     leaving(random, rays, &scene, at, size, rule)
 }
 
-fn leaving_far_away<S: Buildable>(
+fn leaving_far_away_under<S: Buildable>(
     random: &mut Random,
     rays: usize,
+    rule: OffsetRule,
 ) -> Result<Round<S>, PrimitiveError> {
     let size: f64 = one_of(random, &[1e-3, 1.0, 1e3]);
     let away = one_of(random, &[0.0, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6]);
@@ -110,7 +135,7 @@ fn leaving_far_away<S: Buildable>(
             scene.push_triangle(material, [a, b, c].map(|p| at + p * size));
         }
     }
-    leaving(random, rays, &scene, at, size, OffsetRule::default())
+    leaving(random, rays, &scene, at, size, rule)
 }
 
 /// Rays to the outside of a convex scene about `at`: they meet nothing.
@@ -147,9 +172,10 @@ fn leaving<S: Buildable>(
 }
 
 /// A plane, another just above it, a light above both: all of the lower one is dark.
-fn between_planes<S: Buildable>(
+fn between_planes_under<S: Buildable>(
     random: &mut Random,
     rays: usize,
+    rule: OffsetRule,
 ) -> Result<Round<S>, PrimitiveError> {
     const GAP: f64 = 1e-3;
     let half: f64 = one_of(random, &[1.0, 10.0, 100.0]);
@@ -176,7 +202,7 @@ fn between_planes<S: Buildable>(
             ray(turned(from), turned(target - from))
         })
         .collect();
-    let leaving = Leaving::new(OffsetRule::default(), half * 2.0);
+    let leaving = Leaving::new(rule, half * 2.0);
     from_hits(&scene, &aimed, |point, _, round| {
         // only from the lower plane, whichever of the two the rounded ray has met
         if turned_back(turn, point.position).y.abs() <= GAP * 0.25 {
@@ -196,9 +222,10 @@ fn turned_back(turn: usize, p: DVec3) -> DVec3 {
 
 /// A ball on a plane: whether the ball is in the way of the light follows from its distance to
 /// the ray.
-fn under_a_ball<S: Buildable>(
+fn under_a_ball_under<S: Buildable>(
     random: &mut Random,
     rays: usize,
+    rule: OffsetRule,
 ) -> Result<Round<S>, PrimitiveError> {
     let radius: f64 = one_of(random, &[0.01, 1.0, 100.0]);
     let mut scene = Scene::new("a ball on a plane");
@@ -220,7 +247,7 @@ fn under_a_ball<S: Buildable>(
             ray(from, target.with_y(0.0) - from)
         })
         .collect();
-    let leaving = Leaving::new(OffsetRule::default(), far);
+    let leaving = Leaving::new(rule, far);
     from_hits(&scene, &aimed, |point, _, round| {
         let ray: Ray<S> = leaving.to(point, light);
         let from = point.foot.position;
@@ -244,9 +271,10 @@ fn expected_behind(passing: f64, radius: f64, clear: f64, t_max: f64) -> Expecte
 }
 
 /// From the floor to a light that stands on the ceiling: the ceiling does not hide it.
-fn to_a_light_on_a_surface<S: Buildable>(
+fn to_a_light_on_a_surface_under<S: Buildable>(
     random: &mut Random,
     rays: usize,
+    rule: OffsetRule,
 ) -> Result<Round<S>, PrimitiveError> {
     let size: f64 = one_of(random, &[1e-6, 1.0, 1e6]);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 100.0]);
@@ -270,7 +298,7 @@ fn to_a_light_on_a_surface<S: Buildable>(
             ray(at + from * size, (target - from) * size)
         })
         .collect();
-    let leaving = Leaving::new(OffsetRule::default(), size);
+    let leaving = Leaving::new(rule, size);
     let normal = (b - a).cross(c - a).normalize_or_zero();
     from_hits(&scene, &aimed, |point, _, round| {
         // the ceiling slants: what rounding does grows as a ray grazes it
