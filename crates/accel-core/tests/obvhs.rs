@@ -155,3 +155,41 @@ fn what_obvhs_itself_makes_of_negative_intervals_is_seen() {
         assert!(n > 100, "{name} as shipped: {n}");
     }
 }
+
+/// Spheres in one another: octahedra, each a little larger than the last.
+fn shells(n: usize) -> Vec<Corners> {
+    (0..n)
+        .flat_map(|k| {
+            let r = 1.0 + k as f64 / n as f64;
+            (0..8).map(move |octant| {
+                let side = |axis: usize| if octant >> axis & 1 == 1 { r } else { -r };
+                [DVec3::X * side(0), DVec3::Y * side(1), DVec3::Z * side(2)]
+            })
+        })
+        .collect()
+}
+
+/// Rays between shells of radius 1 to 2, from within and from without.
+fn shell_rays<S: Buildable>(n: usize) -> Vec<Ray<S>> {
+    let mut random = Random::new(3);
+    let to = Vec3::<S>::from_dvec3;
+    let ray = |i: usize| {
+        let origin = random.signed() * [0.2, 1.0, 3.0][i % 3];
+        Ray::new(to(origin), to(random.signed() - origin * f64::from(i % 2 == 0)))
+    };
+    (0..n).map(ray).collect()
+}
+
+#[test]
+fn nested_shells_are_served() {
+    // 12,000 triangles, whose agglomeration is 1,500 levels deep; more than 4,096 boxes
+    all_right("1,500 shells", &shells(1500), &shell_rays::<f32>(400));
+    all_right("1,500 shells", &shells(1500)[..1500], &shell_rays::<f64>(400));
+}
+
+#[test]
+fn twenty_thousand_nested_shells_are_served() {
+    // one side of each, so that all boxes lie in one another
+    let sides: Vec<Corners> = shells(20_000).into_iter().skip(7).step_by(8).collect();
+    all_right("20,000 shells", &sides, &shell_rays::<f32>(300));
+}
