@@ -18,6 +18,7 @@ pub mod kay_kajiya;
 pub mod kd_tree;
 mod nested_grids;
 mod obvhs_adapter;
+mod obvhs_builder;
 pub mod obvhs_bvh2;
 pub mod obvhs_cwbvh;
 pub mod octree;

@@ -3,18 +3,20 @@
 //! Papers: D. Meister, J. Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume
 //! Hierarchy Construction", TVCG 2018, and "Parallel Reinsertion for Bounding Volume Hierarchy
 //! Optimization", 2018, as implemented by obvhs 0.4. Its builder and its traversal are used;
-//! primitives are tested by our own sets. See `obvhs_adapter.rs` for the robust adapter.
+//! primitives are tested by our own sets. See `obvhs_adapter.rs` for the robust adapter, and
+//! `obvhs_builder.rs` for scenes that the builder does not serve.
 
 use std::ops::ControlFlow;
-use std::time::Duration;
 
-use obvhs::bvh2::{Bvh2, builder::build_bvh2, node::Bvh2Node};
+use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::fast_stack;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 
 use super::obvhs_adapter::{
-    ALSO_TESTED, BoxRay, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
+    ALSO_TESTED, BoxRay, DEVIATIONS, Groups, PARAMS, RaySetup, VARIANTS, build_params, items,
+    known_defect,
 };
+use super::obvhs_builder;
 use super::{BuildError, Shape, Structure, StructureInfo};
 use crate::params::Params;
 use crate::primitives::PrimSet;
@@ -27,7 +29,7 @@ pub static INFO: StructureInfo = StructureInfo {
     name: "obvhs-bvh2",
     summary: "binary BVH of the obvhs crate (PLOC, reinsertion)",
     paper: "Meister, Bittner 2018 (two papers); obvhs 0.4",
-    deviations: "library code; our primitive tests, our robust ray setup",
+    deviations: DEVIATIONS,
     params: PARAMS,
     variants: VARIANTS,
     also_tested: ALSO_TESTED,
@@ -47,7 +49,8 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let items = items(prims, params)?;
-        let bvh = build_bvh2(&items.boxes, build_params(params), &mut Duration::default());
+        let (preset, robust) = (build_params(params), items.setup.is_robust());
+        let bvh = obvhs_builder::binary(&items.boxes, &preset, robust);
         Ok(Self { bvh, groups: items.groups, setup: items.setup })
     }
 

@@ -2,16 +2,16 @@
 //!
 //! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. Its builder, node test and
-//! traversal are used; primitives are tested by our own sets. See `obvhs_adapter.rs`.
-
-use std::time::Duration;
+//! traversal are used; primitives are tested by our own sets. See `obvhs_adapter.rs`, and
+//! `obvhs_builder.rs` for scenes that the builder does not serve.
 
 use glam::UVec2;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::cwbvh::CwBvh;
 
 use super::obvhs_adapter::{
-    ALSO_TESTED, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
+    ALSO_TESTED, DEVIATIONS, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
 };
+use super::obvhs_builder::{TooDeep, eight_wide};
 use super::{BuildError, Shape, Structure, StructureInfo};
 use crate::params::Params;
 use crate::primitives::PrimSet;
@@ -24,16 +24,13 @@ pub static INFO: StructureInfo = StructureInfo {
     name: "obvhs-cwbvh",
     summary: "compressed 8-wide BVH of the obvhs crate",
     paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",
-    deviations: "library code; our primitive tests, our robust ray setup",
+    deviations: DEVIATIONS,
     params: PARAMS,
     variants: VARIANTS,
     also_tested: ALSO_TESTED,
     known_defect,
     sampled: false,
 };
-
-/// obvhs's traversal stack holds one entry a level and is not checked by it.
-const MAX_DEPTH: u32 = 31;
 
 /// obvhs's `CwBvh` over our primitives.
 pub struct ObvhsCwBvh<S: Scalar> {
@@ -47,16 +44,16 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let items = items(prims, params)?;
-        let bvh = build_cwbvh(&items.boxes, build_params(params), &mut Duration::default());
-        let depth = depth(&bvh);
-        if depth > MAX_DEPTH {
-            return Err(BuildError::TooLarge {
-                structure: params.structure(),
-                what: "depth of obvhs's CwBvh",
-                needed: u128::from(depth),
-                limit: u128::from(MAX_DEPTH),
-            });
-        }
+        let (preset, robust) = (build_params(params), items.setup.is_robust());
+        let bvh =
+            eight_wide(&items.boxes, &preset, robust).map_err(|TooDeep { needed, limit }| {
+                BuildError::TooLarge {
+                    structure: params.structure(),
+                    what: "depth of obvhs's CwBvh",
+                    needed: u128::from(needed),
+                    limit: u128::from(limit),
+                }
+            })?;
         Ok(Self { bvh, groups: items.groups, setup: items.setup })
     }
 
@@ -110,16 +107,4 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             ..Shape::default()
         }
     }
-}
-
-/// Levels of nodes.
-fn depth(bvh: &CwBvh) -> u32 {
-    let mut deepest = 0;
-    let mut waiting = if bvh.nodes.is_empty() { vec![] } else { vec![(0u32, 1u32)] };
-    while let Some((i, level)) = waiting.pop() {
-        deepest = deepest.max(level);
-        let node = &bvh.nodes[i as usize];
-        waiting.extend((0..node.imask.count_ones()).map(|c| (node.child_base_idx + c, level + 1)));
-    }
-    deepest
 }

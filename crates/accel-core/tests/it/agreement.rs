@@ -1,8 +1,66 @@
 //! Do structures give the answers of brute force?
 
+// each test target uses a part of it
+#![allow(dead_code)]
+
 use accel_core::structures::{Buildable, Entry, PrimsRef, find};
-use accel_core::tracer::{ShadowCount, ShadowRule};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::{Hit, Ray};
+
+/// What a structure said of some rays.
+pub struct Answers<S: Buildable> {
+    pub hits: Vec<Hit<S>>,
+    pub blocked: Vec<bool>,
+}
+
+impl<S: Buildable> Answers<S> {
+    /// The answers of brute force.
+    pub fn expected(prims: PrimsRef<S>, rays: &[Ray<S>]) -> Self {
+        let entry = find("brute-force").unwrap();
+        let oracle = entry.build(prims, &entry.params([]).unwrap()).unwrap();
+        let mut this =
+            Self { hits: vec![poisoned(); rays.len()], blocked: vec![false; rays.len()] };
+        oracle.closest_hits(rays, &mut this.hits);
+        oracle.occlusions(rays, &mut this.blocked);
+        // whatever stood there before
+        let mut again = vec![true; rays.len()];
+        oracle.occlusions(rays, &mut again);
+        assert!(again == this.blocked, "brute force leaves answers out");
+        this
+    }
+
+    /// The answers of a structure. What it does not write is wrong: no hit has the parameter that
+    /// stands there before, and every blocked ray stands there as free, every free one as blocked.
+    pub fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>], expected: &Self) -> Self {
+        let blocked = expected.blocked.iter().map(|b| !b).collect();
+        let mut this = Self { hits: vec![poisoned(); rays.len()], blocked };
+        tracer.closest_hits(rays, &mut this.hits);
+        tracer.occlusions(rays, &mut this.blocked);
+        this
+    }
+
+    /// The same from the passes that count.
+    pub fn counted(tracer: &dyn Tracer<S>, rays: &[Ray<S>], expected: &Self) -> Self {
+        let preset = |blocked: &bool| ShadowCount { blocked: !blocked, glass: 0 };
+        let mut shadows: Vec<_> = expected.blocked.iter().map(preset).collect();
+        let mut hits = vec![poisoned(); rays.len()];
+        tracer.count_closest_hits(rays, &mut hits);
+        tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut shadows);
+        Self { hits, blocked: shadows.iter().map(|s| s.blocked).collect() }
+    }
+
+    /// Rays with another answer.
+    pub fn differing(&self, other: &Self) -> Vec<usize> {
+        let differs =
+            |&i: &usize| self.hits[i] != other.hits[i] || self.blocked[i] != other.blocked[i];
+        (0..self.hits.len()).filter(differs).collect()
+    }
+}
+
+/// No answer to any ray: not even equal to itself.
+fn poisoned<S: Buildable>() -> Hit<S> {
+    Hit { t: S::from_f64(f64::NAN), id: 0 }
+}
 
 /// Mismatches with brute force of every variant of every structure on one scene.
 pub fn mismatches<S: Buildable>(
@@ -11,12 +69,7 @@ pub fn mismatches<S: Buildable>(
     prims: PrimsRef<S>,
     rays: &[Ray<S>],
 ) -> Vec<String> {
-    let entry = find("brute-force").unwrap();
-    let oracle = entry.build(prims, &entry.params([]).unwrap()).unwrap();
-    let mut expected = vec![Hit::NONE; rays.len()];
-    oracle.closest_hits(rays, &mut expected);
-    let mut expected_blocked = vec![false; rays.len()];
-    oracle.occlusions(rays, &mut expected_blocked);
+    let expected = Answers::expected(prims, rays);
     let mut wrong = Vec::new();
     for entry in registry {
         for variant in entry.info.variants.iter().chain(entry.info.also_tested) {
@@ -33,30 +86,15 @@ pub fn mismatches<S: Buildable>(
                     continue;
                 }
             };
-            let mut hits = vec![Hit::NONE; rays.len()];
-            tracer.closest_hits(rays, &mut hits);
-            let mut blocked = vec![false; rays.len()];
-            tracer.occlusions(rays, &mut blocked);
-            let mut counted = vec![Hit::NONE; rays.len()];
-            tracer.count_closest_hits(rays, &mut counted);
-            let mut shadows = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
-            tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut shadows);
-            for (i, ray) in rays.iter().enumerate() {
-                if hits[i] != expected[i]
-                    || counted[i] != expected[i]
-                    || blocked[i] != expected_blocked[i]
-                    || shadows[i].blocked != expected_blocked[i]
-                {
-                    wrong.push(format!(
-                        "{label}: ray {i} {ray:?}: expected {:?} {}, got {:?} {:?} {} {}",
-                        expected[i],
-                        expected_blocked[i],
-                        hits[i],
-                        counted[i],
-                        blocked[i],
-                        shadows[i].blocked
-                    ));
-                }
+            let timed = Answers::of(&*tracer, rays, &expected);
+            let counted = Answers::counted(&*tracer, rays, &expected);
+            for (pass, answers) in [("timed", timed), ("counted", counted)] {
+                wrong.extend(answers.differing(&expected).into_iter().map(|i| {
+                    let (is, ought) = (answers.hits[i], expected.hits[i]);
+                    let blocked = [answers.blocked[i], expected.blocked[i]];
+                    let ray = &rays[i];
+                    format!("{label}, {pass}: ray {i} {ray:?}: {is:?}, not {ought:?}; {blocked:?}")
+                }));
             }
         }
     }

@@ -1,0 +1,195 @@
+//! The obvhs rows over every preset: intervals at negative t, rays within planes of triangles, and
+//! scenes whose trees are deep. The answers are those of brute force.
+
+mod agreement;
+mod common;
+
+use accel_core::primitives::{TriangleSet, Watertight};
+use accel_core::structures::{Buildable, PrimsRef, find};
+use accel_core::{Ray, Vec3, Vector};
+use agreement::Answers;
+use common::Random;
+use glam::{DVec3, dvec3};
+
+const ROWS: [&str; 2] = ["obvhs-bvh2", "obvhs-cwbvh"];
+const PRESETS: [&str; 6] = ["fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
+
+type Corners = [DVec3; 3];
+
+fn set<S: Buildable>(triangles: &[Corners]) -> TriangleSet<S, Watertight> {
+    let corners = triangles.iter().map(|t| t.map(|p| Vec3::<S>::from_dvec3(p).to_array()));
+    TriangleSet::new(corners.collect(), |id| id % 5 == 0).unwrap()
+}
+
+/// Rays to which a row gives another answer than brute force.
+fn wrong<S: Buildable>(
+    name: &str,
+    settings: [(&str, &str); 2],
+    set: &TriangleSet<S, Watertight>,
+    rays: &[Ray<S>],
+    expected: &Answers<S>,
+) -> usize {
+    let entry = find(name).unwrap();
+    let params = entry.params(settings).unwrap();
+    let tracer = entry.build(PrimsRef::Watertight(set), &params).unwrap();
+    let wrong = Answers::of(&*tracer, rays, expected).differing(expected).len();
+    wrong.max(Answers::counted(&*tracer, rays, expected).differing(expected).len())
+}
+
+/// All presets of both rows with the robust adapter; the first that is wrong, in words.
+fn all_right<S: Buildable>(what: &str, triangles: &[Corners], rays: &[Ray<S>]) {
+    let set = set::<S>(triangles);
+    let expected = Answers::expected(PrimsRef::Watertight(&set), rays);
+    let hits = expected.hits.iter().filter(|h| h.is_hit()).count();
+    assert!(hits > rays.len() / 50, "{what}: {hits} hits of {} rays", rays.len());
+    let mut all = Vec::new();
+    for name in ROWS {
+        for preset in PRESETS {
+            let settings = [("preset", preset), ("adapter", "robust")];
+            all.push((name, preset, wrong(name, settings, &set, rays, &expected)));
+        }
+    }
+    println!("{what} {}: {hits} hits of {} rays, wrong {all:?}", S::NAME, rays.len());
+    assert!(all.iter().all(|(_, _, n)| *n == 0), "{what} {}: wrong {all:?}", S::NAME);
+}
+
+/// A sphere of radius 1 around `centre`: an icosahedron whose triangles are divided into four
+/// `levels` times.
+fn icosphere(levels: usize, centre: DVec3) -> Vec<Corners> {
+    let g = 0.5 * (1.0 + 5f64.sqrt());
+    let corner = |i: usize| {
+        let (a, b) = ([1.0, -1.0][i & 1], [g, -g][i >> 1 & 1]);
+        [dvec3(0.0, a, b), dvec3(a, b, 0.0), dvec3(b, 0.0, a)][i >> 2].normalize()
+    };
+    // three corners that are neighbours of each other make a face
+    let near = |a: DVec3, b: DVec3| a.distance(b) < 1.1;
+    let mut faces: Vec<Corners> = Vec::new();
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                let t = [a, b, c].map(corner);
+                if near(t[0], t[1]) && near(t[1], t[2]) && near(t[2], t[0]) {
+                    faces.push(t);
+                }
+            }
+        }
+    }
+    assert_eq!(faces.len(), 20);
+    for _ in 0..levels {
+        faces = faces
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let (ab, bc, ca) = ((a + b).normalize(), (b + c).normalize(), (c + a).normalize());
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    faces.iter().map(|t| t.map(|p| p + centre)).collect()
+}
+
+/// Rays around and within a sphere of radius 1 at `centre`, at intervals that begin before the
+/// origin.
+fn backward_rays<S: Buildable>(n: usize, centre: DVec3, random: &mut Random) -> Vec<Ray<S>> {
+    (0..n)
+        .map(|i| {
+            let reach = [0.5, 1.5, 4.0, 20.0][i % 4];
+            let origin = centre + random.signed() * reach;
+            let mut direction = match i % 5 {
+                0 => centre + random.signed() * 0.7 - origin,
+                1 => [DVec3::X, -DVec3::Y, DVec3::Z][i % 3],
+                _ => random.signed(),
+            };
+            direction *= [1.0, 0.01, 30.0][i % 3];
+            let to = Vec3::<S>::from_dvec3;
+            let mut ray = Ray::<S>::new(to(origin), to(direction));
+            let (t_min, t_max) = match i % 7 {
+                0..3 => (-2.0, f64::INFINITY),
+                3 => (-2.0, -0.1),
+                4 => (-1e30, 0.0),
+                5 => (f64::NEG_INFINITY, f64::INFINITY),
+                _ => (-3.0 * random.unit(), 3.0 * random.unit()),
+            };
+            (ray.t_min, ray.t_max) = (S::from_f64(t_min), S::from_f64(t_max));
+            ray
+        })
+        .collect()
+}
+
+fn negative_intervals<S: Buildable>() {
+    let mut random = Random::new(1);
+    for centre in [DVec3::ZERO, dvec3(40.0, -3.0, 7.0)] {
+        let sphere = icosphere(4, centre);
+        let rays = backward_rays::<S>(6000, centre, &mut random);
+        all_right("negative t", &sphere, &rays);
+        // each hit alone, at an interval of no length
+        let set = set::<S>(&sphere);
+        let expected = Answers::expected(PrimsRef::Watertight(&set), &rays);
+        let hits = rays.iter().zip(&expected.hits).filter(|(_, hit)| hit.is_hit());
+        let alone: Vec<_> = hits.map(|(r, h)| Ray { t_min: h.t, t_max: h.t, ..*r }).collect();
+        all_right("one t", &sphere, &alone);
+    }
+}
+
+#[test]
+fn intervals_may_begin_before_the_origin_in_f32() {
+    negative_intervals::<f32>();
+}
+
+#[test]
+fn intervals_may_begin_before_the_origin_in_f64() {
+    negative_intervals::<f64>();
+}
+
+#[test]
+fn what_obvhs_itself_makes_of_negative_intervals_is_seen() {
+    // planted fault: the library without the adapter
+    let sphere = icosphere(4, DVec3::ZERO);
+    let rays: Vec<Ray<f32>> = backward_rays(1500, DVec3::ZERO, &mut Random::new(2));
+    let set = set(&sphere);
+    let expected = Answers::expected(PrimsRef::Watertight(&set), &rays);
+    for name in ROWS {
+        let settings = [("preset", "medium"), ("adapter", "as-shipped")];
+        let params = find(name).unwrap().params(settings).unwrap();
+        assert!((find(name).unwrap().info.known_defect)(&params).is_some());
+        let n = wrong(name, settings, &set, &rays, &expected);
+        assert!(n > 100, "{name} as shipped: {n}");
+    }
+}
+
+/// Spheres in one another: octahedra, each a little larger than the last.
+fn shells(n: usize) -> Vec<Corners> {
+    (0..n)
+        .flat_map(|k| {
+            let r = 1.0 + k as f64 / n as f64;
+            (0..8).map(move |octant| {
+                let side = |axis: usize| if octant >> axis & 1 == 1 { r } else { -r };
+                [DVec3::X * side(0), DVec3::Y * side(1), DVec3::Z * side(2)]
+            })
+        })
+        .collect()
+}
+
+/// Rays between shells of radius 1 to 2, from within and from without.
+fn shell_rays<S: Buildable>(n: usize) -> Vec<Ray<S>> {
+    let mut random = Random::new(3);
+    let to = Vec3::<S>::from_dvec3;
+    let ray = |i: usize| {
+        let origin = random.signed() * [0.2, 1.0, 3.0][i % 3];
+        Ray::new(to(origin), to(random.signed() - origin * f64::from(i % 2 == 0)))
+    };
+    (0..n).map(ray).collect()
+}
+
+#[test]
+fn nested_shells_are_served() {
+    // 12,000 triangles, whose agglomeration is 1,500 levels deep; more than 4,096 boxes
+    all_right("1,500 shells", &shells(1500), &shell_rays::<f32>(400));
+    all_right("1,500 shells", &shells(1500)[..1500], &shell_rays::<f64>(400));
+}
+
+#[test]
+fn twenty_thousand_nested_shells_are_served() {
+    // one side of each, so that all boxes lie in one another
+    let sides: Vec<Corners> = shells(20_000).into_iter().skip(7).step_by(8).collect();
+    all_right("20,000 shells", &sides, &shell_rays::<f32>(300));
+}
