@@ -15,6 +15,8 @@ use accel_core::structures::Buildable;
 use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use scene_loading::{Rgb, Scene};
 
@@ -326,20 +328,14 @@ fn diffuse_direction(hit: &SurfaceHit<'_>, [x, y]: [u32; 2], seed: u64) -> DVec3
     let (normal, incoming) = (hit.point.normal, hit.incoming);
     let normal = if normal.dot(incoming) > 0.0 { -normal } else { normal };
     let normal = normal.try_normalize().unwrap_or(-incoming.normalize_or(DVec3::Z));
-    let mut state = seed ^ (u64::from(y) << 32 | u64::from(x)).wrapping_mul(0x9e37_79b9);
-    let (u, v) = (uniform(&mut state), uniform(&mut state));
+    let state = seed ^ (u64::from(y) << 32 | u64::from(x)).wrapping_mul(0x9e37_79b9);
+    let mut random = SplitMix64::seed_from_u64(state);
+    // 53 bits, to [0, 1)
+    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    let (u, v) = (uniform(), uniform());
     let (radius, angle) = (u.sqrt(), v * std::f64::consts::TAU);
     let (s, t) = normal.any_orthonormal_pair();
     s * (radius * angle.cos()) + t * (radius * angle.sin()) + normal * (1.0 - u).max(0.0).sqrt()
-}
-
-/// splitmix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014), to [0, 1).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Renders what measurement traces, with `tracer`, in the current rayon pool: one ray a pixel,
