@@ -6,7 +6,7 @@ use accel_core::occluders;
 use accel_core::occluders::shadow_path::ShadowPath;
 use accel_core::structures::Entry;
 use accel_core::tracer::Tracer;
-use renderer::effects::plan::MOST_SAMPLES_A_PIXEL;
+use renderer::effects::plan::MOST_SAMPLES_PER_PIXEL;
 use renderer::{EffectPlan, Geometry, ImageFormat, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 
@@ -115,9 +115,9 @@ pub fn writable(path: &Path) -> Result<ImageFormat, Error> {
 /// The effect plan, unless its samples would fill the memory.
 pub fn plan_of(scene: &Scene, settings: &RenderSettings) -> Result<EffectPlan, PlanError> {
     let plan = EffectPlan::of(scene, settings);
-    if plan.samples_a_pixel() > MOST_SAMPLES_A_PIXEL {
+    if plan.samples_per_pixel() > MOST_SAMPLES_PER_PIXEL {
         return Err(PlanError::Malformed {
-            text: format!("{} eye x glossy x shadow samples a pixel", plan.samples_a_pixel()),
+            text: format!("{} eye x glossy x shadow samples per pixel", plan.samples_per_pixel()),
             expected: "at most 4194304 of them",
         });
     }
