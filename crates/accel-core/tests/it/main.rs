@@ -7,6 +7,8 @@ mod contributing;
 mod differential;
 mod motion;
 mod nested_grids;
+mod obvhs;
 mod octree_and_kd_tree;
+mod planes_of_cells;
 mod threads;
 mod volumes;

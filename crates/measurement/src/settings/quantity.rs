@@ -2,21 +2,10 @@
 
 use std::ops::RangeInclusive;
 
+use parse_size::{ByteSuffix, Config};
+
 /// The suffixes, powers of 1000.
 const SUFFIXES: [(&str, f64); 3] = [("k", 1e3), ("M", 1e6), ("G", 1e9)];
-
-/// The units of memory.
-const BYTES: [(&str, f64); 9] = [
-    ("TiB", 1_099_511_627_776.0),
-    ("GiB", 1_073_741_824.0),
-    ("MiB", 1_048_576.0),
-    ("KiB", 1024.0),
-    ("TB", 1e12),
-    ("GB", 1e9),
-    ("MB", 1e6),
-    ("kB", 1e3),
-    ("B", 1.0),
-];
 
 /// Counts above this are not told apart by f64.
 const LARGEST: f64 = 9_007_199_254_740_992.0;
@@ -38,7 +27,8 @@ pub fn count(
     }
 }
 
-/// A whole number, exact; none where the text is none.
+/// A whole number, exact; none where the text is none. Crate `parse-size` would round: 1.5 to 2, and
+/// 1e-3 to 0.
 pub fn parse(text: &str) -> Option<u64> {
     let with_suffix = SUFFIXES.iter().find_map(|(s, scale)| Some((text.strip_suffix(s)?, *scale)));
     let (number, scale) = with_suffix.unwrap_or((text, 1.0));
@@ -61,16 +51,10 @@ pub fn parse(text: &str) -> Option<u64> {
 /// # Errors
 /// A message that says what is valid.
 pub fn bytes(text: &str) -> Result<u64, String> {
-    let expected = || {
-        let units: Vec<&str> = BYTES.iter().map(|(unit, _)| *unit).collect();
-        format!("expected a number with a unit: 8GiB, 1.5GB; units: {}", units.join(", "))
-    };
-    let with_unit = BYTES.iter().find_map(|(u, scale)| Some((text.strip_suffix(u)?, *scale)));
-    let (number, scale) = with_unit.ok_or_else(expected)?;
-    let number = number.trim_end();
-    let is_plain = number.starts_with(|c: char| c.is_ascii_digit());
-    let value = number.parse::<f64>().ok().filter(|_| is_plain).ok_or_else(expected)? * scale;
-    (1.0..=LARGEST).contains(&value).then_some(value as u64).ok_or_else(expected)
+    let expected = "expected a number with a unit: 8GiB, 1.5GB; units: TiB, GiB, MiB, KiB, TB, GB, \
+                    MB, kB, B";
+    let parsed = Config::new().with_byte_suffix(ByteSuffix::Require).parse_size(text);
+    parsed.ok().filter(|bytes| *bytes > 0).ok_or_else(|| expected.to_owned())
 }
 
 #[cfg(test)]
@@ -106,10 +90,11 @@ mod tests {
             ("2GB", 2_000_000_000),
             ("10kB", 10_000),
             ("7B", 7),
+            ("8gib", 8 << 30),
         ] {
             assert_eq!(bytes(text), Ok(expected), "{text}");
         }
-        for bad in ["", "8", "GiB", "-1GiB", "0B", "8gib", "infGiB", "nanB", "1e99TiB", "8 Gi B"] {
+        for bad in ["", "8", "GiB", "-1GiB", "0B", "infGiB", "nanB", "1e99TiB", "8 Gi B"] {
             assert!(bytes(bad).unwrap_err().contains("8GiB"), "{bad}");
         }
     }

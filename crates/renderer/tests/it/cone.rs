@@ -1,23 +1,23 @@
 //! Cone tracing: coverage, the limit of rays, independence of structure and threads, and how near
 //! its images are to many samples.
 
-mod common;
-
 use std::ops::ControlFlow;
 
 use accel_core::region::{self, Gathered, Gatherer, Shaft};
 use accel_core::structures::{Shape, find};
-use common::{effect_scene, image, settings};
 use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::cone::circular_cone::Cone;
 use renderer::tracers::cone::compose::{Fragment, compose};
-use renderer::tracers::cone::coverage::{Forms, Left};
+use renderer::tracers::cone::coverage::Left;
+use renderer::tracers::cone::forms::Forms;
 use renderer::tracers::cone::{Settings, draw, refusal};
 use renderer::tracers::{Drawn, Frame, Structures};
 use renderer::{EffectPlan, Geometry, Image, RenderSettings, render_plan};
 use scene_loading::procedural::generate;
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
+
+use crate::common::{effect_scene, image, settings};
 
 /// The image by cones, the candidates from the structure of that name.
 fn cones(scene: &Scene, frame: Frame, settings: &Settings, structure: &str) -> Drawn {

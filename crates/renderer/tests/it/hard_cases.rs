@@ -1,13 +1,12 @@
 //! HARD_CASES S4: the critical angle, nested glass at the depth cap, lights in awkward places.
 //! Whatever happens, no pixel is NaN.
 
-mod common;
-
-use common::{image, samples, settings};
 use glam::{DVec3, dvec3};
 use renderer::surface::refract;
 use renderer::{Effect, RenderSettings};
 use scene_loading::{Camera, Light, Material, Scene};
+
+use crate::common::{image, samples, settings};
 
 fn is_sound(color: &[f64; 3]) -> bool {
     color.iter().all(|x| x.is_finite() && *x >= 0.0)

@@ -1,17 +1,11 @@
 //! Beams cover what samples cover, exactly.
 
-mod common;
-#[path = "common/flat_scenes.rs"]
-mod flat_scenes;
-
 use std::collections::BTreeMap;
 
 use accel_core::region::{self, Gatherer};
 use accel_core::structures::find;
 use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray, Vector};
-use common::{rmse, settings};
-use flat_scenes::*;
 use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
 use renderer::leaving::{Leaving, OffsetRule};
@@ -20,6 +14,9 @@ use renderer::tracers::beam::{Covered, Settings, coverage, draw};
 use renderer::tracers::{Drawn, Frame, Structures};
 use renderer::{EffectPlan, Geometry, Rendered, render_plan};
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
+
+use crate::common::{rmse, settings};
+use crate::flat_scenes::*;
 
 type Coverage = Vec<Vec<Covered>>;
 
@@ -435,17 +432,19 @@ fn what_beams_cannot_do_is_refused() {
 
 #[test]
 fn polygons_anywhere_around_the_eye_are_cut_as_samples_see_them() {
+    // of 1024 samples the mean scatters by 1.4e-4 from seed to seed: too much for the bounds
+    const SAMPLES: u32 = 2048;
     for seed in 0..4 {
         let mut scene = soup(seed, 60);
         let frame = frame(8, 3);
         let areas = covered(&scene, frame, &Settings::default());
         assert_eq!(fault(&areas, &sampled(&scene, frame, true)), None, "seed {seed}");
-        let [rms, mean] = difference(&scene, 8, 1024);
+        let [rms, mean] = difference(&scene, 8, SAMPLES);
         assert!(rms < 2e-3 && mean < 3e-4, "{seed}: {rms:e} {mean:e}");
         // mirrors that let light through as well
         scene.materials[1].transmittance = 0.5;
         scene.materials[1].refraction_index = 1.3;
-        let [rms, mean] = difference(&scene, 8, 1024);
+        let [rms, mean] = difference(&scene, 8, SAMPLES);
         assert!(rms < 3e-3 && mean < 4e-4, "{seed}: {rms:e} {mean:e}");
     }
 }

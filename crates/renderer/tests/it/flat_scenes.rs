@@ -1,5 +1,4 @@
 //! Scenes of flat polygons, for tracers that know nothing else.
-#![allow(dead_code)]
 
 use glam::{DVec2, DVec3, dvec3};
 use scene_loading::{Camera, Light, Material, Scene, Shape, procedural};

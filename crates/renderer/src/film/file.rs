@@ -1,22 +1,14 @@
-//! The image and its file.
+//! Image files: PNG and OpenEXR.
 
 use std::path::{Path, PathBuf};
 
-/// Linear RGB image, row 0 at the top.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Image {
-    /// Pixels an image row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// `width * height` colours, row by row.
-    pub pixels: Vec<[f64; 3]>,
-}
+use super::exr;
+use super::rgb_image::Image;
 
 /// A kind of image file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageFormat {
-    /// 8 bits a channel, clamped to [0, 1], in the sRGB transfer function.
+    /// 8 bits per channel, clamped to [0, 1], in the sRGB transfer function.
     Png,
     /// 32-bit floats, linear, nothing clamped.
     Exr,
@@ -55,7 +47,7 @@ impl Image {
     pub fn save(&self, path: &Path, format: ImageFormat) -> Result<(), ImageError> {
         match format {
             ImageFormat::Png => self.save_png(path),
-            ImageFormat::Exr => std::fs::write(path, crate::exr::encode(self))
+            ImageFormat::Exr => std::fs::write(path, exr::encode(self))
                 .map_err(|e| ImageError { path: path.to_owned(), source: e.into() }),
         }
     }

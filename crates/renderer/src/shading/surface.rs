@@ -4,7 +4,7 @@ use accel_core::primitives::newell_normal;
 use glam::DVec3;
 use scene_loading::{Material, Rgb, Scene, Shape};
 
-use crate::foot::{Foot, foot};
+use super::foot::{Foot, foot};
 
 /// Looks up normals and materials of a scene after a hit.
 pub struct Surfaces<'a> {

@@ -24,8 +24,8 @@ use accel_core::structures::Buildable;
 use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
 
-use crate::foot::Foot;
-use crate::surface::SurfacePoint;
+use super::foot::Foot;
+use super::surface::SurfacePoint;
 
 /// In ulps of the scene's largest coordinate, for [`OffsetRule::SceneRelative`].
 const SCENE_ULPS: f64 = 512.0;

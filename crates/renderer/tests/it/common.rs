@@ -1,5 +1,4 @@
 //! Effect scenes and images of them.
-#![allow(dead_code)]
 
 use accel_core::structures::{REGISTRY, find};
 use renderer::{EffectPlan, Geometry, RenderSettings, Rendered, render_plan};

@@ -1,11 +1,10 @@
 //! One image of a scene and its effects: whatever the structure, the number of threads, the run.
 
-mod common;
-
 use accel_core::structures::REGISTRY;
-use common::{bits, effect_scenes, image_of, settings};
 use renderer::EffectPlan;
 use scene_loading::SampleWishes;
+
+use crate::common::{bits, effect_scenes, image_of, settings};
 
 fn few() -> SampleWishes {
     SampleWishes {

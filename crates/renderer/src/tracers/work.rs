@@ -10,8 +10,8 @@ use accel_core::{Hit, Ray};
 use rayon::prelude::*;
 use scene_loading::Scene;
 
+use super::whitted::Whitted;
 use crate::effects::EffectPlan;
-use crate::tracers::whitted::Whitted;
 
 /// A tracer that counts whatever it is asked for. Slower than the one it asks.
 pub struct Counted<'a, S: Buildable> {

@@ -1,14 +1,11 @@
 //! The obvhs rows over every preset: intervals at negative t, rays within planes of triangles, and
 //! scenes whose trees are deep. The answers are those of brute force.
 
-mod agreement;
-mod common;
-
+use crate::agreement::Answers;
+use crate::common::Random;
 use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::structures::{Buildable, PrimsRef, find};
 use accel_core::{Ray, Vec3, Vector};
-use agreement::Answers;
-use common::Random;
 use glam::{DVec3, dvec3};
 
 const ROWS: [&str; 2] = ["obvhs-bvh2", "obvhs-cwbvh"];

@@ -1,10 +1,10 @@
 //! OpenEXR images: three channels of 32-bit floats, uncompressed scanlines.
 //!
-//! Format: "OpenEXR File Layout", Academy Software Foundation, version 2 of the file format. The
-//! simplest of its forms, which every reader must know: a writer of it is a page, a library for
-//! all forms minutes of compile time.
+//! Format: "OpenEXR File Layout", Academy Software Foundation, version 2 of the file format. This is
+//! the simplest of its forms, which every reader must know. Crate `exr` 1.74 writes it too, but
+//! brings nine more crates, which compile for 16 seconds of one core; this writer is a page.
 
-use crate::film::Image;
+use super::rgb_image::Image;
 
 const MAGIC: u32 = 20_000_630;
 const VERSION: u32 = 2;
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn endings_choose_the_format() {
-        use crate::film::ImageFormat;
+        use super::super::file::ImageFormat;
         let of = |name: &str| ImageFormat::of(std::path::Path::new(name));
         assert_eq!(of("a.EXR"), Some(ImageFormat::Exr));
         assert_eq!(of("a.png"), Some(ImageFormat::Png));

@@ -6,9 +6,9 @@ use std::ops::Range;
 use glam::DVec3;
 use scene_loading::Rgb;
 
-use crate::effects::counts::RayCounts;
+use super::counts::RayCounts;
 use crate::rays::RayKind;
-use crate::surface::SurfacePoint;
+use crate::shading::surface::SurfacePoint;
 
 /// What a path remembers from its eye ray on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,10 +23,8 @@ pub struct Origin {
     pub time: f64,
 }
 
-/// A ray from the eye.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EyeRay {
-    /// Where it starts.
     pub from: DVec3,
     /// Its unit direction.
     pub direction: DVec3,
@@ -39,9 +37,7 @@ pub struct EyeRay {
 /// A hit made ready for shading.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceHit<'a> {
-    /// The surface.
     pub point: SurfacePoint<'a>,
-    /// The primitive.
     pub id: u32,
     /// Direction of the ray that hit.
     pub incoming: DVec3,
@@ -79,17 +75,14 @@ pub struct Scattered {
 
 /// Where a wave is: row of the image, and depth (1 for hits of eye rays).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
-    /// Row of the image.
+pub struct WavePosition {
     pub y: u32,
-    /// Depth.
     pub depth: u32,
 }
 
 /// Makes the rays of pixels.
 pub trait EyeStage: Send + Sync {
-    /// Rays a pixel.
-    fn rays_a_pixel(&self) -> u32;
+    fn rays_per_pixel(&self) -> u32;
     /// The rays of some columns of row `y`, column by column.
     fn rays(&self, y: u32, columns: Range<u32>, out: &mut Vec<EyeRay>, counts: &mut RayCounts);
 }
@@ -100,26 +93,24 @@ pub trait HitStage: Send + Sync {
     fn apply(&self, hits: &mut [SurfaceHit<'_>]);
 }
 
-/// Asks lights.
 pub trait LightStage: Send + Sync {
-    /// Shadow rays a hit, at most.
-    fn rays_a_hit(&self) -> usize;
+    /// Shadow rays per hit, at most.
+    fn rays_per_hit(&self) -> usize;
     /// The shadow rays of some hits.
     fn shadow_rays(
         &self,
-        place: Place,
+        place: WavePosition,
         hits: &[SurfaceHit<'_>],
         out: &mut Vec<ShadowRay>,
         counts: &mut RayCounts,
     );
 }
 
-/// Sends rays on.
 pub trait ScatterStage: Send + Sync {
     /// The reflected and refracted rays of a wave.
     fn scatter(
         &self,
-        place: Place,
+        place: WavePosition,
         hits: &[SurfaceHit<'_>],
         out: &mut Vec<Scattered>,
         counts: &mut RayCounts,

@@ -1,15 +1,16 @@
 //! What a scene does not call for is not there: no rays, and not one other bit in the image
 //! (HARD_CASES S5).
 
-mod common;
-
 use accel_core::structures::find;
-use common::{bits, effect_scene, effect_scenes, image, image_of, samples, settings};
 use glam::DVec3;
 use renderer::effects::EFFECTS;
 use renderer::tracers::whitted::Whitted;
 use renderer::{Effect, EffectPlan, Geometry, RaySettings, RenderSettings, render};
 use scene_loading::{Light, SampleWishes, Scene};
+
+use crate::common::{
+    bits, effect_scene, effect_scenes, image, image_of, samples, samples_without_area, settings,
+};
 
 const SIZE: [u32; 2] = [40, 30];
 
@@ -123,7 +124,7 @@ fn extents_of_0_at_64_samples_are_1_sample_bit_for_bit() {
         let with = |factor: f64, n: u32| {
             let mut scene = effect_scene(name);
             scale(&mut scene, factor);
-            image(&scene, &settings(SIZE, common::samples_without_area(n)))
+            image(&scene, &settings(SIZE, samples_without_area(n)))
         };
         let (many, one) = (with(0.0, 64), with(0.0, 1));
         assert_eq!(bits(&many), bits(&one), "{name}");
@@ -180,8 +181,8 @@ fn what_moves_is_seen_where_it_goes() {
     let frozen = image_of(&scene, &plan.without(Effect::Motion), "obvhs-bvh2");
     let mut still = scene.clone();
     still.velocities.fill(DVec3::ZERO);
-    let still = image(&still, &settings(SIZE, common::samples_without_area(1)));
-    let mut plain = settings(SIZE, common::samples_without_area(16));
+    let still = image(&still, &settings(SIZE, samples_without_area(1)));
+    let mut plain = settings(SIZE, samples_without_area(16));
     plain.samples.temporal = Some(1);
     assert!(bits(&blurred) != bits(&frozen));
     let frozen_plain =

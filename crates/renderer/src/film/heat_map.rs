@@ -1,13 +1,13 @@
-//! A number for each pixel as a picture, with a legend.
+//! A heat map: a number for each pixel as an image, with a legend.
 //!
 //! The colours run from dark blue over green to yellow and grow evenly brighter, so that they can
 //! be told apart in grey too; the anchors are those of viridis (S. van der Walt, N. Smith, 2015,
 //! CC0). The scale is linear and ends at the 99.5th percentile: a single pixel that the system
 //! interrupted must not darken all others.
 
-use crate::film::Image;
+use super::rgb_image::Image;
 
-/// Rows of the legend below the picture: bar and text.
+/// Rows of the legend below the image: bar and text.
 const BAR: u32 = 12;
 const GLYPH: [u32; 2] = [3, 5];
 const MARGIN: u32 = 4;
@@ -27,12 +27,12 @@ const ANCHORS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// The picture of `values` (row by row, `width` a row), with a legend that names their unit.
+/// The image of `values` (row by row, `width` per row), with a legend that names their unit.
 pub fn heat_map(values: &[f64], width: u32, unit: &str) -> Image {
     let width = width.max(1);
     let height = values.len() as u32 / width;
     let top = scale_end(values);
-    // small pictures are enlarged by a whole factor, for the legend's sake
+    // small images are enlarged by a whole factor, for the legend's sake
     let zoom = LEAST_WIDTH.div_ceil(width);
     let text = zoom.min(2).max(if width >= 256 { 2 } else { 1 });
     let (w, h) = (width * zoom, height * zoom);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_shows_the_values_and_a_legend() {
+    fn the_image_shows_the_values_and_a_legend() {
         let values: Vec<f64> = (0..160 * 20).map(|i| f64::from(i % 160)).collect();
         let image = heat_map(&values, 160, "tests/pixel");
         assert_eq!((image.width, image.pixels.len()), (160, 160 * image.height as usize));
