@@ -13,6 +13,7 @@
     )
 )]
 
+pub mod column;
 pub mod csv;
 pub mod format_error;
 pub mod html;

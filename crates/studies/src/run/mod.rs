@@ -1,5 +1,6 @@
 //! The record of a run as tables, Markdown and CSV.
 
+pub mod columns;
 pub mod csv;
 pub mod kind_tables;
 pub mod markdown;

@@ -1,12 +1,20 @@
 //! The tables of a run, before any markup: text and Markdown differ only in how they draw them.
 
+use crate::run::columns::{self, RATIO, RowOf};
 use measurement::rays::order::Orders;
 use measurement::record::query::{self, Query};
 use measurement::record::{
     Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label,
 };
+use presentation::column::headed;
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
+
+/// The columns of [`columns::columns`] that a scene's table has, in its order.
+const HEADS: [&str; 19] = [
+    "N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS", "MiB", "rays", "build ms",
+    "trace ms", "image ms", RATIO, "primary", "shadow", "second.", "diffuse", "verdict",
+];
 
 /// The block of a scene: structures down, counters and times across. Rows of a structure beyond
 /// its first are named by their settings alone when `indent` is set.
@@ -15,41 +23,26 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
     let has = |kind: &str| {
         run.settings.order != Orders::Shuffled.name() && run.settings.rays.iter().any(|k| k == kind)
     };
+    let is_shown = |head: &&str| match *head {
+        "primary" | "shadow" | "diffuse" => has(head),
+        "second." => has("reflected") || has("refracted"),
+        _ => true,
+    };
+    let columns = columns::columns();
+    let shown = HEADS.iter().filter(|head| is_shown(head));
+    let shown: Vec<_> = shown.filter_map(|head| headed(&columns, head)).collect();
     let has_batches = scene.rows.iter().any(|row| row.query == Query::Batch);
     let mut header = vec!["structure"];
-    if has_batches {
-        header.push("query");
-    }
-    header.extend(["N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"]);
-    header.extend(["MiB", "rays", "build ms", "trace ms", "image ms", "ratio [95%]"]);
-    for (name, shown) in RATES.iter().zip([
-        has("primary"),
-        has("shadow"),
-        has("reflected") || has("refracted"),
-        has("diffuse"),
-    ]) {
-        if shown {
-            header.push(name);
-        }
-    }
-    header.push("verdict");
+    header.extend(has_batches.then_some("query"));
+    header.extend(shown.iter().map(|column| column.head));
     let all_rays = scene.distinct_rays();
     let mut previous = "";
     let rows = scene.rows.iter().map(|row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells = vec![name.into()];
-        if has_batches {
-            cells.push(row.query.name().to_owned().into());
-        }
-        cells.extend(shape_cells(row));
-        cells.extend(time_cells(row));
-        for (name, rate) in RATES.iter().zip(rates(row)) {
-            if header.contains(name) {
-                cells.push(rate.map_or(dash(), |r| numbers::short(r).into()));
-            }
-        }
-        cells.push(verdict_cell(row, all_rays));
+        cells.extend(has_batches.then(|| row.query.name().to_owned().into()));
+        cells.extend(shown.iter().map(|column| column.cell(&RowOf { scene, row, all_rays })));
         cells
     });
     let mut rows: Vec<Vec<Cell>> = rows.collect();
@@ -58,26 +51,8 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
         let is_comparable = row.verdict == Verdict::Ok && row.answers == Answered::AllRays;
         row.ratio.filter(|_| is_comparable)
     });
-    mark_best(&mut rows, header.iter().position(|h| *h == "ratio [95%]"), ratios);
+    mark_best(&mut rows, header.iter().position(|h| *h == RATIO), ratios);
     Table { title: scene_title(scene), header, rows, notes: scene_notes(scene) }
-}
-
-/// Column heads of [`rates`].
-pub const RATES: [&str; 4] = ["primary", "shadow", "second.", "diffuse"];
-
-/// Millions of rays a second: primary, shadow, secondary, diffuse.
-pub fn rates(row: &RowRecord) -> [Option<f64>; 4] {
-    let of = |kind: &str| row.mrays.get(kind).copied();
-    // Rays over seconds, from the rates of both kinds.
-    let seconds = |kind: &str| {
-        let rays = *row.rays_by_kind.get(kind)? as f64;
-        Some((rays, rays / of(kind)?))
-    };
-    let secondary = match (seconds("reflected"), seconds("refracted")) {
-        (Some((r1, s1)), Some((r2, s2))) => Some((r1 + r2) / (s1 + s2)),
-        (one, other) => one.or(other).map(|(r, s)| r / s),
-    };
-    [of("primary"), of("shadow"), secondary, of("diffuse")]
 }
 
 /// The name of a row; of one below another row of its structure, its settings where they may be
@@ -88,54 +63,6 @@ pub fn name_in_column(structure: &str, settings: &str, previous: &str, indent: b
     } else {
         label(structure, settings)
     }
-}
-
-fn shape_cells(row: &RowRecord) -> Vec<Cell> {
-    let Some(shape) = &row.shape else {
-        return (0..9).map(|_| dash()).collect();
-    };
-    let mut cells: Vec<Cell> = [shape.n_in, shape.n_v, shape.n_ev, shape.n_oiv]
-        .iter()
-        .map(|n| n.to_string().into())
-        .collect();
-    match &row.work {
-        Some(work) => cells.extend(work.per_ray().map(|n| format!("{n:.2}").into())),
-        None => cells.extend((0..4).map(|_| dash())),
-    }
-    cells.push(numbers::mebibytes(shape.memory_bytes).into());
-    cells
-}
-
-fn time_cells(row: &RowRecord) -> Vec<Cell> {
-    if !row.verdict.is_timed() {
-        let bad = || Cell { text: row.verdict.name().into(), style: Style::Bad };
-        return vec![dash(), bad(), bad(), bad(), bad()];
-    }
-    let ms = |s: Option<f64>| s.map_or(dash(), |s| numbers::milliseconds(s).into());
-    vec![
-        row.rays.to_string().into(),
-        ms(row.build_s.map(|e| e.median)),
-        ms(row.trace_s.map(|e| e.median)),
-        ms(row.render_s),
-        row.ratio.map_or(dash(), |e| numbers::ratio(&e).into()),
-    ]
-}
-
-/// The verdict, and how many of the rays it rests on where that is not all of them.
-pub fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
-    let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
-    let text = match row.verdict {
-        Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => row.verdict.name().to_owned(),
-        Verdict::Ok if row.answers == Answered::ShadowRays => {
-            format!("ok on {} shadow rays", row.checked_rays)
-        }
-        Verdict::Ok if row.checked_rays < all_rays => format!("ok on {} rays", row.checked_rays),
-        Verdict::Ok => "ok".to_owned(),
-        Verdict::Wrong | Verdict::WrongAsShipped => {
-            format!("{}: {} of {}", row.verdict.name(), row.mismatches, row.checked_rays)
-        }
-    };
-    Cell { text, style }
 }
 
 /// Marks the smallest ratio of the column.

@@ -6,6 +6,7 @@
 //! builds each row in a process of its own, which finds its peak memory and keeps the time and memory limits.
 
 pub mod admission;
+pub mod columns;
 pub mod csv;
 pub mod plot;
 pub mod quantities;

@@ -2,11 +2,14 @@
 
 use std::io::{self, Write};
 
+use crate::run::columns::{RATIO, RowOf, columns as run_columns};
 use crate::run::markdown;
-use crate::run::tables::{scene_notes, scene_title, verdict_cell};
-use crate::scale::quantities::{QUANTITIES, rows, trace_s_per_ray};
+use crate::run::tables::{scene_notes, scene_title};
+use crate::scale::columns::{SizeRow, asked, columns};
+use crate::scale::quantities::{QUANTITIES, rows};
 use measurement::record::scale::SlopeRecord;
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
+use presentation::column::headed;
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
 use presentation::text;
@@ -40,48 +43,31 @@ pub fn to_markdown(run: &RunRecord) -> String {
     markdown::document("rtbench scale", run, &tables, GLOSSARY)
 }
 
+/// The columns of a size: its own, and those of a run.
+const HEADS: [&str; 8] =
+    ["build ms", "ns/prim", "ns/ray", "MiB", "B/prim", "peak MiB", RATIO, "verdict"];
+
 fn size_table(run: &RunRecord, scene: &SceneRecord) -> Table {
     let size = run.scale.as_ref().and_then(|scale| scale.size(&scene.name));
-    let asked: Vec<String> = size.iter().flat_map(|size| &size.asked).map(u64::to_string).collect();
     let all_rays = scene.rays.values().sum();
-    let cells = |row: &RowRecord| {
-        let mut cells = vec![row.label().into()];
-        cells.extend(own_cells(scene, row));
-        cells.push(verdict_cell(row, all_rays));
-        cells
-    };
+    let (own, of_run) = (columns(), run_columns());
+    let rows = scene.rows.iter().map(|row| {
+        let of = SizeRow { of: RowOf { scene, row, all_rays }, size };
+        let cell = |head: &str| match (headed(&own, head), headed(&of_run, head)) {
+            (Some(column), _) => column.cell(&of),
+            (None, Some(column)) if head == "verdict" => column.cell(&of.of),
+            // the verdict says why there is none
+            (None, Some(column)) => column.value_cell(&of.of),
+            (None, None) => dash(),
+        };
+        std::iter::once(row.label().into()).chain(HEADS.into_iter().map(cell)).collect()
+    });
     Table {
-        title: format!("{}; asked for {}", scene_title(scene), asked.join(", ")),
-        header: vec![
-            "structure",
-            "build ms",
-            "ns/prim",
-            "ns/ray",
-            "MiB",
-            "B/prim",
-            "peak MiB",
-            "ratio [95%]",
-            "verdict",
-        ],
-        rows: scene.rows.iter().map(cells).collect(),
+        title: format!("{}; asked for {}", scene_title(scene), asked(size, ", ")),
+        header: std::iter::once("structure").chain(HEADS).collect(),
+        rows: rows.collect(),
         notes: scene_notes(scene),
     }
-}
-
-fn own_cells(scene: &SceneRecord, row: &RowRecord) -> Vec<Cell> {
-    let each = |x: f64| numbers::short(x / scene.primitives.max(1) as f64);
-    let cell = |text: Option<String>| text.map_or_else(dash, Cell::from);
-    let build = row.build_s.map(|e| e.median);
-    let bytes = row.shape.as_ref().map(|shape| shape.memory_bytes);
-    vec![
-        cell(build.map(numbers::milliseconds)),
-        cell(build.map(|s| each(s * 1e9))),
-        cell(trace_s_per_ray(row).map(|e| numbers::short(e.median * 1e9))),
-        cell(bytes.map(numbers::mebibytes)),
-        cell(bytes.map(|n| each(n as f64))),
-        cell(row.peak_build_bytes.map(numbers::mebibytes)),
-        cell(row.ratio.as_ref().map(numbers::ratio)),
-    ]
 }
 
 fn slope_table(run: &RunRecord) -> Table {

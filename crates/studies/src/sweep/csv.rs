@@ -16,7 +16,7 @@ const OWN: [&str; 5] = ["parameter", "value", "marks", "cells_per_primitive", "t
 /// [`FormatError`].
 pub fn to_string(sweep: &Sweep<'_>, run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
-        writer.write_record(OWN.iter().chain(&run_csv::COLUMNS))?;
+        writer.write_record(OWN.into_iter().chain(run_csv::keys()))?;
         for scene in &run.scenes {
             let judgements = judge(sweep, scene);
             for ((row, line), judgement) in scene.rows.iter().zip(&sweep.lines).zip(judgements) {

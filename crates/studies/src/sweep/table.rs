@@ -1,8 +1,8 @@
 //! A sweep as a table: the columns of a run's table that vary, values down.
 
+use crate::run::columns::RATIO;
 use crate::run::markdown;
 use crate::run::tables;
-use crate::run::tables::RATES;
 use crate::sweep::judgement::{Judgement, Standing, judge};
 use crate::sweep::{Line, Sweep};
 use measurement::record::{RunRecord, SceneRecord};
@@ -12,10 +12,11 @@ use presentation::text;
 use std::io::{self, Write};
 
 /// Columns taken from the table of a run.
-const TAKEN: [&str; 11] = [
+#[rustfmt::skip]
+const TAKEN: [&str; 15] = [
     "N_V", "N_EV", "N_OIV", "MiB", "build ms", "rays", "trace ms", "N_IT", "N_TS", RATIO, "verdict",
+    "primary", "shadow", "second.", "diffuse",
 ];
-const RATIO: &str = "ratio [95%]";
 
 /// Prints the table of a scene.
 ///
@@ -51,7 +52,6 @@ fn scene_table(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Table
     let judgements = judge(sweep, scene);
     let taken: Vec<(usize, &'static str)> = TAKEN
         .iter()
-        .chain(&RATES)
         .filter_map(|name| Some((measured.header.iter().position(|h| h == name)?, *name)))
         .collect();
     let mut header = vec![sweep.parameter.name, "cells/prim"];
