@@ -108,7 +108,7 @@ fn sheared<S: Scalar>(ray: &Ray<S>, p: &[S; 3]) -> Coord<f64> {
     let [ax, ay, az] = d.map(S::abs);
     let (x, y, z) = if ax > ay && ax > az {
         (1, 2, 0)
-    } else if ay > az && !(ax > ay) {
+    } else if ay > az && ay >= ax {
         (2, 0, 1)
     } else {
         (0, 1, 2)
