@@ -34,7 +34,8 @@ pub static AXIS: Axis = Axis {
     measure,
 };
 
-/// Offsets below so many epsilons of the primitive's largest coordinate count as none.
+/// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for any
+/// less than it with which a ray is safe that is not without.
 const LEAST: f64 = 1.0 / 1024.0;
 
 /// Halvings of an interval of a factor of 2: the offset is known to 1 in 64.
