@@ -12,6 +12,7 @@ use crate::plan::measured_row::{Built, MeasuredRow};
 use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
+use crate::rounds::interleaved::{Visit, interleaved};
 use crate::rounds::schedule::round_order;
 use crate::rounds::scope::Scope;
 use crate::system::panics::{Panicked, caught};
@@ -65,56 +66,54 @@ pub fn measure<S: Buildable + OccluderScalar>(
         Rounds::Fixed(n) => n,
         Rounds::Budget { at_least, .. } => at_least,
     };
-    let mut round = 0;
-    while round < at_least || goes_on(scope, round, deadline) {
-        let mut of_reference: BTreeMap<usize, Seconds> = BTreeMap::new();
-        let order = round_order(plan.seed, &scope.stage.scene.name, round, rows.len());
-        for (position, &i) in order.iter().enumerate() {
-            let row = rows[i];
-            let Some(stride) = strides[row] else { continue };
-            if timed[row].panicked.is_some() {
-                continue;
+    // the reference's seconds on each sample of rays, by round
+    let mut of_reference: Vec<BTreeMap<usize, Seconds>> = Vec::new();
+    let (seed, scene) = (plan.seed, &scope.stage.scene.name);
+    let goes_on = |round| round < at_least || goes_on(scope, round, deadline);
+    interleaved(rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
+        of_reference.resize_with(round + 1, BTreeMap::new);
+        let row = rows[row];
+        let Some(stride) = strides[row].filter(|_| timed[row].panicked.is_none()) else { return };
+        let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == plan.baseline };
+        let seen = caught(|| asked.make(scope, &mut sheets, &mut of_reference[round]));
+        let out = &mut timed[row];
+        let seen = match seen {
+            Ok(Some(seen)) => seen,
+            Ok(None) => return,
+            Err(panicked) => {
+                out.panicked = Some(panicked);
+                return;
             }
-            let visit = Visit { row: &plan.rows[row], stride, is_baseline: row == plan.baseline };
-            let seen = caught(|| visit.make(scope, &mut sheets, &mut of_reference));
-            let out = &mut timed[row];
-            let seen = match seen {
-                Ok(Some(seen)) => seen,
-                Ok(None) => continue,
-                Err(panicked) => {
-                    out.panicked = Some(panicked);
-                    continue;
-                }
-            };
-            out.stride = stride;
-            out.mismatches = out.mismatches.max(seen.mismatches);
-            out.samples.push(Sample {
-                round: round as u32,
-                position: position as u32,
-                build_s: seen.build_s,
-                trace_s: seen.trace_s,
-                reference_trace_s: None,
-                reference_build_s: None,
-                reference_by_kind: BTreeMap::new(),
+        };
+        out.stride = stride;
+        out.mismatches = out.mismatches.max(seen.mismatches);
+        out.samples.push(Sample {
+            round: round as u32,
+            position: position as u32,
+            build_s: seen.build_s,
+            trace_s: seen.trace_s,
+            reference_trace_s: None,
+            reference_build_s: None,
+            reference_by_kind: BTreeMap::new(),
+        });
+        scope.progress.step(scope.clock.now());
+    });
+    for &row in &rows {
+        let of_row =
+            |round: u32| strides[row].and_then(|s| of_reference.get(round as usize)?.get(&s));
+        for sample in &mut timed[row].samples {
+            // over the kinds of rays that the row answers
+            let own = of_row(sample.round).map(|seconds| {
+                let own = seconds.iter().filter(|(kind, _)| sample.trace_s.contains_key(*kind));
+                own.map(|(kind, s)| (kind.clone(), *s)).collect::<Seconds>()
             });
-            scope.progress.step(scope.clock.now());
+            sample.reference_trace_s = own.as_ref().map(|seconds| seconds.values().sum());
+            sample.reference_by_kind = own.unwrap_or_default();
         }
-        for &row in &rows {
-            let reference = strides[row].and_then(|s| of_reference.get(&s));
-            if let Some(sample) = timed[row].samples.last_mut() {
-                // over the kinds of rays that the row answers
-                let own = reference.map(|seconds| {
-                    let own = seconds.iter().filter(|(kind, _)| sample.trace_s.contains_key(*kind));
-                    own.map(|(kind, s)| (kind.clone(), *s)).collect::<Seconds>()
-                });
-                sample.reference_trace_s = own.as_ref().map(|seconds| seconds.values().sum());
-                sample.reference_by_kind = own.unwrap_or_default();
-            }
-        }
-        round += 1;
     }
+    let rounds = of_reference.len();
     drop(sheets);
-    let order = round_order(plan.seed, &scope.stage.scene.name, round, rows.len());
+    let order = round_order(plan.seed, &scope.stage.scene.name, rounds, rows.len());
     for i in order {
         let row = rows[i];
         let cheap = checked[row].as_ref().is_some_and(|c| {
@@ -158,7 +157,7 @@ fn goes_on<S: Buildable>(
 }
 
 /// One row in one round.
-struct Visit<'a, 'r> {
+struct Asked<'a, 'r> {
     row: &'a MeasuredRow<'r>,
     stride: usize,
     is_baseline: bool,
@@ -171,7 +170,7 @@ struct Seen {
     mismatches: usize,
 }
 
-impl Visit<'_, '_> {
+impl Asked<'_, '_> {
     /// Builds the row and asks it. The baseline answers every other row's sample of rays as well,
     /// so that ratios are taken over the same rays in the same round. None when the row, which
     /// was built before, cannot be built again.

@@ -1,6 +1,7 @@
 //! Timing: rounds in seeded random order over the rows of a scene.
 
 pub mod error;
+pub mod interleaved;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
 pub mod scene_run;

@@ -107,11 +107,10 @@ fn calibrate(
     let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
     let seconds_a_test = seconds_a_test(geometry.prims(), clock);
     let traced = Traced { tracer: &*tracer, seconds_a_test };
-    let point = |factor: Factor| {
-        let work = counted(scene, traced, &factor.plan);
-        (work, measured(scene, &*tracer, &factor.plan, clock))
-    };
-    Ok(factors(scene, settings).into_iter().map(point).collect())
+    let factors = factors(scene, settings);
+    let seconds = measured(scene, &*tracer, &factors, clock);
+    let work = |factor: &Factor| counted(scene, traced, &factor.plan);
+    Ok(factors.iter().map(work).zip(seconds).collect())
 }
 
 fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration: &[&str]) -> Table {

@@ -7,7 +7,7 @@ use crate::accuracy::record::{SceneOutcome, Standing, VariantRecord};
 use crate::accuracy::stage::Stage;
 use crate::accuracy::work::Work;
 use crate::image_error::TIMES_REFERENCE;
-use measurement::rounds::schedule::round_order;
+use measurement::rounds::interleaved::{Visit, interleaved};
 use statistics::estimate::{Estimate, estimate, median};
 
 /// A variant, judged and ready to be timed.
@@ -63,21 +63,20 @@ pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> S
         first.push((answers, repeats(stage.clock.seconds_since(start))));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
-    for round in 0..stage.rounds {
-        for i in round_order(stage.seed, &purpose, round, variants.len()) {
-            let (Some(variant), Some(of)) = (variants.get_mut(i), seconds.get_mut(i)) else {
-                continue;
-            };
-            let (expected, repeats) = first.get(i).copied().unwrap_or((0, 1));
-            variant.work.prepare();
-            let start = stage.clock.now();
-            (0..repeats).for_each(|_| variant.work.run());
-            of.push(stage.clock.seconds_since(start) / f64::from(repeats));
-            let timed = variant.work.fingerprint();
-            let fault = audit::inconsistency(&variant.name, expected, timed);
-            faults.extend(fault.filter(|f| !faults.contains(f)));
-        }
-    }
+    let is_left = |round| round < stage.rounds;
+    interleaved(variants.len(), stage.seed, &purpose, is_left, |Visit { row, .. }| {
+        let (Some(variant), Some(of)) = (variants.get_mut(row), seconds.get_mut(row)) else {
+            return;
+        };
+        let (expected, repeats) = first.get(row).copied().unwrap_or((0, 1));
+        variant.work.prepare();
+        let start = stage.clock.now();
+        (0..repeats).for_each(|_| variant.work.run());
+        of.push(stage.clock.seconds_since(start) / f64::from(repeats));
+        let timed = variant.work.fingerprint();
+        let fault = audit::inconsistency(&variant.name, expected, timed);
+        faults.extend(fault.filter(|f| !faults.contains(f)));
+    });
     let rows = rows(variants, seconds, said.reference_error, stage.seed);
     let mut outcome = SceneOutcome {
         scene: stage.name.to_owned(),

@@ -11,21 +11,24 @@
 pub mod model;
 pub mod test_time;
 
-use std::time::Duration;
-
 use accel_core::tracer::Tracer;
 use renderer::work::Counted;
 use renderer::{Effect, EffectPlan, RenderSettings, render_plan};
 use scene_loading::Scene;
 
+use measurement::rounds::interleaved::timed;
 use measurement::system::clock::Clock;
+use statistics::estimate::median;
+
 use model::{Model, Work};
 
 /// Pixels of the image that work is counted on, an axis.
 const PROBE: u32 = 64;
 
-/// Images that take less are measured five times, of which the fastest counts.
-const SHORT: Duration = Duration::from_millis(500);
+/// Fewest and most rounds over the images of a scene, of which the medians count.
+const ROUNDS: (usize, usize) = (3, 9);
+/// Seconds after which the fewest are enough.
+const ENOUGH: f64 = 5.0;
 
 /// A structure over a scene, and what a test of the scene's primitives takes.
 #[derive(Clone, Copy)]
@@ -128,21 +131,25 @@ pub fn counted(scene: &Scene, traced: Traced<'_>, plan: &EffectPlan) -> Work {
     work.times(pixels([width, height]) / pixels(probe))
 }
 
-/// Seconds of an image, in the current rayon pool.
+/// Seconds of images, in the current rayon pool: medians over interleaved rounds.
 pub fn measured(
     scene: &Scene,
     tracer: &dyn Tracer<f32>,
-    plan: &EffectPlan,
+    factors: &[Factor],
     clock: &dyn Clock,
-) -> f64 {
-    let once = || {
-        let start = clock.now();
-        std::hint::black_box(render_plan(scene, tracer, plan));
-        clock.seconds_since(start)
+) -> Vec<f64> {
+    let work = |factor: &'_ Factor| -> Box<dyn FnMut() + '_> {
+        let plan = factor.plan.clone();
+        Box::new(move || {
+            std::hint::black_box(render_plan(scene, tracer, &plan));
+        })
     };
-    let first = once();
-    let repeats = if first < SHORT.as_secs_f64() { 4 } else { 0 };
-    (0..repeats).fold(first, |least, _| least.min(once()))
+    let mut works: Vec<_> = factors.iter().map(work).collect();
+    let start = clock.now();
+    let goes_on =
+        |round| round < ROUNDS.0 || round < ROUNDS.1 && clock.seconds_since(start) < ENOUGH;
+    let seconds = timed(&mut works, 1, &format!("cost/{}", scene.name), clock, goes_on);
+    seconds.iter().map(|seconds| median(seconds).unwrap_or(f64::NAN)).collect()
 }
 
 /// A row of the table.
@@ -175,10 +182,11 @@ pub fn rows(
     clock: &dyn Clock,
 ) -> Vec<CostRow> {
     let mut rows: Vec<CostRow> = Vec::new();
-    for Factor { name, nominal, says, plan } in factors(scene, settings) {
+    let factors = factors(scene, settings);
+    let seconds = measured(scene, traced.tracer, &factors, clock);
+    for (Factor { name, nominal, says, plan }, measured) in factors.into_iter().zip(seconds) {
         let work = counted(scene, traced, &plan);
-        let (predicted, measured) =
-            (model.seconds(work), measured(scene, traced.tracer, &plan, clock));
+        let predicted = model.seconds(work);
         let before = rows.last().map_or((1.0, 1.0), |row| (row.predicted, row.measured));
         let (predicted_growth, grew) = (predicted / before.0, measured / before.1);
         rows.push(CostRow {

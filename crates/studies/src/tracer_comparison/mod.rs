@@ -24,7 +24,7 @@ use crate::accuracy::record::Standing;
 use crate::accuracy::timing::ratios;
 use crate::image_error::{Converged, edge_rmse, edges, rmse};
 use equal_error::{AtError, SampledImage, at_error};
-use measurement::rounds::schedule::round_order;
+use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::Clock;
 use reference::Sampled;
 use statistics::estimate::{Estimate, estimate};
@@ -165,17 +165,16 @@ pub fn compare(question: &Question<'_>, reference: &Converged, clock: &dyn Clock
     }
     let mut made: Vec<Option<Result<Made, Refusal>>> = rows.iter().map(|_| None).collect();
     let mut seconds = vec![Vec::new(); rows.len()];
-    for round in 0..question.rounds as usize {
-        for row in round_order(frame.seed, &scene.name, round, rows.len()) {
-            if matches!(made[row], Some(Err(_))) {
-                continue;
-            }
-            let start = clock.now();
-            let image = makers[row]();
-            seconds[row].push(clock.seconds_since(start));
-            made[row].get_or_insert(image);
+    let is_left = |round| round < question.rounds as usize;
+    interleaved(rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
+        if matches!(made[row], Some(Err(_))) {
+            return;
         }
-    }
+        let start = clock.now();
+        let image = makers[row]();
+        seconds[row].push(clock.seconds_since(start));
+        made[row].get_or_insert(image);
+    });
     let edges = edges(&reference.image);
     let finished = rows.into_iter().zip(made).zip(seconds).filter_map(|((row, made), seconds)| {
         let (tracer, settings, samples) = row;

@@ -7,7 +7,7 @@ use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
 use scene_loading::{Bounds, Camera};
 
-use measurement::rounds::schedule::round_order;
+use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::Clock;
 use statistics::estimate::{Estimate, estimate};
 
@@ -101,19 +101,18 @@ pub fn measure(
         asked.push(Asked { name, gatherer, seconds, work, missed });
     }
     let seed = rounds.seed;
-    for round in 0..rounds.rounds as usize {
-        for row in round_order(seed, "queries", round, asked.len()) {
-            let Asked { gatherer, seconds, work, .. } = &mut asked[row];
-            let mut gathered = Gathered::default();
-            let start = clock.now();
-            for (shaft, _) in &sample {
-                gatherer.gather(shaft, &mut gathered);
-                std::hint::black_box(&gathered.ids);
-            }
-            seconds.push(clock.seconds_since(start));
-            *work = gathered.work;
+    let is_left = |round| round < rounds.rounds as usize;
+    interleaved(asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
+        let Asked { gatherer, seconds, work, .. } = &mut asked[row];
+        let mut gathered = Gathered::default();
+        let start = clock.now();
+        for (shaft, _) in &sample {
+            gatherer.gather(shaft, &mut gathered);
+            std::hint::black_box(&gathered.ids);
         }
-    }
+        seconds.push(clock.seconds_since(start));
+        *work = gathered.work;
+    });
     let brute = asked.iter().find(|a| a.name == "brute-force").or(asked.first());
     let Some(base) = brute.map(|b| b.seconds.clone()) else { return Ok(Vec::new()) };
     let row = |a: &Asked| {
