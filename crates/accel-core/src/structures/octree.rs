@@ -11,11 +11,13 @@
 //! Deviations: nodes stand in arrays, not behind pointers or in a hash table of names; places on
 //! the ray are ray parameters compared with those of the planes, never rounded points, so that
 //! no walk needs an epsilon; a cell that three cuts would not make cheaper stays whole
-//! (`useless-splits`); a thin axis of the root grows to the longest; neighbours are found through a stack of ancestors, not father links; a
-//! ray from so far away that rounding outgrows the padding of boxes is walked top-down whatever
-//! the setting. `boxes=historical` (with `max-leaf=1 useless-splits=20 order=reverse`) is what
-//! Havran and Sixta (1999) measured: no padding, walks from the ray's origin, and steps of 1e-6
-//! beyond a cell's exit.
+//! (`useless-splits`), as does one whose cuts would have multiplied references by more than
+//! `max-growth`: boxes that share an edge, or slivers across the axes, are not separated by any
+//! number of cuts; a thin axis of the root grows to the longest; neighbours are found through a
+//! stack of ancestors, not father links; a ray from so far away that rounding outgrows the padding
+//! of boxes is walked top-down whatever the setting. `boxes=historical` (with `max-leaf=1
+//! useless-splits=20 order=reverse`) is what Havran and Sixta (1999) measured: no padding, no limit
+//! for growth, walks from the ray's origin, and steps of 1e-6 beyond a cell's exit.
 
 mod neighbour;
 mod point_location;
@@ -42,7 +44,8 @@ pub static INFO: StructureInfo = StructureInfo {
     name: "octree",
     summary: "cells cut into eight at the centre or by cost; three ways to walk them",
     paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
-    deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay",
+    deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay or \
+                 that multiply references",
     params: &[
         ParamSpec {
             name: "subdivision",
@@ -74,6 +77,13 @@ pub static INFO: StructureInfo = StructureInfo {
             summary: "cuts in one line of descent that may fail to lower the expected cost",
             default: "1",
             kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
+        },
+        ParamSpec {
+            name: "max-growth",
+            summary: "what the cuts in one line of descent may multiply references by, and so \
+                      most references to a primitive on average; no limit for historical boxes",
+            default: "256",
+            kind: ParamKind::Real { min: 1.0, max: 1e9 },
         },
         specs::BOXES,
         specs::ORDER,

@@ -198,9 +198,9 @@ fn ten_thousand_duplicates_stay_few_cells() {
 fn limits_are_errors_with_numbers() {
     let set = duplicates(1000);
     let refused = |name, settings| build(&set, name, settings).err().unwrap().to_string();
-    let e = refused("octree", "max-leaf=0 useless-splits=20 max-references=100000");
+    let e = refused("octree", "max-leaf=0 useless-splits=20 max-growth=1e9 max-references=100000");
     assert!(e.contains("references in cells") && e.contains("100000"), "{e}");
-    let e = refused("octree", "max-leaf=0 useless-splits=20 max-cells=100");
+    let e = refused("octree", "max-leaf=0 useless-splits=20 max-growth=1e9 max-cells=100");
     assert_eq!(e, "octree: number of cells would be 105, more than the limit of 100");
     let e = refused("kd-tree", "max-references=999");
     assert!(e.starts_with("kd-tree: references in cells would be"), "{e}");

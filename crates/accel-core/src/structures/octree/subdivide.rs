@@ -24,6 +24,10 @@ pub(super) fn cells<S: Scalar>(
         max_depth: params.integer("max-depth"),
         max_leaf: params.integer("max-leaf") as usize,
         useless_splits: params.integer("useless-splits"),
+        max_growth: match params.text("boxes") {
+            "historical" => f64::INFINITY,
+            _ => params.real("max-growth"),
+        },
         max_cells: params.integer("max-cells"),
         max_references: params.integer("max-references"),
         structure: params.structure(),
@@ -33,7 +37,7 @@ pub(super) fn cells<S: Scalar>(
         if params.text("order") == "reverse" {
             ids.reverse();
         }
-        Task { ids, bounds, depth: 0, useless: 0 }
+        Task { ids, bounds, depth: 0, descent: Descent::ROOT }
     };
     match forks() {
         0 => rules.alone(root()),
@@ -52,9 +56,24 @@ struct Rules<'a, S: Scalar> {
     max_depth: u64,
     max_leaf: usize,
     useless_splits: u64,
+    max_growth: f64,
     max_cells: u64,
     max_references: u64,
     structure: &'static str,
+}
+
+/// What the cuts on the way to a cell brought.
+#[derive(Debug, Clone, Copy)]
+struct Descent {
+    /// How many failed to lower the expected cost.
+    useless: u64,
+    /// The product of what each multiplied the references by. While it is at most `g`, all cells
+    /// together have at most `g` references to each primitive, on average.
+    growth: f64,
+}
+
+impl Descent {
+    const ROOT: Self = Self { useless: 0, growth: 1.0 };
 }
 
 /// A cell that is to be divided, by itself.
@@ -62,7 +81,7 @@ struct Task<S: Scalar> {
     ids: Vec<u32>,
     bounds: Aabb<S>,
     depth: u64,
-    useless: u64,
+    descent: Descent,
 }
 
 impl<S: Scalar> Cells<S> {
@@ -101,11 +120,11 @@ impl<S: Scalar> Builder<'_, S> {
         bounds: Aabb<S>,
         depth: u64,
         from: usize,
-        useless: u64,
+        descent: Descent,
     ) -> Result<(), BuildError> {
         let end = self.waiting.len();
-        let divided = self.rules.divided(&self.waiting[from..], &bounds, depth, useless);
-        let Some((planes, useless)) = divided else { return self.leaf(cell, from) };
+        let divided = self.rules.divided(&self.waiting[from..], &bounds, depth, descent);
+        let Some((planes, descent)) = divided else { return self.leaf(cell, from) };
         let inner = self.cells.planes.len();
         self.rules.limit("number of cells", 8 * inner as u64 + 9, self.rules.max_cells)?;
         self.cells.links[cell] = inner as u32;
@@ -119,7 +138,7 @@ impl<S: Scalar> Builder<'_, S> {
                 }
             }
             let child = octant_of(&bounds, &planes, octant);
-            self.cell(1 + 8 * inner + octant, child, depth + 1, end, useless)?;
+            self.cell(1 + 8 * inner + octant, child, depth + 1, end, descent)?;
         }
         self.waiting.truncate(from);
         Ok(())
@@ -141,7 +160,7 @@ impl<S: Scalar> Rules<'_, S> {
     /// The cells below a task, on this thread.
     fn alone(&self, task: Task<S>) -> Result<Cells<S>, BuildError> {
         let mut builder = Builder { rules: self, cells: Cells::begun(), waiting: task.ids };
-        builder.cell(0, task.bounds, task.depth, 0, task.useless)?;
+        builder.cell(0, task.bounds, task.depth, 0, task.descent)?;
         Ok(builder.cells)
     }
 
@@ -150,13 +169,13 @@ impl<S: Scalar> Rules<'_, S> {
         if forks == 0 || !is_worth_a_fork(task.ids.len()) {
             return self.alone(task);
         }
-        let divided = self.divided(&task.ids, &task.bounds, task.depth, task.useless);
-        let Some((planes, useless)) = divided else { return self.alone(task) };
+        let divided = self.divided(&task.ids, &task.bounds, task.depth, task.descent);
+        let Some((planes, descent)) = divided else { return self.alone(task) };
         let below = |octant: usize| {
             let inside = |id: &u32| touches(&self.boxes[*id as usize], &planes, octant);
             let ids = task.ids.iter().copied().filter(inside).collect();
             let bounds = octant_of(&task.bounds, &planes, octant);
-            self.forked(Task { ids, bounds, depth: task.depth + 1, useless }, forks - 1)
+            self.forked(Task { ids, bounds, depth: task.depth + 1, descent }, forks - 1)
         };
         let all: Vec<Result<Cells<S>, BuildError>> = (0..8).into_par_iter().map(below).collect();
         let mut cells = Cells::begun();
@@ -171,22 +190,26 @@ impl<S: Scalar> Rules<'_, S> {
         Ok(cells)
     }
 
-    /// The planes that divide a cell, and the useless divisions on the way to it with this one;
-    /// `None` makes it a leaf.
+    /// The planes that divide a cell, and the way to what is below it; `None` makes it a leaf.
     fn divided(
         &self,
         ids: &[u32],
         bounds: &Aabb<S>,
         depth: u64,
-        useless: u64,
-    ) -> Option<([S; 3], u64)> {
+        descent: Descent,
+    ) -> Option<([S; 3], Descent)> {
         if ids.len() <= self.max_leaf || depth == self.max_depth {
             return None;
         }
         let planes = self.cuts(bounds, ids);
-        let expected = self.expected_tests(bounds, &planes, ids);
-        let useless = useless + u64::from(expected + TRAVERSAL_COST >= ids.len() as f64);
-        (useless <= self.useless_splits).then_some((planes, useless))
+        let counts = self.counts(&planes, ids);
+        let references = ids.len() as f64;
+        let is_useless = expected_tests(bounds, &planes, &counts) + TRAVERSAL_COST >= references;
+        let useless = descent.useless + u64::from(is_useless);
+        let below: f64 = counts.iter().copied().map(f64::from).sum();
+        let growth = descent.growth * below / references;
+        let pays = useless <= self.useless_splits && growth <= self.max_growth;
+        pays.then_some((planes, Descent { useless, growth }))
     }
 
     fn limit(&self, what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
@@ -260,19 +283,24 @@ impl<S: Scalar> Rules<'_, S> {
         faces_across * u * v + (u + v) * side.to_f64()
     }
 
-    /// References of the children, each weighted by the chance that a ray through the cell
-    /// meets the child: the ratio of their surfaces.
-    fn expected_tests(&self, bounds: &Aabb<S>, planes: &[S; 3], ids: &[u32]) -> f64 {
+    /// References of the children.
+    fn counts(&self, planes: &[S; 3], ids: &[u32]) -> [u32; 8] {
         let mut counts = [0u32; 8];
         for &id in ids {
             for (octant, count) in counts.iter_mut().enumerate() {
                 *count += u32::from(touches(&self.boxes[id as usize], planes, octant));
             }
         }
-        let weighted: f64 =
-            (0..8).map(|i| f64::from(counts[i]) * octant_of(bounds, planes, i).half_area()).sum();
-        weighted / bounds.half_area().max(f64::MIN_POSITIVE)
+        counts
     }
+}
+
+/// References of the children, each weighted by the chance that a ray through the cell meets the
+/// child: the ratio of their surfaces.
+fn expected_tests<S: Scalar>(bounds: &Aabb<S>, planes: &[S; 3], counts: &[u32; 8]) -> f64 {
+    let weighted: f64 =
+        (0..8).map(|i| f64::from(counts[i]) * octant_of(bounds, planes, i).half_area()).sum();
+    weighted / bounds.half_area().max(f64::MIN_POSITIVE)
 }
 
 /// Number of planes tried an axis by the adaptive subdivision.
