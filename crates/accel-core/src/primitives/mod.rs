@@ -10,7 +10,6 @@ mod cone;
 mod mixed;
 mod moving;
 mod polygon;
-mod precise;
 mod sphere;
 mod sphere_tests;
 mod support;

@@ -5,7 +5,6 @@ mod caps;
 mod common;
 mod contributing;
 mod differential;
-mod edge_on;
 mod motion;
 mod nested_grids;
 mod obvhs;
