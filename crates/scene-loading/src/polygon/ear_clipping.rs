@@ -7,6 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::orientation::orientation;
 use super::point_tree::PointTree;
 use crate::progress;
 
@@ -268,11 +269,6 @@ impl Ring {
             }
         }
     }
-}
-
-/// Positive when the three points turn to the left: twice the triangle's area.
-pub(super) fn orientation(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-    (b - a).perp_dot(c - a)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 #[allow(clippy::indexing_slicing)]
 pub(crate) mod ear_clipping;
 #[allow(clippy::indexing_slicing)]
+mod orientation;
 mod point_tree;
 
 use glam::DVec3;

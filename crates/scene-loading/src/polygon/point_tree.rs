@@ -6,6 +6,8 @@
 
 use glam::DVec2;
 
+use super::orientation::orientation;
+
 /// The most points of a leaf.
 const LEAF: usize = 4;
 
@@ -143,14 +145,13 @@ fn is_beside(node: &Node, [a, b, c]: [DVec2; 3]) -> bool {
         // the corner of the box that lies furthest on the inner side
         let x = if to.y - from.y > 0.0 { node.min.x } else { node.max.x };
         let y = if to.x - from.x > 0.0 { node.max.y } else { node.min.y };
-        super::ear_clipping::orientation(from, to, DVec2::new(x, y)) < 0.0
+        orientation(from, to, DVec2::new(x, y)) < 0.0
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::polygon::ear_clipping::orientation;
 
     #[test]
     fn it_finds_what_a_look_at_all_points_finds() {
