@@ -5,7 +5,7 @@
 use std::fs::{self, File, OpenOptions};
 use std::path::{Path, PathBuf};
 
-use crate::system::files::WriteError;
+use crate::system::write_error::WriteError;
 
 /// Files and folders that were not there before. Dropped, it removes those that are still empty;
 /// what was there, empty or not, stays as it was.

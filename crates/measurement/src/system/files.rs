@@ -2,20 +2,11 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::system::created::Created;
 use crate::system::interrupt::undisturbed;
-
-/// A file or folder cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {source}", path.display())]
-pub struct WriteError {
-    /// The file or folder.
-    pub path: PathBuf,
-    /// The system's reason.
-    pub source: io::Error,
-}
+pub use crate::system::write_error::WriteError;
 
 /// Writes a finished file in one step, or a pipe or a device.
 ///

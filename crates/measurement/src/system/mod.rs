@@ -11,3 +11,4 @@ pub mod pools;
 pub mod pressure;
 pub mod progress;
 pub mod world;
+pub mod write_error;

@@ -2,8 +2,8 @@
 
 #[allow(clippy::indexing_slicing)]
 pub(crate) mod ear_clipping;
-#[allow(clippy::indexing_slicing)]
 mod orientation;
+#[allow(clippy::indexing_slicing)]
 mod point_tree;
 
 use glam::DVec3;
