@@ -2,6 +2,7 @@
 
 mod crossings;
 mod extreme_components;
+mod from_hits;
 pub mod geometry;
 pub mod grid;
 mod intervals;

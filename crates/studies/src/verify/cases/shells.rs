@@ -11,7 +11,7 @@ use glam::DVec3;
 use renderer::leaving::{Leaving, OffsetRule};
 use scene_loading::{Material, Scene};
 
-use super::secondary::from_hits;
+use super::from_hits::from_hits;
 use crate::case;
 use crate::verify::draw::{direction, single, unit};
 use crate::verify::every_hit::{every_hit, push_chain};
