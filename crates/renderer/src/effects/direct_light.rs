@@ -6,12 +6,26 @@ use scene_loading::{Rgb, Scene};
 use super::stages::{ShadowRay, SurfaceHit};
 use crate::shading::surface::reflect;
 
+/// A light as shading asks it.
+#[derive(Debug, Clone, Copy)]
+pub struct Lamp {
+    /// Centre, world units.
+    pub position: DVec3,
+    pub color: Rgb,
+    /// 0 for a point.
+    pub radius: f64,
+}
+
 /// The lights of a scene with their colours.
-pub fn lights(scene: &Scene) -> Vec<(DVec3, Rgb)> {
+pub fn lights(scene: &Scene) -> Vec<Lamp> {
     // SPD's documentation asks for this where a file gives no colours
     let default = [1.0 / (scene.lights.len().max(1) as f64).sqrt(); 3];
-    let light = |light: &scene_loading::Light| (light.position(), light.color().unwrap_or(default));
-    scene.lights.iter().map(light).collect()
+    let lamp = |light: &scene_loading::Light| Lamp {
+        position: light.position(),
+        color: light.color().unwrap_or(default),
+        radius: light.radius(),
+    };
+    scene.lights.iter().map(lamp).collect()
 }
 
 /// The side of the surface that lights are seen from.

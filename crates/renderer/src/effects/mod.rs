@@ -25,7 +25,7 @@ mod supersampling;
 mod textures;
 
 pub use counts::RayCounts;
-pub(crate) use direct_light::{lights, lit_normal, shadow_ray};
+pub(crate) use direct_light::{Lamp, lights, lit_normal, shadow_ray};
 pub use effect::{Effect, EffectInfo};
 pub(crate) use hard_shadows::first_light;
 pub(crate) use plan::plain_stages;

@@ -5,10 +5,10 @@
 //! every point of it shines alike and, as NFF's lights, without falloff.
 
 use glam::DVec3;
-use scene_loading::{Rgb, Scene};
+use scene_loading::Scene;
 
 use super::counts::RayCounts;
-use super::direct_light::{lights, lit_normal, shadow_ray};
+use super::direct_light::{Lamp, lights, lit_normal, shadow_ray};
 use super::effect::{Effect, EffectInfo, counted};
 use super::sampler::{Pattern, Purpose};
 use super::settings::RenderSettings;
@@ -28,7 +28,7 @@ fn called_by(scene: &Scene, _: &RenderSettings) -> Option<String> {
 
 /// Asks point lights once and others at several points.
 pub struct DiscLights {
-    lights: Vec<(DVec3, Rgb, f64)>,
+    lights: Vec<Lamp>,
     samples: u32,
     seed: u64,
 }
@@ -36,9 +36,7 @@ pub struct DiscLights {
 impl DiscLights {
     /// All lights; `samples` shadow rays for each that has a radius.
     pub fn new(scene: &Scene, samples: u32, seed: u64) -> Self {
-        let radii = scene.lights.iter().map(|light| light.radius());
-        let lights = lights(scene).into_iter().zip(radii).map(|((p, c), r)| (p, c, r)).collect();
-        Self { lights, samples, seed }
+        Self { lights: lights(scene), samples, seed }
     }
 }
 
@@ -57,7 +55,7 @@ impl LightStage for DiscLights {
         let share = 1.0 / f64::from(self.samples);
         for (hit, index) in hits.iter().zip(0..) {
             let normal = lit_normal(hit, true);
-            for (&(light, color, radius), number) in self.lights.iter().zip(0..) {
+            for (&Lamp { position: light, color, radius }, number) in self.lights.iter().zip(0..) {
                 let before = out.len();
                 if radius <= 0.0 {
                     out.extend(shadow_ray(hit, index, normal, light, color, 1.0));

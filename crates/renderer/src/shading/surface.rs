@@ -92,6 +92,15 @@ impl<'a> Surfaces<'a> {
     }
 }
 
+/// The largest coordinate of a scene and its eye, world units.
+pub(crate) fn largest_coordinate(scene: &Scene) -> f64 {
+    let (bounds, eye) = (scene.bounds(), scene.camera.from.abs().max_element());
+    if bounds.is_empty() {
+        return eye.max(1.0);
+    }
+    bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
+}
+
 /// What the corners of a triangle weigh at a point of its plane; `None` when it has no area.
 #[inline]
 pub fn barycentric([a, b, c]: [DVec3; 3], position: DVec3) -> Option<[f64; 3]> {

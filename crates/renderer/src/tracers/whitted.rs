@@ -29,7 +29,7 @@ use crate::effects::{
 use crate::film::Image;
 use crate::rays::{RayBatches, RayKind, RaySettings, ShadowRays};
 use crate::shading::leaving::{Leaving, OffsetRule};
-use crate::shading::surface::Surfaces;
+use crate::shading::surface::{Surfaces, largest_coordinate};
 
 /// Registry line.
 pub static INFO: TracerInfo = TracerInfo {
@@ -107,20 +107,13 @@ impl<'a> Whitted<'a> {
         offset: OffsetRule,
         stages: Stages<'a>,
     ) -> Self {
-        let bounds = scene.bounds();
-        let magnitude = if bounds.is_empty() {
-            1.0
-        } else {
-            let eye = scene.camera.from.abs().max_element();
-            bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
-        };
         Self {
             surfaces: Surfaces::new(scene, false),
             stages,
             grid,
             background: scene.background,
             max_depth,
-            leaving: Leaving::new(offset, magnitude),
+            leaving: Leaving::new(offset, largest_coordinate(scene)),
             diffuse: None,
         }
     }

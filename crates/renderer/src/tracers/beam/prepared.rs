@@ -1,14 +1,13 @@
 //! A scene made ready for beams.
 
-use glam::DVec3;
-use scene_loading::{Rgb, Scene};
+use scene_loading::Scene;
 
 use super::faces::Faces;
 use super::refusal::refusal;
 use super::settings::Settings;
 use crate::camera::{EyeRays, Sampling};
-use crate::effects::lights;
-use crate::shading::surface::Surfaces;
+use crate::effects::{Lamp, lights};
+use crate::shading::surface::{Surfaces, largest_coordinate};
 use crate::tracers::drawing::{Frame, Structures};
 use crate::tracers::info::Refusal;
 
@@ -21,7 +20,7 @@ pub struct Prepared<'a> {
     pub eye: EyeRays,
     pub faces: Faces,
     pub surfaces: Surfaces<'a>,
-    pub lights: Vec<(DVec3, Rgb)>,
+    pub lights: Vec<Lamp>,
     /// Largest coordinate, world units.
     pub magnitude: f64,
 }
@@ -38,13 +37,6 @@ impl<'a> Prepared<'a> {
         over: Structures<'a>,
     ) -> Result<Self, Refusal> {
         refusal(scene)?;
-        let bounds = scene.bounds();
-        let eye = scene.camera.from.abs().max_element();
-        let magnitude = if bounds.is_empty() {
-            eye.max(1.0)
-        } else {
-            bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
-        };
         Ok(Self {
             scene,
             over,
@@ -54,7 +46,7 @@ impl<'a> Prepared<'a> {
             faces: Faces::of(scene),
             surfaces: Surfaces::new(scene, false),
             lights: lights(scene),
-            magnitude,
+            magnitude: largest_coordinate(scene),
         })
     }
 }

@@ -13,7 +13,7 @@ use super::pixels::pixels_of;
 use super::prepared::Prepared;
 use super::pyramid::{Plane, Pyramid};
 use super::visibility::{cut_along, resolve};
-use crate::effects::{Origin, SurfaceHit, lit_normal, shadow_ray};
+use crate::effects::{Lamp, Origin, SurfaceHit, lit_normal, shadow_ray};
 use crate::shading::surface::{SurfacePoint, reflect};
 
 /// A shaft reaches so many times the scene's largest coordinate: farther than any two points of
@@ -189,7 +189,7 @@ impl<'a> Tile<'a> {
             origin: Origin { column: 0, sample: 0, fanned: false, time: 0.0 },
         };
         self.record(beam, piece, Some(id), 1.0, 0.0);
-        for &(light, color) in &on.lights {
+        for &Lamp { position: light, color, .. } in &on.lights {
             let arriving = |p: DVec2| {
                 let hit = hit(p);
                 shadow_ray(&hit, 0, lit_normal(&hit, true), light, color, 1.0).map(|s| s.light)

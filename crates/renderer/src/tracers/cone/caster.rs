@@ -8,7 +8,7 @@ use super::coverage::Left;
 use super::forms::Forms;
 use super::settings::Settings;
 use super::widening::LEAST_COSINE;
-use crate::effects::{ImageColors, SurfaceHit, lights};
+use crate::effects::{ImageColors, Lamp, SurfaceHit, lights};
 use crate::shading::leaving::{Leaving, OffsetRule};
 use crate::shading::surface::Surfaces;
 use crate::tracers::drawing::Structures;
@@ -26,8 +26,7 @@ pub struct Caster<'a> {
     pub(super) surfaces: Surfaces<'a>,
     pub(super) forms: Forms,
     pub(super) leaving: Leaving,
-    /// Centre, colour and radius.
-    pub(super) lights: Vec<(DVec3, Rgb, f64)>,
+    pub(super) lights: Vec<Lamp>,
     pub(super) textures: ImageColors<'a>,
     pub(super) bounds: [DVec3; 2],
     pub(super) max_depth: u32,
@@ -49,14 +48,13 @@ pub(super) struct Path {
 impl<'a> Caster<'a> {
     pub fn new(scene: &'a Scene, settings: Settings, max_depth: u32, over: Structures<'a>) -> Self {
         let bounds = scene.bounds();
-        let radii = scene.lights.iter().map(|light| light.radius());
         Self {
             scene,
             surfaces: Surfaces::new(scene, false),
             forms: Forms::new(scene),
             // this rule asks for no magnitude
             leaving: Leaving::new(OffsetRule::default(), 0.0),
-            lights: lights(scene).into_iter().zip(radii).map(|((p, c), r)| (p, c, r)).collect(),
+            lights: lights(scene),
             textures: ImageColors::new(scene),
             bounds: [bounds.min, bounds.max],
             max_depth,

@@ -19,7 +19,7 @@ use super::counts::Scratch;
 use super::coverage::Left;
 
 use super::widening::Incidence;
-use crate::effects::SurfaceHit;
+use crate::effects::{Lamp, SurfaceHit};
 
 /// Lights end a shadow cone by this part of the way before them: they may stand on a surface.
 const BEFORE_LIGHT: f64 = 1e-9;
@@ -63,7 +63,7 @@ impl Caster<'_> {
         &self,
         hit: &SurfaceHit<'_>,
         incidence: &Incidence,
-        (light, light_radius): (DVec3, f64),
+        &Lamp { position: light, radius: light_radius, .. }: &Lamp,
         path: Path,
         arriving: Rgb,
         scratch: &mut Scratch,

@@ -249,12 +249,11 @@ impl<'a> Caster<'a> {
     fn light(&self, sight: &Sight<'_>, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
         let Sight { hit, incidence, .. } = sight;
         let normal = lit_normal(hit, true);
-        for &(light, light_color, radius) in &self.lights {
-            let Some(shadow) = shadow_ray(hit, 0, normal, light, light_color, 1.0) else {
+        for lamp in &self.lights {
+            let Some(shadow) = shadow_ray(hit, 0, normal, lamp.position, lamp.color, 1.0) else {
                 continue;
             };
-            let to = (light, radius);
-            let visible = 1.0 - self.shadow(hit, incidence, to, path, shadow.light, scratch);
+            let visible = 1.0 - self.shadow(hit, incidence, lamp, path, shadow.light, scratch);
             add(color, [visible; 3], shadow.light);
         }
     }
