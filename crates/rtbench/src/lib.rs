@@ -79,6 +79,7 @@ pub mod scene_source;
 pub mod schedule;
 pub mod schema;
 pub mod shard;
+pub mod stand_in;
 #[allow(clippy::indexing_slicing)]
 pub mod statistics;
 pub mod strides;

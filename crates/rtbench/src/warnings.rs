@@ -4,6 +4,7 @@
 //! do beyond that is the machine's doing. Every warning has a threshold, documented where it is
 //! defined, that a machine left alone stays below, and ends in advice.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -73,6 +74,13 @@ pub enum Warning {
         /// Bytes that all programs read back during the run.
         read_bytes: u64,
     },
+    /// In some scenes the reference was not built, or is wrong, and ratios are to another row.
+    OtherReference {
+        /// The reference of the run.
+        reference: String,
+        /// The row in its place, by scene.
+        instead: BTreeMap<String, String>,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -126,14 +134,35 @@ impl fmt::Display for Warning {
                 own_bytes >> 20,
                 read_bytes >> 20
             ),
+            Self::OtherReference { reference, instead } => {
+                let each: Vec<_> =
+                    instead.iter().map(|(scene, row)| format!("{row} in {scene}")).collect();
+                write!(
+                    f,
+                    "other reference: {reference} gave nothing to compare with; ratios are to {}, \
+                     and means over scenes join them: compare scene by scene, or name a reference \
+                     that serves every scene (--reference)",
+                    each.join(", ")
+                )
+            }
         }
     }
 }
 
 /// All that is to be said of a run that is over.
 pub fn of(run: &RunRecord) -> Vec<Warning> {
-    let found = [noise(run), rounds(run), drift(run), other_load(&run.load), swap(&run.load)];
-    found.into_iter().flatten().collect()
+    let machine = [noise(run), rounds(run), drift(run), other_load(&run.load), swap(&run.load)];
+    machine.into_iter().chain([other_reference(run)]).flatten().collect()
+}
+
+fn other_reference(run: &RunRecord) -> Option<Warning> {
+    let reference = run.settings.reference.clone();
+    let other = |scene: &SceneRecord| {
+        let row = scene.rows.iter().find(|row| row.is_reference)?.label();
+        (row != reference).then(|| (scene.name.clone(), row))
+    };
+    let instead: BTreeMap<_, _> = run.scenes.iter().filter_map(other).collect();
+    (!instead.is_empty()).then_some(Warning::OtherReference { reference, instead })
 }
 
 /// Times of the reference row, by round; none where they are too few to be judged.
@@ -279,6 +308,17 @@ mod tests {
         // too short to say
         run.load[1].ticks = ticks(1200, 700, 10);
         assert_eq!(of(&run), []);
+    }
+
+    #[test]
+    fn a_planted_stand_in_is_named() {
+        let mut run = run(&[&QUIET, &QUIET]);
+        run.settings.reference = "irregular-grid".into();
+        run.scenes.truncate(1);
+        let said = only(&run);
+        let expected = "irregular-grid gave nothing to compare with; ratios are to obvhs-cwbvh in \
+                        tetra,";
+        assert!(said.contains(expected), "{said}");
     }
 
     #[test]

@@ -2,10 +2,18 @@
 
 mod common;
 
-use common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, row, run_with};
+use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::{
+    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, uniform_grid,
+};
+use accel_core::{Hit, Ray, Scalar};
+use common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, planted, row, run_with};
 use rtbench::clock::SystemClock;
 use rtbench::record::Verdict;
 use rtbench::scene_source::Installed;
+use rtbench::warnings::Warning;
 
 fn run(registry: &[accel_core::structures::Entry], arguments: &str) -> common::Ended {
     run_with(registry, &Installed, &SystemClock::default(), arguments)
@@ -92,4 +100,97 @@ fn real_structures_are_right_on_mixed_primitives_in_both_precisions() {
             assert!(scene.rows.iter().filter(|r| r.checked_rays == total).count() >= 3);
         }
     }
+}
+
+/// Brute force whose batches say that they are answered, and are not; one that can be built
+/// nowhere.
+struct Silent<S>(Vec<u32>, std::marker::PhantomData<S>);
+struct Refuses<S>(std::marker::PhantomData<S>);
+
+static SILENT: StructureInfo = planted("silent", "answers nothing");
+static REFUSES: StructureInfo = planted("refuses", "cannot be built");
+
+impl<S: Scalar> Structure<S> for Silent<S> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        Ok(Self((0..prims.len() as u32).collect(), std::marker::PhantomData))
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        let _ = sink.test(&self.0);
+    }
+
+    fn occlusion_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [bool]) -> bool {
+        true
+    }
+
+    fn closest_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [Hit<S>]) -> bool {
+        true
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+impl<S: Scalar> Structure<S> for Refuses<S> {
+    fn build<P: PrimSet<S>>(_: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        Err(BuildError::TooLarge { structure, what: "anything", needed: 1, limit: 0 })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, _: &mut K) {}
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+static FAULTY: &[Entry] = &[
+    accel_core::entry!(crate::Refuses, REFUSES),
+    accel_core::entry!(crate::Silent, SILENT),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+];
+
+#[test]
+fn batches_that_write_nothing_are_wrong_for_every_ray() {
+    for kind in ["shadow", "primary"] {
+        let folder = Folder::new();
+        let arguments = format!("run tetra:2 --quick -s silent,uniform-grid --rays {kind} -o");
+        let ended = run(FAULTY, &format!("{arguments} {}", folder.path()));
+        assert_eq!(ended.code, 4, "{kind}: {}{}", ended.out, ended.err);
+        let record = folder.record();
+        let silent = row(&record, "silent");
+        assert_eq!(silent.verdict, Verdict::Wrong, "{kind}");
+        // not one answer passes for one that happened to be right
+        assert!(silent.checked_rays > 100 && silent.mismatches == silent.checked_rays, "{kind}");
+        assert_eq!(row(&record, "uniform-grid").verdict, Verdict::Ok, "{kind}");
+    }
+}
+
+#[test]
+fn another_row_stands_in_for_a_reference_that_cannot_be_built() {
+    let folder = Folder::new();
+    let arguments = "run tetra:2 --quick --reference refuses -s brute-force,uniform-grid -o";
+    let ended = run(FAULTY, &format!("{arguments} {}", folder.path()));
+    // what was asked for could not be measured
+    assert_eq!(ended.code, 1, "{}{}", ended.out, ended.err);
+    let record = folder.record();
+    assert_eq!(record.settings.reference, "refuses");
+    let refused = row(&record, "refuses");
+    assert_eq!((refused.verdict, refused.is_reference), (Verdict::NotBuilt, false));
+    // not brute force, which is before it but measured on a sample of the rays
+    let stands_in = row(&record, "uniform-grid");
+    assert!(stands_in.is_reference);
+    assert_eq!(stands_in.ratio.as_ref().map(|r| r.median), Some(1.0));
+    assert!(row(&record, "brute-force").ratio.as_ref().is_some_and(|r| r.median > 0.0));
+    let summary = |name: &str| record.summary.iter().find(|s| s.structure == name).unwrap();
+    assert_eq!((summary("refuses").scenes, summary("refuses").not_built_scenes), (0, 1));
+    for name in ["brute-force", "uniform-grid"] {
+        assert!(summary(name).scenes == 1 && summary(name).ratio.is_some(), "{name}");
+    }
+    let instead = [("tetra:2".to_owned(), "uniform-grid".to_owned())].into();
+    let warning = Warning::OtherReference { reference: "refuses".into(), instead };
+    assert!(record.warnings.contains(&warning), "{:?}", record.warnings);
+    assert!(ended.err.contains("ratios are to uniform-grid in tetra:2"), "{}", ended.err);
 }
