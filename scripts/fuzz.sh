@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 executions=${1:-10000000}
 shift || true
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(obj mtl gltf nff scene_file results)
+[ ${#targets[@]} -gt 0 ] || targets=(obj mtl gltf nff packed polygon scene_file results)
 export CARGO_BUILD_JOBS=${CARGO_BUILD_JOBS:-2}
 # The code is safe Rust: no address sanitizer, which would hide the memory that is really used.
 for target in "${targets[@]}"; do

@@ -6,7 +6,10 @@
 //! * [`structures::Structure`] owns ids only. It is built from bounds and *walks* a ray, pushing
 //!   candidate ids into a [`sink::Sink`].
 //! * A [`sink::Sink`] is the query: closest hit or occlusion, with or without
-//!   [`counters::Counters`]. Every traversal is therefore written once.
+//!   [`counters::Counters`]. A traversal is therefore written once for all queries. The irregular
+//!   grid has two more, for batches of rays among triangles alone, which it tests eight at a time:
+//!   several rays on their way at once, or one after the other
+//!   ([`structures::Structure::closest_batch`]).
 //! * [`tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
 //! * [`region::Gatherer`] answers the other question, which primitives a beam or cone may meet.

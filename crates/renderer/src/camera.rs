@@ -45,7 +45,7 @@ impl EyeRays {
         }
     }
 
-    /// Rays an image row and number of rows.
+    /// Rays per image row, and number of rows.
     pub fn grid(&self) -> [u32; 2] {
         match self.sampling {
             Sampling::PixelCentres => self.size,

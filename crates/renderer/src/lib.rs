@@ -1,22 +1,31 @@
 //! A classical ray tracer for `rtbench`: it produces the rays of a scene once, by kind, so that
 //! every structure can be asked the same questions, and it renders the same image.
+//!
+//! Modules depend on those above them only:
+//!
+//! | module | what it holds |
+//! | --- | --- |
+//! | `camera` | rays from the eye |
+//! | `geometry` | the primitives of a scene, for structures |
+//! | `film` | images, their files, heat maps |
+//! | `shading` | surfaces where rays meet them; rays that leave them |
+//! | `rays` | kinds of rays, and the rays of a scene |
+//! | `effects` | what an image simulates: one file an effect |
+//! | `tracers` | Whitted's rays, cones, beams; recorded rays; the work of an image |
 
 pub mod camera;
 pub mod effects;
-pub mod exr;
-pub mod film;
-pub mod foot;
-pub mod geometry;
-pub mod heat_map;
-pub mod leaving;
-pub mod rays;
-pub mod surface;
+mod film;
+mod geometry;
+mod rays;
+mod shading;
 pub mod tracers;
-pub mod work;
 
-pub use effects::counts::RayCounts;
-pub use effects::{Effect, EffectPlan, Gating, RenderSettings, Samples};
-pub use film::{Image, ImageError, ImageFormat};
+pub use effects::{Effect, EffectPlan, Gating, RayCounts, RenderSettings, Samples};
+pub use film::{Image, ImageError, ImageFormat, heat_map};
 pub use geometry::{Geometry, GeometryError};
-pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays, generate_rays};
+pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};
+pub use shading::{foot, leaving, surface};
+pub use tracers::generate_rays;
 pub use tracers::whitted::{Rendered, render, render_plan};
+pub use tracers::work;

@@ -2,12 +2,8 @@
 
 use accel_core::Ray;
 use accel_core::structures::Buildable;
-use accel_core::tracer::Tracer;
-use rayon::prelude::*;
-use scene_loading::Scene;
 
-use crate::leaving::OffsetRule;
-use crate::tracers::whitted::{Row, Whitted};
+use crate::shading::leaving::OffsetRule;
 
 /// What a ray is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -141,27 +137,10 @@ impl<S: Buildable> RayBatches<S> {
         &mut self.batches[kind as usize]
     }
 
-    fn append(&mut self, mut other: Self) {
+    pub(crate) fn append(&mut self, mut other: Self) {
         for (all, more) in self.batches.iter_mut().zip(&mut other.batches) {
             all.append(more);
         }
         self.total_internal_reflections += other.total_internal_reflections;
     }
-}
-
-/// Traces the scene with `tracer` and keeps every ray it took. Runs in the current rayon pool;
-/// the rays do not depend on the number of threads.
-pub fn generate_rays<S: Buildable>(
-    scene: &Scene,
-    tracer: &dyn Tracer<S>,
-    settings: &RaySettings,
-) -> RayBatches<S> {
-    let whitted = Whitted::new(scene, settings);
-    let rows: Vec<Row<S>> =
-        (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
-    let mut all = RayBatches::default();
-    for rays in rows.into_iter().filter_map(|row| row.rays) {
-        all.append(rays);
-    }
-    all
 }

@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::callgrind::Counts;
 use crate::context::Environment;
-use crate::export::files::put;
-use crate::interrupt::undisturbed;
-use crate::record::RunRecord;
-use crate::record_file::{self, RecordError};
-use crate::suggest;
+use measurement::callgrind::Counts;
+use measurement::record::RunRecord;
+use measurement::record::file::{self, RecordError};
+use measurement::settings::suggest;
+use measurement::system::files::put;
+use measurement::system::interrupt::undisturbed;
 
 /// Where baselines are kept unless something else is said.
 const FOLDER: &str = ".rtbench/baselines";
@@ -233,9 +233,9 @@ impl Store {
 /// # Errors
 /// [`BaselineError`].
 pub fn read(path: &Path) -> Result<Baseline, BaselineError> {
-    let path = record_file::path_of(path);
-    let text = record_file::bytes(&path)?;
-    let record = record_file::record(&path, &text)?;
+    let path = file::path_of(path);
+    let text = file::bytes(&path)?;
+    let record = file::record(&path, &text)?;
     let Beside { instructions, cpu_pressure } = serde_json::from_slice(&text)
         .map_err(|e| BaselineError::Counts { path, message: e.to_string() })?;
     Ok(Baseline { record, instructions, cpu_pressure })

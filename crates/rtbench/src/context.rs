@@ -7,11 +7,11 @@ use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
-use crate::clock::Clock;
-use crate::pressure;
-use crate::progress::Progress;
-use crate::scene_source::{KnownScene, LoadError, LoadedScene, SceneSource};
-use crate::world::World;
+use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::system::clock::Clock;
+use measurement::system::pressure;
+use measurement::system::progress::Progress;
+use measurement::system::world::World;
 
 /// The outside world as a command sees it.
 pub struct Context<'a> {
@@ -29,7 +29,7 @@ pub struct Context<'a> {
     pub out: &'a mut dyn Write,
     /// Standard error: warnings.
     pub err: &'a mut dyn Write,
-    /// The command line, for the record.
+    /// The command line, program first; commands get it as results record it.
     pub command_line: Vec<String>,
     /// Whether the outputs are terminals, and what the environment says of colours.
     pub terminal: Terminal,

@@ -5,8 +5,8 @@ use renderer::effects::EFFECTS;
 use renderer::{Effect, EffectPlan, RayCounts, RenderSettings, render_plan};
 use scene_loading::Scene;
 
-use crate::export::numbers::short;
-use crate::export::table::{Cell, Style, Table};
+use presentation::numbers::short;
+use presentation::table::{Cell, Style, Table};
 
 /// Pixels of the image that rays are counted on, an axis: enough for two digits.
 const PROBE: u32 = 64;

@@ -1,37 +1,28 @@
 //! What ends a command, and with which exit code.
 
 use std::io;
-use std::path::PathBuf;
 
-use crate::scene_source::LoadError;
-use accel_core::structures::BuildError;
+use measurement::journal::JournalError;
+use measurement::plan::error::PlanError;
+use measurement::record::file::RecordError;
+use measurement::record::merge::MergeError;
+use measurement::rounds::error::MeasureError;
+use measurement::scenes::LoadError;
+use measurement::system::files::WriteError;
+use presentation::format_error::FormatError;
+use renderer::GeometryError;
+use studies::error::{StudyError, UnsavedImage};
+use studies::reproduce::ReproduceError;
+use studies::scale::ScaleError;
+use studies::sweep::SweepError;
 
 use crate::comparison::CompareError;
 use crate::config::ConfigError;
+use crate::exit_code::{FAILURE, USAGE};
+use crate::exports::outputs::OutputError;
 use crate::gate::GateError;
-use crate::journal::JournalError;
-use crate::merge::MergeError;
-use crate::panics::Panicked;
-use crate::plan::PlanError;
-use crate::record_file::RecordError;
+use crate::like::LikeError;
 use crate::report::ReportError;
-use crate::reproduce::ReproduceError;
-use renderer::{GeometryError, ImageError};
-
-/// Fine.
-pub const SUCCESS: u8 = 0;
-/// Something failed.
-pub const FAILURE: u8 = 1;
-/// The command line makes no sense.
-pub const USAGE: u8 = 2;
-/// Something got worse than a baseline.
-pub const REGRESSION: u8 = 3;
-/// A structure gave wrong hits.
-pub const WRONG_HITS: u8 = 4;
-/// Something could not be told from a regression, and `--strict` was given.
-pub const INCONCLUSIVE: u8 = 5;
-/// SIGINT (Ctrl-C) ended the run; other signals as shells count them, 128 and their number.
-pub const INTERRUPTED: u8 = 130;
 
 /// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
@@ -40,87 +31,39 @@ pub enum Error {
     /// The command line names something that is not there, or that is not valid.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// Nothing that can be swept.
+    #[error(transparent)]
+    Sweep(Box<SweepError>),
+    /// Nothing that can be scaled.
+    #[error(transparent)]
+    Scale(Box<ScaleError>),
     /// A scene could not be loaded.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A scene's geometry could not be made.
+    /// A scene could not be measured.
     #[error(transparent)]
-    Geometry(#[from] GeometryError),
-    /// A structure could not be built where nothing can be done without it.
-    #[error("scene {scene}: {source}")]
-    Build {
-        /// Scene.
-        scene: String,
-        /// Why.
-        source: BuildError,
-    },
-    /// No structure could be built that gives the answers to compare with.
-    #[error("scene {scene}: no structure could be built to compare answers with: {reasons}")]
-    NoAnswers {
-        /// Scene.
-        scene: String,
-        /// What each candidate said.
-        reasons: String,
-    },
+    Measure(Box<MeasureError>),
+    /// A study ended early.
+    #[error(transparent)]
+    Study(Box<StudyError>),
     /// An output file cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// An image cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Image {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: ImageError,
-    },
-    /// A scene has nothing that an axis of accuracy is about.
-    #[error("{axis}: scene {scene} does not serve: {reason}")]
-    UnfitScene {
-        /// Axis.
-        axis: &'static str,
-        /// Scene.
-        scene: String,
-        /// What it lacks.
-        reason: &'static str,
-    },
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Two outputs would be mixed up, or the files of results cannot be written.
+    #[error(transparent)]
+    Outputs(OutputError),
     /// Nothing was measured that a model of times could be made from.
     #[error("the images of {scenes} took no time that a prediction could be made from")]
     NoModel {
         /// The scenes.
         scenes: String,
     },
-    /// Threads could not be started.
-    #[error("cannot start {threads} threads: {source}")]
-    Threads {
-        /// How many.
-        threads: usize,
-        /// Why.
-        source: rayon::ThreadPoolBuildError,
-    },
     /// Results could not be turned into text.
-    #[error("cannot write the results as {format}: {message}")]
-    Format {
-        /// CSV or JSON.
-        format: &'static str,
-        /// What the library said.
-        message: String,
-    },
+    #[error(transparent)]
+    Format(#[from] FormatError),
     /// The journal of a run cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// Something panicked while a scene was measured: a defect of ours.
-    #[error("scene {scene}: {source}; this is a defect of rtbench")]
-    Panicked {
-        /// Scene.
-        scene: String,
-        /// What it said.
-        source: Panicked,
-    },
     /// Signals cannot be had.
     #[error("cannot watch for signals: {0}")]
     Signals(io::Error),
@@ -132,10 +75,10 @@ pub enum Error {
     Compare(#[from] CompareError),
     /// Nothing could be held against a baseline.
     #[error(transparent)]
-    Gate(#[from] GateError),
+    Gate(Box<GateError>),
     /// The configuration cannot be used.
     #[error(transparent)]
-    Config(#[from] ConfigError),
+    Config(Box<ConfigError>),
     /// The parts of a run cannot be joined.
     #[error(transparent)]
     Merge(#[from] MergeError),
@@ -148,6 +91,92 @@ pub enum Error {
     /// Standard output failed; a closed pipe is not an error, see [`Error::is_closed_pipe`].
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
+}
+
+/// What several subsystems may say is one error here, whoever says it.
+impl From<MeasureError> for Error {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::Load(error) => Self::Load(error),
+            other => Self::Measure(Box::new(other)),
+        }
+    }
+}
+
+impl From<GeometryError> for Error {
+    fn from(error: GeometryError) -> Self {
+        MeasureError::from(error).into()
+    }
+}
+
+impl From<StudyError> for Error {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Plan(error) => Self::Plan(error),
+            StudyError::Measure(error) => (*error).into(),
+            other => Self::Study(Box::new(other)),
+        }
+    }
+}
+
+impl From<UnsavedImage> for Error {
+    fn from(error: UnsavedImage) -> Self {
+        StudyError::from(error).into()
+    }
+}
+
+impl From<SweepError> for Error {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Plan(error) => Self::Plan(error),
+            SweepError::Scene(error) => Self::Load(error),
+            other => Self::Sweep(Box::new(other)),
+        }
+    }
+}
+
+impl From<ScaleError> for Error {
+    fn from(error: ScaleError) -> Self {
+        match error {
+            ScaleError::Plan(error) => Self::Plan(error),
+            ScaleError::Scene(error) => Self::Load(error),
+            other => Self::Scale(Box::new(other)),
+        }
+    }
+}
+
+impl From<GateError> for Error {
+    fn from(error: GateError) -> Self {
+        Self::Gate(Box::new(error))
+    }
+}
+
+impl From<LikeError> for Error {
+    fn from(error: LikeError) -> Self {
+        match error {
+            LikeError::Plan(error) => Self::Plan(error),
+            other => GateError::from(other).into(),
+        }
+    }
+}
+
+impl From<ConfigError> for Error {
+    fn from(error: ConfigError) -> Self {
+        match error {
+            ConfigError::Plan(error) => Self::Plan(error),
+            other => Self::Config(Box::new(other)),
+        }
+    }
+}
+
+impl From<OutputError> for Error {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Stdout(error) => Self::Output(error),
+            OutputError::Write(error) => Self::Write(error),
+            other => Self::Outputs(other),
+        }
+    }
 }
 
 impl Error {
@@ -164,7 +193,8 @@ impl Error {
                 USAGE
             }
             Self::Gate(error) if error.is_usage() => USAGE,
-            Self::Plan(_) | Self::Config(_) => USAGE,
+            Self::Plan(_) | Self::Sweep(_) | Self::Scale(_) | Self::Config(_) => USAGE,
+            Self::Outputs(OutputError::OneStdout) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)
                 | ReproduceError::UnknownStructure(_)

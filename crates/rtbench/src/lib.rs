@@ -1,12 +1,11 @@
 //! Benchmark harness for ray-tracing acceleration structures.
 //!
-//! The way of a run: [`args`] (syntax) -> [`plan`] (validated) -> [`scene_run`]: [`reference`]
-//! and [`oracle`] (what is right), [`check`] (is each row right?), [`measure`] (rounds in the
-//! order of [`schedule`]) -> [`statistics`] -> [`record`] -> [`journal`], [`export`], [`report`]. A
-//! [`sweep`] is such a run whose rows are the values of one parameter, a [`scale`] one whose scenes
-//! are the sizes of one scene. [`warnings`] says what is wrong
-//! with a run as a whole; [`record_file`] reads records back, [`comparison`] puts them side by side,
-//! the [`gate`] holds a run against an earlier one.
+//! The way of a run: [`args`] (syntax) -> [`measurement::settings`] -> [`measurement::plan`]
+//! (validated) -> [`measurement::rounds`]: what is right, is each row right, rounds in seeded random
+//! order -> [`measurement::record`] -> the journal, tables ([`studies::run`]) and [`exports`]. A sweep
+//! is such a run whose rows are the values of one parameter, a scale one whose scenes are the sizes of
+//! one scene. [`comparison`] puts records side by side, the [`gate`] holds a run against an earlier
+//! one, a [`report`] is made of a folder of them.
 
 // What a command line or a file says can make nothing panic. Modules that index lists of their own
 // making say so.
@@ -21,80 +20,25 @@
     )
 )]
 
-pub mod accuracy;
 pub mod args;
 pub mod baselines;
-pub mod batches;
-pub mod callgrind;
-pub mod check;
-pub mod child_process;
-pub mod clock;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
 pub mod config;
 pub mod context;
-#[allow(clippy::indexing_slicing)]
-pub mod cost;
 pub mod doctor;
-pub mod duration;
 pub mod effect_table;
 pub mod error;
-pub mod export;
+pub mod exit_code;
+pub mod exports;
 pub mod gate;
-#[allow(clippy::indexing_slicing)]
-pub mod image_error;
-pub mod interrupt;
-pub mod journal;
 pub mod like;
-pub mod machine;
-#[allow(clippy::indexing_slicing)]
-pub mod measure;
-pub mod measured_row;
-pub mod merge;
-pub mod metrics;
-pub mod oracle;
-pub mod panics;
-pub mod picture_time;
-pub mod plan;
-pub mod plan_part;
-pub mod pools;
-pub mod pressure;
 pub mod profile;
-pub mod progress;
-pub mod quantity;
-pub mod query;
-pub mod random;
-pub mod ray_order;
-pub mod ray_overrides;
-pub mod record;
-pub mod record_file;
-pub mod reference;
+pub mod program;
+mod recorded_command;
 pub mod report;
-pub mod reproduce;
-pub mod rows;
-pub mod scale;
-pub mod scene_run;
-pub mod scene_source;
-pub mod schedule;
 pub mod schema;
-pub mod shard;
-pub mod stand_in;
-#[allow(clippy::indexing_slicing)]
-pub mod statistics;
-pub mod strides;
-mod suggest;
-pub mod summary;
-#[allow(clippy::indexing_slicing)]
-pub mod sweep;
-#[cfg(test)]
-mod test_record;
-#[allow(clippy::indexing_slicing)]
-pub mod tracer_comparison;
-#[allow(clippy::indexing_slicing)]
-pub mod verify;
-pub mod warnings;
-pub mod world;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -107,12 +51,14 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command};
-use crate::clock::SystemClock;
 use crate::config::{Config, Configured};
 use crate::context::{Context, Environment, Terminal, Verbosity};
-use crate::error::{Error, FAILURE, SUCCESS, USAGE};
-use crate::scene_source::Installed;
-use crate::world::SystemWorld;
+use crate::error::Error;
+use crate::exit_code::{FAILURE, SUCCESS, USAGE};
+use measurement::scenes::Installed;
+use measurement::settings::suggest;
+use measurement::system::clock::SystemClock;
+use measurement::system::{interrupt, panics};
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
@@ -132,7 +78,7 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
         occluders: occluders::REGISTRY,
         scenes: &Installed,
         clock: &SystemClock::default(),
-        world: &SystemWorld,
+        world: &program::world(),
         out: &mut out,
         err: &mut err,
         command_line,
@@ -179,7 +125,7 @@ pub fn run_in(
     }
     let scenes = Configured::new(context.scenes, config.as_ref());
     match config::of_set(&arguments, &scenes) {
-        Err(error) => return failed(context, &cli, &error),
+        Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => add(added, &mut command_line, &mut arguments),
     }
     cli = match parsed(context, &arguments) {
@@ -195,7 +141,7 @@ pub fn run_in(
         environment: context.environment.clone(),
         out: &mut *context.out,
         err: &mut *context.err,
-        command_line,
+        command_line: recorded_command::recorded(&command_line, folder),
         terminal: context.terminal,
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,

@@ -1,20 +1,18 @@
 //! The plan that an earlier record was made by: its scenes, rows, rays, seed and arithmetic, or a
 //! part of them.
-//!
-//! It goes through the command line of `rtbench run`, so that whatever holds there holds here.
 
 use std::time::Duration;
 
-use clap::Parser;
+use measurement::plan::Plan;
+use measurement::plan::error::PlanError;
+use measurement::plan::strides::FixedStrides;
+use measurement::rays::order::Orders;
+use measurement::record::{RunRecord, SceneRecord};
+use measurement::settings::choice::Choice;
+use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings, suggest};
 
-use crate::args::{BaselineAction, Cli, Command, RunArgs};
+use crate::args::overrides_in;
 use crate::context::Context;
-use crate::error::Error;
-use crate::gate::GateError;
-use crate::plan::{Plan, PlanError};
-use crate::record::{RunRecord, SceneRecord};
-use crate::strides::FixedStrides;
-use crate::suggest;
 
 /// Why a record gives no plan.
 #[derive(Debug, thiserror::Error)]
@@ -34,9 +32,12 @@ pub enum LikeError {
     /// Nothing was finished in it.
     #[error("the baseline has no finished scene: there is nothing to hold against it")]
     Empty,
-    /// The settings do not make a command line of this program.
+    /// The settings are none of this program.
     #[error("the settings of the baseline are none of this program: {0}")]
     Settings(String),
+    /// Scenes or rows are none of this program.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
 }
 
 /// What to measure of a record, and how long.
@@ -100,16 +101,15 @@ fn unknown(what: &'static str, name: &str, valid: Vec<&str>) -> LikeError {
 /// The plan that measures a record's scenes and rows anew, on the same rays.
 ///
 /// # Errors
-/// [`LikeError`] for settings that this program does not have, [`PlanError`] for scenes and
-/// structures that it lacks.
+/// [`LikeError`] for settings, scenes and structures that this program lacks.
 pub fn plan<'r>(
     record: &RunRecord,
     wanted: &Narrowed<'_>,
     context: &Context<'r>,
-) -> Result<Plan<'r>, Error> {
-    let args = arguments(record, wanted).map_err(GateError::from)?;
-    let mut plan = Plan::new(&args, context.registry, context.occluders, context.scenes)
-        .or_else(|error| by_source(error, record, args, context))?;
+) -> Result<Plan<'r>, LikeError> {
+    let settings = settings_of(record, wanted)?;
+    let mut plan = Plan::of_run(&settings, context.registry, context.occluders, context.scenes)
+        .or_else(|error| by_source(error, record, settings, context))?;
     plan.strides = FixedStrides::of(record, 1);
     Ok(plan)
 }
@@ -118,85 +118,74 @@ pub fn plan<'r>(
 fn by_source<'r>(
     error: PlanError,
     record: &RunRecord,
-    mut args: RunArgs,
+    mut settings: RunSettings,
     context: &Context<'r>,
 ) -> Result<Plan<'r>, PlanError> {
     if !matches!(error, PlanError::Scene(_)) {
         return Err(error);
     }
-    for (name, scene) in args.scenes.iter_mut().zip(&record.scenes) {
+    for (name, scene) in settings.scenes.iter_mut().zip(&record.scenes) {
         if context.scenes.resolve(std::slice::from_ref(name)).is_err() {
             name.clone_from(&scene.source);
         }
     }
     // the name says more than the path
-    let found = Plan::new(&args, context.registry, context.occluders, context.scenes);
+    let found = Plan::of_run(&settings, context.registry, context.occluders, context.scenes);
     found.map_err(|_| error)
 }
 
-/// The command line of `run` that would measure the record's scenes and rows.
-fn arguments(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunArgs, LikeError> {
-    let settings = &record.settings;
-    let mut words: Vec<String> = ["rtbench", "run"].map(str::to_owned).into();
-    let mut option = |name: &str, value: String| words.push(format!("--{name}={value}"));
-    let mut labels: Vec<String> = Vec::new();
+/// What a run is asked for that would measure the record's scenes and rows.
+fn settings_of(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunSettings, LikeError> {
+    let of = &record.settings;
+    let mut structures: Vec<String> = Vec::new();
     for row in record.scenes.iter().flat_map(|s| &s.rows) {
-        if !labels.contains(&row.label()) {
-            labels.push(row.label());
+        if !structures.contains(&row.label()) {
+            structures.push(row.label());
         }
     }
-    labels.into_iter().for_each(|label| option("structures", label));
-    option("rays", settings.rays.join(","));
-    option("order", settings.order.clone());
-    option("lights", settings.lights.clone());
-    option("threads", settings.threads.to_string());
-    option("seed", settings.seed.to_string());
-    option("reference", settings.reference.clone());
-    option("precision", settings.precision.clone());
-    let [width, height] = settings.resolution;
+    let [width, height] = of.resolution;
     if width != height {
         return Err(LikeError::Settings(format!("an image of {width} x {height} pixels")));
     }
-    option("size", width.to_string());
-    if let Some(rounds) = wanted.rounds {
-        option("rounds", rounds.to_string());
-    }
-    if let Some(time) = wanted.time_budget {
-        option("time-budget", format!("{}s", time.as_secs_f64()));
-    }
-    for setting in overrides_of_rays(record) {
-        option("set", setting);
-    }
-    if settings.quick {
-        words.push("--quick".into());
-    }
-    words.push("--".into());
-    words.extend(record.scenes.iter().map(|scene| scene.name.clone()));
-    run_arguments(words)
-}
-
-/// What `rtbench run` takes, from the words of a command line.
-///
-/// # Errors
-/// [`LikeError::Settings`] where they are none of it.
-pub fn run_arguments(words: Vec<String>) -> Result<RunArgs, LikeError> {
-    match Cli::try_parse_from(words).map(|cli| cli.command) {
-        Ok(Command::Run(args)) => Ok(args),
-        Ok(_) => Err(LikeError::Settings("expected those of `run`".into())),
-        Err(error) => Err(LikeError::Settings(error.to_string())),
-    }
-}
-
-/// What the command line of a record sets of its rays: its settings do not say.
-fn overrides_of_rays(record: &RunRecord) -> Vec<String> {
-    let parsed = Cli::try_parse_from(&record.command_line).map(|cli| cli.command);
-    let overrides = match parsed {
-        Ok(Command::Run(args)) => args.overrides,
-        Ok(Command::Baseline(args)) => match args.action {
-            BaselineAction::Save(args) => args.run.overrides,
-            _ => Vec::new(),
-        },
-        _ => Vec::new(),
+    let measuring = MeasuringSettings {
+        rays: of.rays.clone(),
+        order: choice::<Orders>("order", &of.order)?,
+        lights: choice::<Lights>("lights", &of.lights)?,
+        rounds: wanted.rounds,
+        time_budget: wanted.time_budget,
+        quick: of.quick,
+        threads: within("threads", of.threads as u64, MeasuringSettings::MOST_THREADS.into())?,
+        seed: of.seed,
+        reference: Some(of.reference.clone()),
+        precision: choice::<Precision>("precision", &of.precision)?,
+        size: Some(within("size", width.into(), MeasuringSettings::LARGEST_SIZE.into())?),
+        ..MeasuringSettings::default()
     };
-    overrides.into_iter().filter(|text| text.starts_with("rays.")).collect()
+    Ok(RunSettings {
+        scenes: record.scenes.iter().map(|scene| scene.name.clone()).collect(),
+        structures,
+        // the record's settings do not say what was set of its rays
+        overrides: overrides_in(&record.command_line)
+            .into_iter()
+            .filter(|text| text.starts_with("rays."))
+            .collect(),
+        measuring,
+        ..RunSettings::default()
+    })
+}
+
+/// The value of a setting as the record has it.
+fn choice<T: Choice>(name: &str, text: &str) -> Result<T, LikeError> {
+    T::typed(text).ok_or_else(|| {
+        let valid: Vec<&str> = T::ALL.iter().map(|(_, name, _)| *name).collect();
+        LikeError::Settings(format!("{name} {text}; valid: {}", valid.join(", ")))
+    })
+}
+
+/// A number of the record, from 1 to `most`.
+fn within<T: TryFrom<u64>>(name: &str, number: u64, most: u64) -> Result<T, LikeError> {
+    let is_valid = (1..=most).contains(&number);
+    let number_in_range = T::try_from(number).ok().filter(|_| is_valid);
+    number_in_range
+        .ok_or_else(|| LikeError::Settings(format!("{name} {number}; expected 1 to {most}")))
 }

@@ -7,16 +7,16 @@
 //! once, of several rays or by the processor's looking ahead; one that is much slower is held up by
 //! instructions, not by memory.
 //!
-//! Lines are counted by a simulation ([`crate::callgrind::caches`]), latencies are measured
+//! Lines are counted by a simulation ([`measurement::callgrind::caches`]), latencies are measured
 //! ([`crate::doctor::memory`]), times are those of the run.
 
-use crate::callgrind::simulation::{CacheLevel, Fetched};
 use crate::doctor::memory::{Latency, interpolated};
-use crate::export::numbers::short;
-use crate::export::table::{Cell, Table, dash};
-use crate::record::{Answered, RunRecord, SceneRecord, SummaryRow, Verdict, label};
-use crate::statistics::median;
-use crate::summary::summarize;
+use measurement::callgrind::simulation::{CacheLevel, Fetched};
+use measurement::record::summary::summarize;
+use measurement::record::{Answered, RunRecord, SceneRecord, SummaryRow, Verdict, label};
+use presentation::numbers::short;
+use presentation::table::{Cell, Table, dash};
+use statistics::estimate::median;
 
 /// Rows that are profiled where none are named.
 const ROWS: usize = 3;
@@ -158,8 +158,8 @@ fn notes(machine: &Machine) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::callgrind::caches::AskedBatch;
-    use crate::test_record::{Rows, run};
+    use measurement::callgrind::caches::AskedBatch;
+    use measurement::record::made_up::{Rows, run};
 
     fn machine() -> Machine {
         let level = |level, bytes| CacheLevel { level, bytes, ways: 8, line: 64 };

@@ -17,7 +17,7 @@ mod tests {
     use schemars::generate::SchemaSettings;
     use serde_json::Value;
 
-    use crate::record::RunRecord;
+    use measurement::record::RunRecord;
 
     const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/schema/run-record.schema.json");
 

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::polygon::ear_clipping::Entangled;
+
 /// A file and, where the format has them, a line; printed as `file:line`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
@@ -37,255 +39,104 @@ impl fmt::Display for Place {
 }
 
 /// Why a scene could not be loaded.
+#[allow(missing_docs, reason = "the message of a variant says what its fields are")]
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoadError {
     /// The operating system refused to read or write the file.
     #[error("{place}: {source}")]
-    Io {
-        /// The file.
-        place: Place,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Io { place: Place, source: std::io::Error },
     /// The file, or what it unpacks to, is larger than loaders accept.
     #[error("{place}: larger than the limit of {limit} bytes (after decompression)")]
-    TooLarge {
-        /// The file.
-        place: Place,
-        /// The limit in bytes.
-        limit: u64,
-    },
+    TooLarge { place: Place, limit: u64 },
+    /// A `.gz` or `.zst` file unpacks to so much that it can be no scene.
+    #[error(
+        "{place}: {packed} bytes unpack to more than {limit}: 64 MiB and 200 times the packed size \
+         are taken"
+    )]
+    Inflated { place: Place, packed: u64, limit: u64 },
     /// A `.gz` or `.zst` stream is damaged.
     #[error("{place}: not a readable {format} stream: {message}")]
-    Decompress {
-        /// The file.
-        place: Place,
-        /// `gzip` or `zstd`.
-        format: &'static str,
-        /// What the decompressor said.
-        message: String,
-    },
+    Decompress { place: Place, format: &'static str, message: String },
     /// The file name has none of the endings a loader is registered for.
     #[error("{place}: unknown scene format; valid endings: {valid}")]
-    UnknownFormat {
-        /// The file.
-        place: Place,
-        /// The valid endings, comma-separated.
-        valid: String,
-    },
+    UnknownFormat { place: Place, valid: String },
     /// Something else stands where the format asks for a number, a keyword, ...
     #[error("{place}: found {found}, expected {expected}")]
-    Syntax {
-        /// Where.
-        place: Place,
-        /// The offending text, shortened.
-        found: String,
-        /// What is valid there.
-        expected: String,
-    },
+    Syntax { place: Place, found: String, expected: String },
     /// The file ends in the middle of an entity.
     #[error("{place}: the file ends where {expected} was expected")]
-    UnexpectedEnd {
-        /// The last line.
-        place: Place,
-        /// What was still to come.
-        expected: String,
-    },
+    UnexpectedEnd { place: Place, expected: String },
     /// A number is NaN or infinite.
     #[error("{place}: {what} is {found}, expected a finite number")]
-    NotFinite {
-        /// Where.
-        place: Place,
-        /// Which quantity.
-        what: String,
-        /// The number as written.
-        found: String,
-    },
+    NotFinite { place: Place, what: String, found: String },
     /// A number is finite but outside the values its quantity may have.
     #[error("{place}: {what} is {found}, expected {expected}")]
-    OutOfRange {
-        /// Where.
-        place: Place,
-        /// Which quantity.
-        what: String,
-        /// The value as written.
-        found: String,
-        /// The valid values.
-        expected: String,
-    },
+    OutOfRange { place: Place, what: String, found: String, expected: String },
     /// A sphere with a negative radius, or a cone whose radii differ in sign.
     #[error("{place}: {what} is {radius}, expected {expected}")]
-    NegativeRadius {
-        /// Where.
-        place: Place,
-        /// Which radius.
-        what: &'static str,
-        /// The radius found, in world units.
-        radius: f64,
-        /// The valid radii.
-        expected: &'static str,
-    },
+    NegativeRadius { place: Place, what: &'static str, radius: f64, expected: &'static str },
     /// A count that the rest of the file cannot possibly hold, or that is above a loader's cap.
     #[error("{place}: {what} says {count}, but at most {limit} are possible here")]
-    CountTooLarge {
-        /// Where.
-        place: Place,
-        /// What is counted.
-        what: String,
-        /// The count as stated.
-        count: u64,
-        /// The largest count that is possible.
-        limit: u64,
-    },
+    CountTooLarge { place: Place, what: String, count: u64, limit: u64 },
     /// An index refers to something that does not exist.
     #[error("{place}: {what} index {index} is out of range: {valid}")]
-    IndexOutOfRange {
-        /// Where.
-        place: Place,
-        /// What is indexed.
-        what: String,
-        /// The index as written.
-        index: String,
-        /// The valid range in words.
-        valid: String,
-    },
+    IndexOutOfRange { place: Place, what: String, index: String, valid: String },
+    /// A face that must be split into triangles and is not.
+    #[error("{place}: {source}")]
+    Entangled { place: Place, source: Entangled },
     /// The file is well-formed but holds no primitive.
     #[error("{place}: no primitives; expected at least one {expected}")]
-    NoPrimitives {
-        /// The file.
-        place: Place,
-        /// What the format calls its primitives.
-        expected: &'static str,
-    },
+    NoPrimitives { place: Place, expected: &'static str },
     /// The glTF or OBJ parser of a library reported an error after our own checks passed.
     #[error("{place}: {parser} says: {message}")]
-    Parser {
-        /// The file.
-        place: Place,
-        /// The library.
-        parser: &'static str,
-        /// Its message, or its panic's.
-        message: String,
-    },
+    Parser { place: Place, parser: &'static str, message: String },
     /// The length in a GLB header differs from the file's.
     #[error("{place}: the GLB header states {declared} bytes, the file has {actual}")]
-    GlbLength {
-        /// The file.
-        place: Place,
-        /// Length in the header, bytes.
-        declared: u64,
-        /// Length of the file, bytes.
-        actual: u64,
-    },
+    GlbLength { place: Place, declared: u64, actual: u64 },
     /// A part of a glTF file breaks a rule of the format.
     #[error("{place}: {object}: found {found}, expected {expected}")]
-    Gltf {
-        /// The file.
-        place: Place,
-        /// Which object of the document: `mesh 3 primitive 0`.
-        object: String,
-        /// What was found.
-        found: String,
-        /// What is valid.
-        expected: String,
-    },
+    Gltf { place: Place, object: String, found: String, expected: String },
     /// A glTF accessor or buffer view reads beyond the bytes it has.
     #[error("{place}: {object} needs {needed} bytes, but only {available} are there")]
-    PastBuffer {
-        /// The file.
-        place: Place,
-        /// Which accessor or view.
-        object: String,
-        /// Bytes needed.
-        needed: u64,
-        /// Bytes there.
-        available: u64,
-    },
+    PastBuffer { place: Place, object: String, needed: u64, available: u64 },
     /// A reference leads out of the folder of the file that holds it.
     #[error(
         "{place}: `{uri}` leads out of the file's own folder; expected a relative path below it or a data: URI"
     )]
-    OutsideFolder {
-        /// The file.
-        place: Place,
-        /// The reference as written.
-        uri: String,
-    },
+    OutsideFolder { place: Place, uri: String },
+    /// The source of a scene file lies outside its folder.
+    #[error(
+        "{place}: `{path}` leads out of the scene file's folder; expected a relative path below it \
+         (--allow-outside reads it all the same: for files that are your own)"
+    )]
+    OutsideSource { place: Place, path: String },
     /// A node of a glTF scene can be reached twice (a cycle, or two parents).
     #[error("{place}: node {node} is reached twice; expected a tree (each node has one parent)")]
-    NodeReachedTwice {
-        /// The file.
-        place: Place,
-        /// Index of the node.
-        node: usize,
-    },
+    NodeReachedTwice { place: Place, node: usize },
     /// A JSON scene or set file is malformed: `message` is the parser's, with the valid keys.
     #[error("{place}:{column}: {message}")]
-    Json {
-        /// File and line.
-        place: Place,
-        /// Column counted from 1.
-        column: usize,
-        /// What was found and expected.
-        message: String,
-    },
+    Json { place: Place, column: usize, message: String },
     /// The file is not the one that the scene file describes.
     #[error("{place}: SHA-256 is {found}, expected {expected} (see the scene file)")]
-    HashMismatch {
-        /// The file with the wrong content.
-        place: Place,
-        /// Hash in the scene file, hexadecimal.
-        expected: String,
-        /// Hash of the file, hexadecimal.
-        found: String,
-    },
+    HashMismatch { place: Place, expected: String, found: String },
     /// A procedural scene could not be generated.
     #[error("procedural scene `{spec}`: {message}")]
-    Procedural {
-        /// The specification as given, `balls:5`.
-        spec: String,
-        /// The generator's message.
-        message: String,
-    },
+    Procedural { spec: String, message: String },
     /// No scene, set or file of that name.
     #[error("unknown scene `{name}`{suggestion}; valid: {valid}")]
-    UnknownScene {
-        /// The name as given.
-        name: String,
-        /// ` (did you mean ...?)` or empty.
-        suggestion: String,
-        /// All valid names and forms.
-        valid: String,
-    },
+    UnknownScene { name: String, suggestion: String, valid: String },
     /// A scene of which there is but one size.
     #[error("`{name}` does not come in sizes; those that do: {valid}")]
-    NoSizes {
-        /// The name as given.
-        name: String,
-        /// The names of scenes that have sizes.
-        valid: String,
-    },
+    NoSizes { name: String, valid: String },
     /// A scene that ships inside a package is not on this machine yet.
     #[error(
         "scene `{scene}` comes with the package {package} and is not on this machine (looked for {path}); fetch it with: rtbench scenes fetch {scene}"
     )]
-    NotFetched {
-        /// Name of the scene.
-        scene: String,
-        /// Package and version.
-        package: String,
-        /// Path inside the package.
-        path: String,
-    },
+    NotFetched { scene: String, package: String, path: String },
     /// A package could not be brought to this machine.
     #[error("cannot fetch the package {package}: {message}")]
-    Fetch {
-        /// Package and version.
-        package: String,
-        /// What cargo or the system said.
-        message: String,
-    },
+    Fetch { package: String, message: String },
 }
 
 impl LoadError {
@@ -300,11 +151,16 @@ impl LoadError {
 
 /// Text from a file, quoted for a message and cut to a readable length.
 pub(crate) fn quote(text: &str) -> String {
+    format!("`{}`", shortened(text))
+}
+
+/// Text from a file without control characters, cut to a readable length.
+pub(crate) fn shortened(text: &str) -> String {
     const LONGEST: usize = 40;
     let clean: String =
         text.chars().take(LONGEST).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
     let more = if text.chars().nth(LONGEST).is_some() { "..." } else { "" };
-    format!("`{clean}{more}`")
+    clean + more
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::process::Command;
 use serde::Deserialize;
 
 use crate::error::{LoadError, Place};
-use crate::source_read::confined;
+use crate::input::read::confined;
 
 /// A file inside a package.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]

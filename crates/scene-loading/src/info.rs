@@ -3,8 +3,7 @@
 use std::fmt;
 
 use crate::error::Place;
-use crate::nff::check_camera;
-use crate::obj_polygon::{area_vector, is_flat};
+use crate::polygon::{area_vector, is_flat};
 use crate::scene::{Bounds, Scene, Shape, Warning};
 
 /// Counts and sizes of a scene.
@@ -129,7 +128,7 @@ pub fn validate(scene: &Scene) -> Vec<Warning> {
     if scene.lights.is_empty() {
         warn("no lights: every surface is black".into());
     }
-    if let Err(error) = check_camera(&scene.camera, || Place::file(scene.name.as_ref())) {
+    if let Err(error) = scene.camera.check(|| Place::file(scene.name.as_ref())) {
         warnings.push(Warning(error.to_string()));
     }
     warnings

@@ -3,14 +3,12 @@
 //! Counts at resolution `n`: a sphere gives `12 n^2` triangles, a cone or cylinder `8 n` (`4 n` if
 //! it has a tip), a polygon of `k` vertices `k - 2`, a triangle or patch itself.
 
-mod ear_clipping;
-
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-pub use self::ear_clipping::triangulate;
+pub use crate::polygon::ear_clipping::{Entangled, triangulate};
 use crate::scene::{Cone, Primitive, Scene, Shape, Sphere, Warning};
 
 /// How finely curved primitives are tessellated.
@@ -31,6 +29,7 @@ impl Default for TessellationOptions {
 const MOST: u64 = 64 << 20;
 
 /// Why a scene cannot be tessellated.
+#[allow(missing_docs, reason = "the message of a variant says what its fields are")]
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TessellationError {
     /// The resolution is 0.
@@ -41,12 +40,10 @@ pub enum TessellationError {
         "tessellated at resolution {resolution}, the scene would have {triangles} triangles; \
          at most {MOST} are accepted"
     )]
-    TooLarge {
-        /// The resolution asked for.
-        resolution: u32,
-        /// Triangles the result would have.
-        triangles: u64,
-    },
+    TooLarge { resolution: u32, triangles: u64 },
+    /// A polygon is not cut up.
+    #[error("primitive {primitive} is {source}")]
+    Entangled { primitive: usize, source: Entangled },
 }
 
 /// Converts the scene to triangles.
@@ -91,7 +88,10 @@ pub fn tessellate(
         match primitive.shape {
             Shape::Sphere(i) => out.push_sphere(material, &ball, scene.spheres[i as usize]),
             Shape::Cone(i) => out.push_cone(material, n, scene.cones[i as usize]),
-            Shape::Polygon { first, count } => out.push_polygon(material, first, count),
+            Shape::Polygon { first, count } => {
+                out.push_polygon(material, first, count)
+                    .map_err(|source| TessellationError::Entangled { primitive: id, source })?;
+            }
             Shape::Triangle { .. } | Shape::Patch { .. } => out.scene.primitives.push(primitive),
         }
         if out.scene.primitives.len() == before {
@@ -192,11 +192,12 @@ impl Output {
         }
     }
 
-    fn push_polygon(&mut self, material: u32, first: u32, count: u32) {
+    fn push_polygon(&mut self, material: u32, first: u32, count: u32) -> Result<(), Entangled> {
         let outline = &self.scene.vertices[first as usize..][..count as usize];
-        for triangle in triangulate(outline) {
+        for triangle in triangulate(outline)? {
             self.push(material, triangle.map(|i| first + i));
         }
+        Ok(())
     }
 }
 

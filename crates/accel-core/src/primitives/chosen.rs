@@ -55,15 +55,15 @@ pub static PARAMS: &[ParamSpec] = &[
 pub enum TriangleChoice {
     /// See [`MoellerTrumbore`].
     MoellerTrumbore,
-    /// See [`MoellerTrumboreTolerant`].
+    /// See `MoellerTrumboreTolerant`.
     Tolerant,
-    /// See [`Pluecker`].
+    /// See `Pluecker`.
     Pluecker,
     /// See [`Watertight`].
     Watertight,
-    /// See [`WatertightFallback`].
+    /// See `WatertightFallback`.
     Fallback,
-    /// See [`InDouble`].
+    /// See `InDouble`.
     Double,
 }
 

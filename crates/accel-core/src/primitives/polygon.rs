@@ -34,7 +34,7 @@ impl<S: Scalar> Polygon<S> {
     /// Appends the vertices to `store` and returns the polygon over them.
     ///
     /// # Errors
-    /// [`TooFewVertices`] below three vertices.
+    /// `TooFewVertices` below three vertices.
     pub fn new(vertices: &[glam::DVec3], store: &mut Vec<[S; 3]>) -> Result<Self, TooFewVertices> {
         if vertices.len() < 3 {
             return Err(TooFewVertices(vertices.len()));

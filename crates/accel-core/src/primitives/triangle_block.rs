@@ -14,7 +14,7 @@ const LANES: usize = 8;
 /// In `ids[0]`: another block of the same list follows.
 const MORE: u32 = 1 << 31;
 
-/// Up to [`LANES`] triangles, transposed; in f32 five cache lines.
+/// Up to `LANES` triangles, transposed; in f32 five cache lines.
 #[repr(C, align(64))]
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleBlock<S> {
@@ -29,7 +29,7 @@ impl<S: Scalar> TriangleBlock<S> {
     /// The largest number of primitives that ids in blocks can tell apart.
     pub const MOST_IDS: usize = MORE as usize;
 
-    /// Of no more than [`LANES`] triangles; further ones are left out. `more`: another block
+    /// Of no more than `LANES` triangles; further ones are left out. `more`: another block
     /// of the same list follows.
     pub fn new(triangles: impl Iterator<Item = (u32, [[S; 3]; 3])>, more: bool) -> Self {
         let nan = S::from_f64(f64::NAN);

@@ -205,7 +205,8 @@ impl<S: Scalar> Structure<S> for Octree<S> {
             "neighbour" => Traversal::Neighbour,
             _ => Traversal::TopDown,
         };
-        // the parameters of two planes are off by 1.5 epsilon each, boxes are padded by 64
+        // the parameters of two planes are off by 1.5 epsilon each: at this distance by 9 together,
+        // of the 22 that the padding of boxes leaves them (`bounds_rule.rs`)
         let three = S::from_i32(3);
         let reach = if historical { S::INFINITY } else { three * bounds.magnitude() };
         Ok(Self { bounds, cells, traversal, historical, reach })

@@ -160,6 +160,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             by_division: historical,
             narrowest: Division::narrowest_in(bounds.scene())
                 .greater(S::from_f64(bounds.smallest_cell())),
+            padding: bounds.padding(),
             cells: Budget::new("number of voxels", params.integer("max-cells")),
             references: Budget::new("references in voxels", params.integer("max-references")),
         };
@@ -198,7 +199,8 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
 
 impl<S: Scalar> RecursiveGrid<S> {
     /// Walks through one grid, which the ray enters at `t_enter`, and the grids within; `Break`
-    /// ends the query.
+    /// ends the query. A hit before the exit from a voxel ends the walk of its grid alone: the grid
+    /// reaches beyond the one around it, whose next voxel may hold what is closer.
     fn walk_grid<K: Sink<S>>(
         &self,
         grid: &Grid<S>,
@@ -224,13 +226,11 @@ impl<S: Scalar> RecursiveGrid<S> {
                     }
                 }
             }
-            if sink.t_max() < t_exit {
-                return ControlFlow::Break(());
-            }
-            if !walk.advance() {
+            if sink.t_max() < t_exit || !walk.advance() {
                 return ControlFlow::Continue(());
             }
-            t_enter = t_exit;
+            // a plane beside the ray may be met long before the grid is
+            t_enter = t_exit.greater(t_enter);
         }
     }
 }

@@ -27,7 +27,7 @@ use crate::primitives::PrimSet;
 use crate::ray::Ray;
 use crate::scalar::Scalar;
 use crate::sink::Sink;
-use crate::voxel_walk::{GridFrame, VoxelWalk, inverse_direction};
+use crate::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direction};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
 /// Registry line.
@@ -63,6 +63,7 @@ pub static INFO: StructureInfo = StructureInfo {
 /// Two levels of grids.
 pub struct TwoLevelGrid<S: Scalar> {
     upper: GridFrame<S>,
+    division: CellDivision<S>,
     cells: Vec<UpperCell>,
     leaves: LeafCells,
 }
@@ -75,9 +76,10 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
             max_cells: params.integer("max-cells"),
             max_references: params.integer("max-references"),
         };
-        let (cells, leaves) = leaf_cells::divide(&contents, &lists, &rules)
+        let division = CellDivision::new(&contents.frame, contents.padding());
+        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules)
             .map_err(|excess| super::hug::too_large(params, excess))?;
-        Ok(Self { upper: contents.frame, cells, leaves })
+        Ok(Self { upper: contents.frame, division, cells, leaves })
     }
 
     #[inline(always)]
@@ -93,7 +95,7 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
             let Some(cell) = self.cells.get(walk.index()) else { return };
             if cell.is_divided() {
                 sink.inner_step();
-                let leaf = self.upper.divided(walk.coords(), cell.resolution());
+                let leaf = self.division.grid(walk.coords(), cell.resolution());
                 if self.leaves.walk(cell, leaf.walk_at(ray, inverse, t), sink).is_break() {
                     return;
                 }
@@ -104,10 +106,12 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
                     return;
                 }
             }
-            t = walk.t_exit();
-            if sink.t_max() < t || !walk.advance() {
+            let t_exit = walk.t_exit();
+            if sink.t_max() < t_exit || !walk.advance() {
                 return;
             }
+            // a plane beside the ray may be met long before the grid is
+            t = t_exit.greater(t);
         }
     }
 
@@ -128,8 +132,8 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
 }
 
 impl LeafCells {
-    /// Visits the leaf cells of an upper cell until the walk leaves it; `Break` when nothing closer
-    /// can follow.
+    /// Visits the leaf cells of an upper cell until the walk leaves it or nothing closer can follow
+    /// there; `Break` ends the query.
     #[inline(always)]
     fn walk<S: Scalar, K: Sink<S>>(
         &self,
@@ -143,10 +147,7 @@ impl LeafCells {
             if !list.is_empty() {
                 sink.test(list)?;
             }
-            if sink.t_max() < walk.t_exit() {
-                return ControlFlow::Break(());
-            }
-            if !walk.advance() {
+            if sink.t_max() < walk.t_exit() || !walk.advance() {
                 return ControlFlow::Continue(());
             }
         }

@@ -1,6 +1,6 @@
 //! How many rays an image took, by kind and by effect.
 
-use crate::effects::Effect;
+use super::effect::Effect;
 use crate::rays::RayKind;
 
 /// Rays of an image. Counted by wave, not by ray.

@@ -8,28 +8,27 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::Effect;
 use super::counts::RayCounts;
+use super::effect::Effect;
 use super::focus::Lens;
 use super::sampler::{Pattern, Purpose};
+use super::stages::{EyeRay, EyeStage, Origin};
 use crate::camera::EyeRays;
 use crate::rays::RayKind;
-use crate::tracers::stages::{EyeRay, EyeStage, Origin};
 
-/// One ray a pixel, no random numbers.
+/// One ray per pixel, no random numbers.
 pub struct Pinhole {
     eye: EyeRays,
 }
 
 impl Pinhole {
-    /// Of a camera.
     pub fn new(eye: EyeRays) -> Self {
         Self { eye }
     }
 }
 
 impl EyeStage for Pinhole {
-    fn rays_a_pixel(&self) -> u32 {
+    fn rays_per_pixel(&self) -> u32 {
         1
     }
 
@@ -47,9 +46,7 @@ impl EyeStage for Pinhole {
 /// What a pixel's rays sample.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampling {
-    /// Rays a pixel.
     pub rays: u32,
-    /// The lens.
     pub lens: Lens,
     /// How long the shutter is open.
     pub shutter: f64,
@@ -57,7 +54,7 @@ pub struct Sampling {
     pub seed: u64,
 }
 
-/// Several rays a pixel. What is not sampled is not compiled in.
+/// Several rays per pixel. What is not sampled is not compiled in.
 pub struct Sampled<const AREA: bool, const LENS: bool, const TIME: bool> {
     eye: EyeRays,
     sampling: Sampling,
@@ -83,7 +80,7 @@ pub fn sampled(eye: EyeRays, sampling: Sampling, flags: [bool; 3]) -> Box<dyn Ey
 }
 
 impl<const AREA: bool, const LENS: bool, const TIME: bool> EyeStage for Sampled<AREA, LENS, TIME> {
-    fn rays_a_pixel(&self) -> u32 {
+    fn rays_per_pixel(&self) -> u32 {
         self.sampling.rays
     }
 

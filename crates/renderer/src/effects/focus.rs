@@ -8,9 +8,9 @@
 use glam::{DVec2, DVec3};
 use scene_loading::{Camera, Scene};
 
-use super::{Effect, EffectInfo, RenderSettings};
+use super::effect::{Effect, EffectInfo};
+use super::settings::RenderSettings;
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::Focus,
     name: "depth of field",
@@ -23,7 +23,6 @@ fn called_by(scene: &Scene, _: &RenderSettings) -> Option<String> {
     (aperture > 0.0).then(|| format!("a lens of radius {aperture}"))
 }
 
-/// A thin lens.
 #[derive(Debug, Clone, Copy)]
 pub struct Lens {
     forward: DVec3,
@@ -33,7 +32,6 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// The lens of a camera.
     pub fn new(camera: &Camera) -> Self {
         let view = camera.at - camera.from;
         let forward = view.normalize_or(DVec3::NEG_Z);

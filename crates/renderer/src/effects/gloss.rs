@@ -11,13 +11,13 @@
 use scene_loading::Scene;
 
 use super::counts::RayCounts;
+use super::effect::{Effect, EffectInfo, counted, used_materials};
 use super::sampler::{Pattern, Purpose};
-use super::{Effect, EffectInfo, RenderSettings, counted, used_materials};
+use super::settings::RenderSettings;
+use super::stages::{Origin, Scattered, SurfaceHit, WavePosition};
 use crate::rays::RayKind;
-use crate::surface::reflect;
-use crate::tracers::stages::{Origin, Place, Scattered, SurfaceHit};
+use crate::shading::surface::reflect;
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::Gloss,
     name: "glossy reflection",
@@ -44,7 +44,7 @@ impl Lobe {
     /// Sends the rays of one hit.
     pub fn reflect(
         &self,
-        place: Place,
+        place: WavePosition,
         index: u32,
         hit: &SurfaceHit<'_>,
         out: &mut Vec<Scattered>,

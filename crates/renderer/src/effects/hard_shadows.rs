@@ -1,4 +1,4 @@
-//! Shadows of point lights: one shadow ray a hit and light, no random numbers.
+//! Shadows of point lights: one shadow ray per hit and light, no random numbers.
 //!
 //! Paper: A. Appel, "Some Techniques for Shading Machine Renderings of Solids", AFIPS 1968.
 
@@ -6,11 +6,11 @@ use glam::DVec3;
 use scene_loading::{Rgb, Scene};
 
 use super::counts::RayCounts;
-use super::{Effect, EffectInfo, RenderSettings, counted};
-use crate::surface::reflect;
-use crate::tracers::stages::{LightStage, Place, ShadowRay, SurfaceHit};
+use super::direct_light::{lights, lit_normal, shadow_ray};
+use super::effect::{Effect, EffectInfo, counted};
+use super::settings::RenderSettings;
+use super::stages::{LightStage, ShadowRay, SurfaceHit, WavePosition};
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::HardShadows,
     name: "hard shadows",
@@ -21,14 +21,6 @@ pub static INFO: EffectInfo = EffectInfo {
 fn called_by(scene: &Scene, _: &RenderSettings) -> Option<String> {
     let points = scene.lights.iter().filter(|light| light.radius() <= 0.0).count();
     (points > 0).then(|| format!("{} without a radius", counted(points, "light")))
-}
-
-/// The lights of a scene with their colours.
-pub fn lights(scene: &Scene) -> Vec<(DVec3, Rgb)> {
-    // SPD's documentation asks for this where a file gives no colours
-    let default = [1.0 / (scene.lights.len().max(1) as f64).sqrt(); 3];
-    let light = |light: &scene_loading::Light| (light.position(), light.color().unwrap_or(default));
-    scene.lights.iter().map(light).collect()
 }
 
 /// Asks every light on the lit side.
@@ -45,13 +37,13 @@ impl PointLights {
 }
 
 impl LightStage for PointLights {
-    fn rays_a_hit(&self) -> usize {
+    fn rays_per_hit(&self) -> usize {
         self.lights.len()
     }
 
     fn shadow_rays(
         &self,
-        _: Place,
+        _: WavePosition,
         hits: &[SurfaceHit<'_>],
         out: &mut Vec<ShadowRay>,
         counts: &mut RayCounts,
@@ -81,13 +73,13 @@ struct FirstLight {
 }
 
 impl LightStage for FirstLight {
-    fn rays_a_hit(&self) -> usize {
+    fn rays_per_hit(&self) -> usize {
         1
     }
 
     fn shadow_rays(
         &self,
-        place: Place,
+        place: WavePosition,
         hits: &[SurfaceHit<'_>],
         out: &mut Vec<ShadowRay>,
         counts: &mut RayCounts,
@@ -105,37 +97,4 @@ impl LightStage for FirstLight {
         }));
         counts.add_effect(Effect::HardShadows, out.len() - before);
     }
-}
-
-/// The side of the surface that lights are seen from.
-pub fn lit_normal(hit: &SurfaceHit<'_>, both_sides: bool) -> DVec3 {
-    let normal = hit.point.normal;
-    if both_sides && normal.dot(hit.incoming) > 0.0 { -normal } else { normal }
-}
-
-/// The ray to one point of a light, and the light that comes along it by the surface model of
-/// NFF; `None` when the point is not on the lit side.
-#[inline(always)]
-pub fn shadow_ray(
-    hit: &SurfaceHit<'_>,
-    index: u32,
-    normal: DVec3,
-    light: DVec3,
-    color: Rgb,
-    share: f64,
-) -> Option<ShadowRay> {
-    let to_light = light - hit.point.position;
-    let direction = to_light / to_light.length();
-    let cos = normal.dot(direction);
-    // NaN: a light in the very point
-    if cos.is_nan() || cos <= 0.0 {
-        return None;
-    }
-    let m = hit.point.material;
-    let mirror = reflect(hit.incoming, normal).dot(direction).max(0.0);
-    let highlight = if m.specular > 0.0 { m.specular * mirror.powf(m.shine) } else { 0.0 };
-    let arriving = std::array::from_fn(|k| {
-        hit.weight[k] * color[k] * (m.diffuse * hit.point.color[k] * cos + highlight) * share
-    });
-    Some(ShadowRay { hit: index, target: light, light: arriving })
 }

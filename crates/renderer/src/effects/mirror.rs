@@ -6,13 +6,13 @@
 use scene_loading::Scene;
 
 use super::counts::RayCounts;
+use super::effect::{Effect, EffectInfo, counted, used_materials};
 use super::gloss::Lobe;
-use super::{Effect, EffectInfo, RenderSettings, counted, used_materials};
+use super::settings::RenderSettings;
+use super::stages::{ScatterStage, Scattered, SurfaceHit, WavePosition};
 use crate::rays::RayKind;
-use crate::surface::{reflect, refract};
-use crate::tracers::stages::{Place, ScatterStage, Scattered, SurfaceHit};
+use crate::shading::surface::{reflect, refract};
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::Mirror,
     name: "mirror reflection",
@@ -44,7 +44,7 @@ impl<const GLASS: bool, const ROUGH: bool> Scatter<GLASS, ROUGH> {
 impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH> {
     fn scatter(
         &self,
-        place: Place,
+        place: WavePosition,
         hits: &[SurfaceHit<'_>],
         out: &mut Vec<Scattered>,
         counts: &mut RayCounts,

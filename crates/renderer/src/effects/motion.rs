@@ -7,11 +7,11 @@
 use glam::DVec3;
 use scene_loading::Scene;
 
-use super::{Effect, EffectInfo, RenderSettings, counted};
-use crate::surface::Surfaces;
-use crate::tracers::stages::{HitStage, SurfaceHit};
+use super::effect::{Effect, EffectInfo, counted};
+use super::settings::RenderSettings;
+use super::stages::{HitStage, SurfaceHit};
+use crate::shading::surface::Surfaces;
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::Motion,
     name: "motion blur",
@@ -34,7 +34,6 @@ pub struct MovedSurfaces<'a> {
 }
 
 impl<'a> MovedSurfaces<'a> {
-    /// Of a scene.
     pub fn new(scene: &'a Scene) -> Self {
         Self { scene, surfaces: Surfaces::new(scene, false) }
     }

@@ -1,73 +1,24 @@
 //! The effect plan: what an image must simulate, found in the scene alone, and the stages that do
 //! so and nothing else.
 
-use scene_loading::{SampleWishes, Scene};
+use scene_loading::Scene;
 
-use super::eye::{Sampling, sampled};
+use super::effect::{Effect, EffectInfo};
+use super::eye::{Pinhole, Sampling, sampled};
 use super::focus::Lens;
 use super::gloss::Lobe;
+use super::hard_shadows::PointLights;
+use super::mirror::Scatter;
 use super::motion::MovedSurfaces;
+use super::registry::EFFECTS;
+use super::settings::{RenderSettings, Samples};
 use super::soft_shadows::DiscLights;
+use super::stages::{EyeStage, LightStage, ScatterStage, Stages};
 use super::textures::ImageColors;
-use super::{EFFECTS, Effect, EffectInfo, Pinhole, PointLights, Scatter};
 use crate::camera::EyeRays;
-use crate::tracers::stages::{EyeStage, LightStage, ScatterStage, Stages};
 
-/// Limit of [`EffectPlan::samples_a_pixel`].
-pub const MOST_SAMPLES_A_PIXEL: u64 = 1 << 22;
-
-/// How an image is made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RenderSettings {
-    /// Pixels of the image.
-    pub resolution: [u32; 2],
-    /// Longest chain of rays; eye rays have depth 1.
-    pub max_depth: u32,
-    /// Numbers of samples that replace those of the scene.
-    pub samples: SampleWishes,
-    /// Seed of all sample patterns.
-    pub seed: u64,
-}
-
-impl Default for RenderSettings {
-    fn default() -> Self {
-        let (resolution, samples) = ([256, 256], SampleWishes::default());
-        Self { resolution, max_depth: 5, samples, seed: 1 }
-    }
-}
-
-/// Numbers of samples: what the settings say, else what the scene says, else 16 (1 for the area
-/// of a pixel). Those of effects that are not called for are not used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Samples {
-    /// Eye rays a pixel for its area.
-    pub supersamples: u32,
-    /// Shadow rays a hit and light with a radius.
-    pub shadow: u32,
-    /// Rays of the first rough mirror of a path.
-    pub glossy: u32,
-    /// Eye rays a pixel for the time the shutter is open.
-    pub temporal: u32,
-    /// Eye rays a pixel for the area of the lens.
-    pub focal: u32,
-}
-
-impl Samples {
-    /// The numbers for a scene.
-    pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
-        let (typed, wished) = (settings.samples, scene.samples);
-        let number = |typed: Option<u32>, wished: Option<u32>, default: u32| {
-            typed.or(wished).unwrap_or(default).max(1)
-        };
-        Self {
-            supersamples: number(typed.supersamples, wished.supersamples, 1),
-            shadow: number(typed.shadow, wished.shadow, 16),
-            glossy: number(typed.glossy, wished.glossy, 16),
-            temporal: number(typed.temporal, wished.temporal, 16),
-            focal: number(typed.focal, wished.focal, 16),
-        }
-    }
-}
+/// Limit of [`EffectPlan::samples_per_pixel`].
+pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 
 /// An effect that is called for.
 #[derive(Debug, Clone)]
@@ -174,18 +125,18 @@ impl EffectPlan {
         }
     }
 
-    /// Eye rays a pixel.
-    pub fn rays_a_pixel(&self) -> u32 {
+    /// Eye rays per pixel.
+    pub fn rays_per_pixel(&self) -> u32 {
         [Effect::Supersampling, Effect::Motion, Effect::Focus]
             .into_iter()
             .fold(1_u32, |n, effect| n.saturating_mul(self.factor(effect)))
     }
 
     /// Samples that one pixel may take at once: eye rays x glossy x shadow samples. Callers must
-    /// refuse more than [`MOST_SAMPLES_A_PIXEL`]: they would fill the memory.
-    pub fn samples_a_pixel(&self) -> u64 {
+    /// refuse more than [`MOST_SAMPLES_PER_PIXEL`]: they would fill the memory.
+    pub fn samples_per_pixel(&self) -> u64 {
         let factor = |effect| u64::from(self.factor(effect));
-        u64::from(self.rays_a_pixel())
+        u64::from(self.rays_per_pixel())
             .saturating_mul(factor(Effect::Gloss))
             .saturating_mul(factor(Effect::SoftShadows))
     }
@@ -218,7 +169,7 @@ impl EffectPlan {
     fn eye(&self, scene: &Scene, eye: EyeRays) -> Box<dyn EyeStage> {
         let flags = [Effect::Supersampling, Effect::Focus, Effect::Motion];
         let sampling = Sampling {
-            rays: self.rays_a_pixel(),
+            rays: self.rays_per_pixel(),
             lens: Lens::new(&scene.camera),
             shutter: scene.camera.shutter,
             seed: self.settings.seed,
@@ -254,7 +205,7 @@ impl EffectPlan {
     }
 }
 
-/// The stages of measurement: one ray a pixel, lights at their centres, perfect mirrors, whatever
+/// The stages of measurement: one ray per pixel, lights at their centres, perfect mirrors, whatever
 /// the scene calls for.
 pub fn plain_stages<'a>(scene: &'a Scene, eye: EyeRays, both_sides: bool) -> Stages<'a> {
     let lobe = Lobe { samples: 1, seed: 0 };

@@ -6,9 +6,9 @@
 
 use scene_loading::Scene;
 
-use super::{Effect, EffectInfo, RenderSettings, counted, used_materials};
+use super::effect::{Effect, EffectInfo, counted, used_materials};
+use super::settings::RenderSettings;
 
-/// Registry line.
 pub static INFO: EffectInfo =
     EffectInfo { effect: Effect::Refraction, name: "refraction", paper: "Whitted 1980", called_by };
 

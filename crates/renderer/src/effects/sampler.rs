@@ -1,14 +1,19 @@
 //! Sample positions: Sobol's (0,2)-sequence, scrambled and shuffled by hashes.
 //!
 //! Papers: I. Sobol, "On the Distribution of Points in a Cube", 1967; A. Owen, "Randomly Permuted
-//! (t,m,s)-Nets", 1995; the hashes are those of B. Burley, "Practical Hash-based Owen
-//! Scrambling", JCGT 9(4), 2020, after S. Laine, T. Karras, 2011; discs as in P. Shirley,
-//! K. Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3), 1997.
+//! (t,m,s)-Nets", 1995; B. Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020 (crate
+//! `sobol_burley`); discs as in P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and
+//! Square", JGT 2(3), 1997.
 //!
 //! Every pixel and purpose has a scramble of its own, made from the seed alone: the image does not
-//! depend on threads, and purposes are not correlated. Any 2^k consecutive samples are stratified.
+//! depend on threads, and purposes are not correlated. Any aligned 2^k samples are stratified, up
+//! to 2^16: the sequences of the crate end there, and the next 2^16 samples are from another one.
 
 use glam::DVec2;
+use sobol_burley::{parts::hash, sample, sample_4d};
+
+/// Samples of a sequence of crate `sobol_burley`.
+const LONGEST: u32 = 1 << 16;
 
 /// What samples are for; keeps the patterns apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,15 +52,12 @@ impl Pattern {
 
     /// Sample `i` of the unit interval.
     pub fn line(self, i: u32) -> f64 {
-        let i = scrambled(i, self.seed);
-        unit(scrambled(i.reverse_bits(), hash(self.seed ^ 1)))
+        unit(sample(i % LONGEST, 0, self.sequence(i)))
     }
 
     /// Sample `i` of the unit square.
     pub fn square(self, i: u32) -> DVec2 {
-        let i = scrambled(i, self.seed);
-        let x = scrambled(i.reverse_bits(), hash(self.seed ^ 1));
-        let y = scrambled(sobol_1(i), hash(self.seed ^ 2));
+        let [x, y, ..] = sample_4d(i % LONGEST, 0, self.sequence(i));
         DVec2::new(unit(x), unit(y))
     }
 
@@ -63,43 +65,16 @@ impl Pattern {
     pub fn disc(self, i: u32) -> DVec2 {
         concentric(self.square(i))
     }
-}
 
-/// The middle of cell `x` of 2^32: never 0, never 1.
-fn unit(x: u32) -> f64 {
-    (f64::from(x) + 0.5) / 4_294_967_296.0
-}
-
-/// The second dimension of Sobol's sequence.
-fn sobol_1(mut i: u32) -> u32 {
-    let (mut direction, mut x) = (1_u32 << 31, 0);
-    while i != 0 {
-        if i & 1 == 1 {
-            x ^= direction;
-        }
-        direction ^= direction >> 1;
-        i >>= 1;
+    /// The seed of the sequence that sample `i` is from.
+    fn sequence(self, i: u32) -> u32 {
+        self.seed ^ hash(i / LONGEST)
     }
-    x
 }
 
-/// Owen's nested uniform scramble: a bit is flipped by a hash of the bits above it.
-fn scrambled(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
-    x = x.wrapping_add(seed);
-    for factor in [0x6c50_b47c_u32, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {
-        x ^= x.wrapping_mul(factor);
-    }
-    x.reverse_bits()
-}
-
-/// A bijective hash (the finaliser of MurmurHash3, A. Appleby).
-fn hash(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x85eb_ca6b);
-    x ^= x >> 13;
-    x = x.wrapping_mul(0xc2b2_ae35);
-    x ^ (x >> 16)
+/// The middle of one of the 2^23 cells that the crate tells apart: never 0, never 1.
+fn unit(x: f32) -> f64 {
+    f64::from(x) + 0.5 / f64::from(1 << 23)
 }
 
 /// Shirley and Chiu's map from the square to the disc; keeps areas and neighbourhoods.
@@ -140,7 +115,7 @@ mod tests {
     #[test]
     fn powers_of_two_are_nets_in_base_2_and_random_points_are_not() {
         for seed in 0..20 {
-            for first in [0, 16, 32, 64] {
+            for first in [0, 16, 32, 64, LONGEST - 16, LONGEST, 1 << 31] {
                 let points: Vec<DVec2> =
                     (first..first + 16).map(|i| pattern(seed).square(i)).collect();
                 assert!(is_net(&points), "{seed} {first}");
@@ -160,6 +135,10 @@ mod tests {
     fn patterns_differ_by_pixel_purpose_and_seed_and_repeat() {
         let p = |seed, x, purpose| Pattern::new(seed, [x, 0], purpose).square(5);
         let first = p(1, 0, Purpose::Lens);
+        // the samples behind 2^16 are not the first ones again
+        let pattern = Pattern::new(1, [0, 0], Purpose::Lens);
+        assert_ne!(pattern.square(5), pattern.square(5 + LONGEST));
+        assert_ne!(pattern.line(5), pattern.line(5 + LONGEST));
         assert_eq!(first, p(1, 0, Purpose::Lens));
         for other in [
             p(2, 0, Purpose::Lens),

@@ -4,9 +4,9 @@
 
 use scene_loading::{Scene, Shape};
 
-use super::{Effect, EffectInfo, RenderSettings, counted};
+use super::effect::{Effect, EffectInfo, counted};
+use super::settings::RenderSettings;
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::SmoothNormals,
     name: "smooth normals",

@@ -8,12 +8,12 @@ use glam::DVec3;
 use scene_loading::{Rgb, Scene};
 
 use super::counts::RayCounts;
-use super::hard_shadows::{lights, lit_normal, shadow_ray};
+use super::direct_light::{lights, lit_normal, shadow_ray};
+use super::effect::{Effect, EffectInfo, counted};
 use super::sampler::{Pattern, Purpose};
-use super::{Effect, EffectInfo, RenderSettings, counted};
-use crate::tracers::stages::{LightStage, Place, ShadowRay, SurfaceHit};
+use super::settings::RenderSettings;
+use super::stages::{LightStage, ShadowRay, SurfaceHit, WavePosition};
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::SoftShadows,
     name: "soft shadows",
@@ -43,13 +43,13 @@ impl DiscLights {
 }
 
 impl LightStage for DiscLights {
-    fn rays_a_hit(&self) -> usize {
+    fn rays_per_hit(&self) -> usize {
         self.lights.len().saturating_mul(self.samples as usize)
     }
 
     fn shadow_rays(
         &self,
-        place: Place,
+        place: WavePosition,
         hits: &[SurfaceHit<'_>],
         out: &mut Vec<ShadowRay>,
         counts: &mut RayCounts,

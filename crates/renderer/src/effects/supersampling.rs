@@ -6,9 +6,9 @@
 
 use scene_loading::Scene;
 
-use super::{Effect, EffectInfo, RenderSettings};
+use super::effect::{Effect, EffectInfo};
+use super::settings::{RenderSettings, Samples};
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::Supersampling,
     name: "supersampling",
@@ -17,7 +17,7 @@ pub static INFO: EffectInfo = EffectInfo {
 };
 
 fn called_by(scene: &Scene, settings: &RenderSettings) -> Option<String> {
-    let samples = super::Samples::of(scene, settings).supersamples;
+    let samples = Samples::of(scene, settings).supersamples;
     let who =
         if settings.samples.supersamples.is_some() { "the command line" } else { "the scene" };
     (samples > 1).then(|| format!("{who} asks for {samples} samples of a pixel's area"))

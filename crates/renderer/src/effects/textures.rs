@@ -9,11 +9,11 @@
 use glam::{DVec2, DVec3};
 use scene_loading::{Rgb, Scene, Shape, Texture};
 
-use super::{Effect, EffectInfo, RenderSettings, counted, used_materials};
-use crate::surface::barycentric;
-use crate::tracers::stages::{HitStage, SurfaceHit};
+use super::effect::{Effect, EffectInfo, counted, used_materials};
+use super::settings::RenderSettings;
+use super::stages::{HitStage, SurfaceHit};
+use crate::shading::surface::barycentric;
 
-/// Registry line.
 pub static INFO: EffectInfo = EffectInfo {
     effect: Effect::Textures,
     name: "textures",
@@ -36,7 +36,6 @@ pub struct ImageColors<'a> {
 }
 
 impl<'a> ImageColors<'a> {
-    /// Of a scene.
     pub fn new(scene: &'a Scene) -> Self {
         Self { scene }
     }

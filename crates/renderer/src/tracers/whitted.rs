@@ -15,19 +15,21 @@ use accel_core::structures::Buildable;
 use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use scene_loading::{Rgb, Scene};
 
+use super::info::TracerInfo;
 use crate::camera::{EyeRays, Sampling};
-use crate::effects::counts::RayCounts;
-use crate::effects::first_light;
-use crate::effects::plan::{EffectPlan, plain_stages};
+use crate::effects::{
+    EffectPlan, Origin, RayCounts, Scattered, ShadowRay, Stages, SurfaceHit, WavePosition,
+    first_light, plain_stages,
+};
 use crate::film::Image;
-use crate::leaving::{Leaving, OffsetRule};
 use crate::rays::{RayBatches, RayKind, RaySettings, ShadowRays};
-use crate::surface::Surfaces;
-use crate::tracers::TracerInfo;
-use crate::tracers::stages::{Origin, Place, Scattered, ShadowRay, Stages, SurfaceHit};
+use crate::shading::leaving::{Leaving, OffsetRule};
+use crate::shading::surface::Surfaces;
 
 /// Registry line.
 pub static INFO: TracerInfo = TracerInfo {
@@ -56,7 +58,7 @@ pub struct Whitted<'a> {
 }
 
 /// What a part of a row gave.
-pub struct Row<S: Buildable> {
+pub struct TracedRow<S: Buildable> {
     /// Its rays, if they are kept.
     pub rays: Option<RayBatches<S>>,
     /// How many there were.
@@ -134,9 +136,9 @@ impl<'a> Whitted<'a> {
     }
 
     /// Traces row `y`, keeping its rays.
-    pub fn trace_row<S: Buildable>(&self, tracer: &dyn Tracer<S>, y: u32) -> Row<S> {
+    pub fn trace_row<S: Buildable>(&self, tracer: &dyn Tracer<S>, y: u32) -> TracedRow<S> {
         let rays = Some(RayBatches::default());
-        let mut row = Row { rays, counts: RayCounts::default(), colors: Vec::new() };
+        let mut row = TracedRow { rays, counts: RayCounts::default(), colors: Vec::new() };
         self.trace_group(tracer, y, 0..self.columns(), &mut row);
         row
     }
@@ -147,9 +149,9 @@ impl<'a> Whitted<'a> {
         tracer: &dyn Tracer<S>,
         y: u32,
         columns: Range<u32>,
-    ) -> Row<S> {
-        let mut row = Row { rays: None, counts: RayCounts::default(), colors: Vec::new() };
-        let rays = self.stages.eye.rays_a_pixel().saturating_mul(self.stages.fan_out);
+    ) -> TracedRow<S> {
+        let mut row = TracedRow { rays: None, counts: RayCounts::default(), colors: Vec::new() };
+        let rays = self.stages.eye.rays_per_pixel().saturating_mul(self.stages.fan_out);
         let group = (BATCH as u32 / rays.max(1)).max(1);
         for start in columns.clone().step_by(group as usize) {
             let end = start.saturating_add(group).min(columns.end);
@@ -164,7 +166,7 @@ impl<'a> Whitted<'a> {
         tracer: &dyn Tracer<S>,
         y: u32,
         columns: Range<u32>,
-        row: &mut Row<S>,
+        row: &mut TracedRow<S>,
     ) {
         let mut eye_rays = Vec::new();
         self.stages.eye.rays(y, columns.clone(), &mut eye_rays, &mut row.counts);
@@ -182,7 +184,7 @@ impl<'a> Whitted<'a> {
             rays.batch_mut(RayKind::Primary).extend(wave.iter().map(|p| p.ray));
         }
         for depth in 1..=self.max_depth {
-            wave = self.advance(tracer, &wave, Place { y, depth }, &mut colors, row);
+            wave = self.advance(tracer, &wave, WavePosition { y, depth }, &mut colors, row);
             if wave.is_empty() {
                 break;
             }
@@ -195,9 +197,9 @@ impl<'a> Whitted<'a> {
         &self,
         tracer: &dyn Tracer<S>,
         wave: &[Path<S>],
-        place: Place,
+        place: WavePosition,
         colors: &mut Colors,
-        row: &mut Row<S>,
+        row: &mut TracedRow<S>,
     ) -> Vec<Path<S>> {
         let rays: Vec<Ray<S>> = wave.iter().map(|p| p.ray).collect();
         let mut hits = vec![Hit::NONE; rays.len()];
@@ -233,12 +235,12 @@ impl<'a> Whitted<'a> {
         &self,
         tracer: &dyn Tracer<S>,
         hits: &[SurfaceHit<'_>],
-        place: Place,
+        place: WavePosition,
         colors: &mut Colors,
-        row: &mut Row<S>,
+        row: &mut TracedRow<S>,
     ) {
         let Some(lights) = &self.stages.lights else { return };
-        let part = (BATCH / lights.rays_a_hit().max(1)).max(1);
+        let part = (BATCH / lights.rays_per_hit().max(1)).max(1);
         let (mut shadows, mut rays, mut blocked) =
             (Vec::<ShadowRay>::new(), Vec::new(), Vec::new());
         for hits in hits.chunks(part) {
@@ -268,8 +270,8 @@ impl<'a> Whitted<'a> {
     fn scatter<S: Buildable>(
         &self,
         hits: &[SurfaceHit<'_>],
-        place: Place,
-        row: &mut Row<S>,
+        place: WavePosition,
+        row: &mut TracedRow<S>,
     ) -> Vec<Path<S>> {
         let Some(stage) = &self.stages.scatter else { return Vec::new() };
         let mut scattered = Vec::<Scattered>::new();
@@ -326,23 +328,17 @@ fn diffuse_direction(hit: &SurfaceHit<'_>, [x, y]: [u32; 2], seed: u64) -> DVec3
     let (normal, incoming) = (hit.point.normal, hit.incoming);
     let normal = if normal.dot(incoming) > 0.0 { -normal } else { normal };
     let normal = normal.try_normalize().unwrap_or(-incoming.normalize_or(DVec3::Z));
-    let mut state = seed ^ (u64::from(y) << 32 | u64::from(x)).wrapping_mul(0x9e37_79b9);
-    let (u, v) = (uniform(&mut state), uniform(&mut state));
+    let state = seed ^ (u64::from(y) << 32 | u64::from(x)).wrapping_mul(0x9e37_79b9);
+    let mut random = SplitMix64::seed_from_u64(state);
+    // 53 bits, to [0, 1)
+    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    let (u, v) = (uniform(), uniform());
     let (radius, angle) = (u.sqrt(), v * std::f64::consts::TAU);
     let (s, t) = normal.any_orthonormal_pair();
     s * (radius * angle.cos()) + t * (radius * angle.sin()) + normal * (1.0 - u).max(0.0).sqrt()
 }
 
-/// splitmix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014), to [0, 1).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-}
-
-/// Renders what measurement traces, with `tracer`, in the current rayon pool: one ray a pixel,
+/// Renders what measurement traces, with `tracer`, in the current rayon pool: one ray per pixel,
 /// hard shadows, perfect mirrors. The same image for any number of threads and any right structure.
 pub fn render<S: Buildable>(
     scene: &Scene,

@@ -17,10 +17,10 @@ pub struct AccuracyArgs {
     #[arg(long)]
     pub quick: bool,
     /// Rounds: each times every variant of an axis once [default: 15, quick 5]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(3..=1000))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(3..=1000))]
     pub rounds: Option<u32>,
     /// Trials of an exact oracle for each variant [default: 100000, quick 10000]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(100..=100_000_000))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(100..=100_000_000))]
     pub trials: Option<u32>,
     /// Seed of rays, aims, schedules and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]

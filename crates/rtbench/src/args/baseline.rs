@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use crate::args::RunArgs;
+use crate::args::run::RunArgs;
 
 /// `rtbench baseline`.
 #[derive(Debug, Clone, Args)]

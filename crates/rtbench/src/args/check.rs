@@ -6,7 +6,10 @@ use std::time::Duration;
 use clap::{Args, Subcommand};
 
 use crate::args::baseline::FolderArgs;
-use crate::args::{Precision, TrialArgs, scene_name};
+use crate::args::parsers::{choice, scene_name};
+use crate::args::scale::TrialArgs;
+use crate::gate::thresholds::Thresholds;
+use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 
 /// `rtbench check`.
 #[derive(Debug, Clone, Args)]
@@ -29,7 +32,7 @@ pub struct CheckArgs {
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
     /// Go on with rounds until this time has passed: 60s, 2m
-    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub time_budget: Option<Duration>,
     /// Count instructions under valgrind [default: where the baseline has counts]
     #[arg(long, overrides_with = "no_instructions")]
@@ -80,8 +83,21 @@ pub struct ThresholdArgs {
     #[arg(long, value_name = "PCT", value_parser = percent)]
     pub busiest: Option<f64>,
     /// Times shorter than that are not judged [default: 200us]
-    #[arg(long, value_name = "TIME", value_parser = crate::duration::parse)]
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub shortest: Option<Duration>,
+}
+
+impl ThresholdArgs {
+    /// What was typed, over what is configured.
+    pub fn over(&self, configured: Thresholds) -> Thresholds {
+        Thresholds {
+            instructions: self.instruction_threshold.unwrap_or(configured.instructions),
+            time: self.time_threshold.unwrap_or(configured.time),
+            busiest: self.busiest.unwrap_or(configured.busiest),
+            significance: self.significance.unwrap_or(configured.significance),
+            shortest: self.shortest.map_or(configured.shortest, |t| t.as_secs_f64()),
+        }
+    }
 }
 
 /// What the baseline says where there is one.
@@ -104,12 +120,35 @@ pub struct AgainstArgs {
     #[arg(long, value_name = "STRUCTURE", conflicts_with = "baseline")]
     pub reference: Option<String>,
     /// Arithmetic of primitives and rays [default: f32]
-    #[arg(long, value_enum, conflicts_with = "baseline")]
+    #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
     pub precision: Option<Precision>,
     /// Width and height of the image, as for `run`
     #[arg(long, value_name = "PIXELS", conflicts_with = "baseline",
           value_parser = clap::value_parser!(u32).range(1..=8192))]
     pub size: Option<u32>,
+}
+
+impl CheckArgs {
+    /// What is compared without a baseline.
+    pub fn settings(&self) -> RunSettings {
+        let how = &self.measuring;
+        let default = MeasuringSettings::default();
+        RunSettings {
+            scenes: self.scenes.clone(),
+            structures: self.structures.clone(),
+            measuring: MeasuringSettings {
+                rays: how.rays.clone(),
+                quick: how.quick,
+                threads: how.threads.unwrap_or(default.threads),
+                seed: how.seed.unwrap_or(default.seed),
+                reference: how.reference.clone(),
+                precision: how.precision.unwrap_or_default(),
+                size: how.size,
+                ..default
+            },
+            ..RunSettings::default()
+        }
+    }
 }
 
 /// What `check` and `scale` start.
@@ -156,6 +195,13 @@ fn percent(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_typed_comes_before_what_is_configured() {
+        let args = ThresholdArgs { instruction_threshold: Some(0.02), ..ThresholdArgs::default() };
+        let thresholds = args.over(Thresholds::default());
+        assert_eq!((thresholds.instructions, thresholds.time), (0.02, 0.1));
+    }
 
     #[test]
     fn percents() {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::scene_name;
+use crate::args::parsers::scene_name;
 
 /// `rtbench compare-tracers`.
 #[derive(Debug, Clone, Args)]
@@ -21,10 +21,10 @@ pub struct CompareTracersArgs {
     pub without: Vec<String>,
     /// Samples a pixel [default: 1,2,4,...,1024; with --quick 1,4,16,64,256]
     #[arg(long, value_name = "N", value_delimiter = ',',
-          value_parser = crate::quantity::count(1..=65536))]
+          value_parser = measurement::settings::quantity::count(1..=65536))]
     pub samples: Vec<u32>,
     /// Samples a pixel of each of the reference's two images [default: 4096; with --quick 1024]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(1..=4_194_304))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=4_194_304))]
     pub reference_samples: Option<u32>,
     /// The structure that rays are traced through [default: obvhs-cwbvh, or the first]
     #[arg(short, long, value_name = "STRUCTURE")]
@@ -34,14 +34,14 @@ pub struct CompareTracersArgs {
     #[arg(long, value_name = "STRUCTURE", default_value = "uniform-grid")]
     pub through: String,
     /// Width and height of the images [default: 64; with --quick 32]
-    #[arg(long, value_name = "PIXELS", value_parser = crate::quantity::count(1..=4096))]
+    #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(1..=4096))]
     pub size: Option<u32>,
     /// Longest chain of rays; eye rays have depth 1
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub depth: u32,
     /// Rounds: each makes every image once [default: 5; with --quick 3]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(1..=10_000))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=10_000))]
     pub rounds: Option<u32>,
     /// Small images and fewer samples: a first look
     #[arg(long)]

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use crate::args::Format;
+use crate::args::list::Format;
 
 /// `rtbench doctor`.
 #[derive(Debug, Clone, Args)]

@@ -1,4 +1,4 @@
-//! What a run can write: one option a format, see [`crate::export::EXPORTERS`].
+//! What a run can write: one option a format, see [`crate::exports::EXPORTERS`].
 
 use std::path::PathBuf;
 

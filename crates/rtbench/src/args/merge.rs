@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::args::ExportArgs;
+use crate::args::exports::ExportArgs;
 
 /// `rtbench merge`.
 #[derive(Debug, Clone, Args)]

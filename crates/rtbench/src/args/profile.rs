@@ -18,7 +18,7 @@ pub struct ProfileArgs {
     pub structures: Vec<String>,
     /// Neighbouring rays of each kind that are counted, at most
     #[arg(long, value_name = "N", default_value = "16k",
-          value_parser = crate::quantity::count(64..=1_000_000))]
+          value_parser = measurement::settings::quantity::count(64..=1_000_000))]
     pub rays: u32,
     /// Write the tables in Markdown
     #[arg(long, value_name = "FILE")]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::scene_name;
+use crate::args::parsers::scene_name;
 
 /// `--shadows` for shadow rays that the structure answers.
 pub const STRUCTURE_SHADOWS: &str = "structure";
@@ -29,7 +29,7 @@ pub struct RenderArgs {
     pub shadows: String,
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 512,
-          value_parser = crate::quantity::count(1..=16384))]
+          value_parser = measurement::settings::quantity::count(1..=16384))]
     pub size: u32,
     /// How finely to sample.
     #[command(flatten)]
@@ -51,7 +51,7 @@ pub struct CostArgs {
     pub structure: Option<String>,
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 256,
-          value_parser = crate::quantity::count(1..=16384))]
+          value_parser = measurement::settings::quantity::count(1..=16384))]
     pub size: u32,
     /// How finely to sample.
     #[command(flatten)]
@@ -74,19 +74,19 @@ pub struct SamplingArgs {
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub depth: u32,
     /// Eye rays a pixel for its area [default: what the scene says, or 1]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(1..=65536))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub supersamples: Option<u32>,
     /// Shadow rays a hit, for each light with a radius [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(1..=65536))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub shadow_samples: Option<u32>,
     /// Rays of the first rough mirror of a path [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(1..=65536))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub glossy_samples: Option<u32>,
     /// Eye rays a pixel for the exposure [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(1..=65536))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub temporal_samples: Option<u32>,
     /// Eye rays a pixel for the area of the lens [default: what the scene says, or 16]
-    #[arg(long, value_name = "N", value_parser = crate::quantity::count(1..=65536))]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub focal_samples: Option<u32>,
     /// Seed of the sample patterns
     #[arg(long, value_name = "N", default_value_t = 1)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::MeasuringArgs;
+use crate::args::measuring::MeasuringArgs;
 
 /// `rtbench reproduce`.
 #[derive(Debug, Clone, Args)]

@@ -5,8 +5,12 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::{MeasuringArgs, Precision, scene_name};
-use crate::scale::sizes::Sizes;
+use crate::args::measuring::MeasuringArgs;
+use crate::args::parsers::{choice, scene_name};
+use measurement::rounds::trial::BuildLimits;
+use measurement::settings::Precision;
+use studies::scale::ScaleSettings;
+use studies::scale::sizes::Sizes;
 
 /// `rtbench scale`.
 #[derive(Debug, Clone, Args)]
@@ -33,10 +37,10 @@ pub struct ScaleArgs {
     #[command(flatten)]
     pub measuring: MeasuringArgs,
     /// Longest build; a row that takes longer is not measured, nor tried at larger sizes
-    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = crate::duration::parse)]
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = measurement::settings::duration::parse)]
     pub time_limit: Duration,
     /// Most memory of a process that loads the scene and builds one row; the same holds
-    #[arg(long, value_name = "BYTES", default_value = "8GiB", value_parser = crate::quantity::bytes)]
+    #[arg(long, value_name = "BYTES", default_value = "8GiB", value_parser = measurement::settings::quantity::bytes)]
     pub max_memory: u64,
     /// Write results.json, scale.csv, slopes.csv, scale.md, scale.svg and the journal there; `run
     /// --resume DIR` goes on with it
@@ -59,7 +63,22 @@ pub struct ScaleArgs {
     pub export_json: Option<PathBuf>,
 }
 
-/// `rtbench child build`: what [`crate::scale::trial`] starts.
+impl ScaleArgs {
+    /// What was typed, but for the files to write.
+    pub fn settings(&self) -> ScaleSettings {
+        ScaleSettings {
+            scene: self.scene.clone(),
+            sizes: self.sizes.clone(),
+            per_decade: self.per_decade,
+            structures: self.structures.clone(),
+            overrides: self.overrides.clone(),
+            measuring: self.measuring.settings(),
+            limits: BuildLimits { seconds: self.time_limit.as_secs_f64(), bytes: self.max_memory },
+        }
+    }
+}
+
+/// `rtbench child build`: what [`measurement::rounds::trial`] starts.
 #[derive(Debug, Clone, Args)]
 pub struct TrialArgs {
     /// Scene
@@ -72,6 +91,7 @@ pub struct TrialArgs {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
     /// Arithmetic of primitives
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    #[arg(long, value_parser = choice::<Precision>(),
+          default_value = Precision::default().name())]
     pub precision: Precision,
 }

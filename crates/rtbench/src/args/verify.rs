@@ -1,6 +1,7 @@
 //! `rtbench verify`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 
@@ -13,9 +14,12 @@ pub struct VerifyArgs {
     /// Structures as for `run` [default: all with all their variants, and the negative control]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
+    /// Ask these structures with their further settings too, those that else only tests go through
+    #[arg(long)]
+    pub also_tested: bool,
     /// Rays a case and precision; the default takes about 5 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000,
-          value_parser = crate::quantity::count(1..=100_000_000))]
+          value_parser = measurement::settings::quantity::count(1..=100_000_000))]
     pub rays: u32,
     /// Seed of scenes and rays
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -24,16 +28,20 @@ pub struct VerifyArgs {
     #[arg(short = 'j', long, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Longest check: what is done until then is printed and written, marked as incomplete, with
+    /// exit code 5 if nothing is wrong; Ctrl-C does the same, with 130
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
+    pub time_limit: Option<Duration>,
     /// Print what zero, infinite and NaN rays cost each structure, over normal rays
     #[arg(long)]
     pub timing: bool,
     /// Repeat one trial: a line that an earlier run printed
     #[arg(long, value_name = "LINE")]
     pub replay: Option<String>,
-    /// Write one CSV row a case, precision and structure
+    /// Write one CSV row a case, precision and structure, anew after each case
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    /// Write everything as JSON
+    /// Write everything as JSON, likewise
     #[arg(long, value_name = "FILE")]
     pub export_json: Option<PathBuf>,
 }

@@ -6,16 +6,21 @@ use std::path::Path;
 
 use renderer::RaySettings;
 
-use crate::accuracy::axis::{Axis, select};
-use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
-use crate::accuracy::stage::{Prepared, Stage};
-use crate::accuracy::{csv, pictures, plot, summary, tables};
 use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
-use crate::error::{Error, FAILURE, SUCCESS};
-use crate::export::text::{write_notes, write_table};
-use crate::pools::pool;
-use crate::scene_source::KnownScene;
+use crate::error::Error;
+use crate::exit_code::{FAILURE, SUCCESS};
+use measurement::rounds::error::MeasureError;
+use measurement::scenes::KnownScene;
+use measurement::system::created::Created;
+use measurement::system::files::WriteError;
+use measurement::system::pools::pool;
+use presentation::format_error::FormatError;
+use presentation::text::{write_notes, write_table};
+use studies::accuracy::axis::{Axis, select};
+use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
+use studies::accuracy::stage::{Prepared, Stage};
+use studies::accuracy::{csv, pictures, plot, summary, tables};
 
 /// Pixels of the image whose rays are traced, an axis, in a full run and in a quick one.
 const SIZE: (u32, u32) = (96, 32);
@@ -40,9 +45,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let axes = select(&args.axes)?;
     let quick = args.quick;
     let named = context.scenes.resolve(&args.scenes)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.output {
-        fs::create_dir_all(folder)
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let rounds = args.rounds.map_or(pick(ROUNDS, quick), |n| n as usize);
     let mut record = AccuracyRecord {
@@ -141,7 +146,7 @@ struct Limits {
 struct Shared<'a> {
     registry: &'a [accel_core::structures::Entry],
     occluders: &'a [accel_core::occluders::Entry],
-    clock: &'a dyn crate::clock::Clock,
+    clock: &'a dyn measurement::system::clock::Clock,
 }
 
 impl Shared<'_> {
@@ -165,7 +170,7 @@ impl Shared<'_> {
             aims: limits.aims,
             quick: limits.quick,
         };
-        (axis.measure)(&stage)
+        Ok((axis.measure)(&stage)?)
     }
 }
 
@@ -188,10 +193,11 @@ impl Scenes {
             let prepared = Prepared::new(scene, context.registry, &settings)?;
             self.prepared.insert(known.name().to_owned(), prepared);
         }
-        self.prepared.get(known.name()).ok_or_else(|| Error::NoAnswers {
+        let kept = self.prepared.get(known.name()).ok_or_else(|| MeasureError::NoAnswers {
             scene: known.name().to_owned(),
             reasons: "it was not kept".into(),
-        })
+        });
+        Ok(kept?)
     }
 }
 
@@ -199,7 +205,7 @@ impl Scenes {
 fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
     let write = |name: &str, text: String| {
         let path = folder.join(name);
-        fs::write(&path, text).map_err(|source| Error::Write { path, source })
+        fs::write(&path, text).map_err(|source| WriteError { path, source })
     };
     write("accuracy.csv", csv::to_string(record)?)?;
     write("accuracy.md", tables::to_markdown(record))?;
@@ -207,7 +213,7 @@ fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
     page.push_str(&pictures::captions());
     write("summary.md", page)?;
     let json = serde_json::to_string(record)
-        .map_err(|e| Error::Format { format: "JSON", message: e.to_string() })?;
+        .map_err(|e| FormatError { format: "JSON", message: e.to_string() })?;
     write("accuracy.json", json)?;
     if let Some(axis) = record.axes.last() {
         write(&format!("{}.svg", axis.axis), plot::to_svg(axis))?;

@@ -4,17 +4,19 @@ use std::path::Path;
 
 use crate::args::{BaselineAction, BaselineArgs, Color, SaveArgs};
 use crate::baselines::{Baseline, BaselineError, Store, read};
-use crate::callgrind::{self, CallgrindError, Counts};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::commands::run_outputs;
 use crate::context::Context;
-use crate::error::{Error, SUCCESS};
-use crate::export::files::Outputs;
-use crate::export::table::Table;
-use crate::export::text;
+use crate::error::Error;
+use crate::exit_code::SUCCESS;
 use crate::gate::{GateError, ROUNDS};
-use crate::plan::Plan;
-use crate::pressure::Watch;
-use crate::record::{RunRecord, label};
+use measurement::callgrind::{self, CallgrindError, Counts};
+use measurement::plan::Plan;
+use measurement::record::{RunRecord, label};
+use measurement::system::pressure::Watch;
+use presentation::table::Table;
+use presentation::text::write_table;
+use studies::run::text;
 
 /// Does what was asked and returns the exit code.
 ///
@@ -63,7 +65,7 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
         if let Some(path) = &args.from {
             same_program(context, path, &baseline.record)?;
         }
-        baseline.instructions = Some(counted(context, &baseline.record)?);
+        baseline.instructions = Some(counted(context, &baseline.record).map_err(GateError::from)?);
     }
     let path = store.save(&args.name, &baseline, args.force).map_err(gate)?;
     context.say(format_args!("kept as {}", path.display()));
@@ -84,8 +86,8 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     if run.measuring.time_budget.is_none() {
         run.measuring.rounds.get_or_insert(ROUNDS);
     }
-    let plan = Plan::new(&run, context.registry, context.occluders, context.scenes)?;
-    let mut outputs = Outputs::of_run(&run.exports)?;
+    let plan = Plan::of_run(&run.settings(), context.registry, context.occluders, context.scenes)?;
+    let mut outputs = run_outputs::of_run(&run.exports)?;
     let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
@@ -109,10 +111,13 @@ fn same_program(context: &Context<'_>, path: &Path, record: &RunRecord) -> Resul
 }
 
 /// Instruction counts of the rows of a record, by this program.
-pub(super) fn counted(context: &mut Context<'_>, record: &RunRecord) -> Result<Counts, Error> {
+pub(super) fn counted(
+    context: &mut Context<'_>,
+    record: &RunRecord,
+) -> Result<Counts, CallgrindError> {
     context.say("counting instructions under valgrind");
     let program = context.environment.program.as_deref();
-    Ok(callgrind::count(program, record).map_err(GateError::from)?)
+    callgrind::count(program, record)
 }
 
 fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Error> {
@@ -133,7 +138,7 @@ fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Er
         ];
         table.rows.push(cells.into_iter().map(Into::into).collect());
     }
-    text::write_table(context.out, &table, colors)?;
+    write_table(context.out, &table, colors)?;
     Ok(())
 }
 
@@ -164,7 +169,7 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, colors: bool) -> R
             cells.into_iter().map(Into::into).collect()
         });
         let table = Table { title, header, rows: rows.collect(), notes: Vec::new() };
-        text::write_table(context.out, &table, colors)?;
+        write_table(context.out, &table, colors)?;
     }
     Ok(())
 }

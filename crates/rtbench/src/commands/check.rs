@@ -4,15 +4,13 @@ use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::args::{CheckArgs, Color, Precision, RunArgs};
+use crate::args::{CheckArgs, Color};
 use crate::baselines::{Baseline, Store};
-use crate::callgrind::{self, CallgrindError, Counts};
 use crate::commands::baseline::{counted, rounds};
 use crate::commands::measuring::{measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
-use crate::export::files::{Outputs, create, write_file};
-use crate::export::{json, text};
+use crate::exports::outputs::{Outputs, write_file};
 use crate::gate::against::{Contest, PairedRow, own_program};
 use crate::gate::report::{GLOSSARY, Report};
 use crate::gate::thresholds::Thresholds;
@@ -20,12 +18,17 @@ use crate::gate::{
     Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
     judge, wall_clock,
 };
-use crate::interrupt::undisturbed;
 use crate::like::{self, LikeError, Narrowed};
-use crate::plan::{Plan, Rounds};
-use crate::pressure::Watch;
-use crate::progress::Progress;
-use crate::record::{RunRecord, Verdict};
+use measurement::callgrind::{self, CallgrindError, Counts};
+use measurement::plan::{Plan, Rounds};
+use measurement::record::{RunRecord, Verdict};
+use measurement::system::created::create;
+use measurement::system::files::WriteError;
+use measurement::system::interrupt::undisturbed;
+use measurement::system::pressure::Watch;
+use measurement::system::progress::Progress;
+use presentation::json;
+use presentation::text;
 
 /// Checks and returns the exit code.
 ///
@@ -37,11 +40,10 @@ pub fn run(
     configured: Thresholds,
     color: Color,
 ) -> Result<u8, Error> {
-    let thresholds = configured.with(&args.thresholds).map_err(GateError::from)?;
-    for path in [&args.export_csv, &args.export_markdown, &args.export_json].into_iter().flatten() {
-        create(path)?;
-    }
+    let thresholds = args.thresholds.over(configured).checked().map_err(GateError::from)?;
     let baseline = open(context, args)?;
+    let exports = [&args.export_csv, &args.export_markdown, &args.export_json];
+    let _created = create(exports)?;
     let wants_counts = match &baseline {
         _ if args.no_instructions => false,
         Some(baseline) if args.instructions && args.against.is_none() => {
@@ -162,8 +164,7 @@ impl Check<'_> {
                 like::plan(&like.map_err(GateError::from)?, &Narrowed::default(), context)?
             }
             None => {
-                let run = self.run_args()?;
-                Plan::new(&run, context.registry, context.occluders, context.scenes)?
+                Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?
             }
         };
         plan.limits.render_pass = 0.0;
@@ -179,7 +180,7 @@ impl Check<'_> {
         let counts = match self.wants_counts {
             true => {
                 let base = callgrind::count(Some(old), &now).map_err(GateError::from)?;
-                Some((base, counted(context, &now)?))
+                Some((base, counted(context, &now).map_err(GateError::from)?))
             }
             false => None,
         };
@@ -213,41 +214,11 @@ impl Check<'_> {
         base: &RunRecord,
     ) -> Result<Result<Counts, String>, Error> {
         match counted(context, base) {
-            Err(Error::Gate(GateError::Callgrind(CallgrindError::NoValgrind(why))))
-                if !self.args.instructions =>
-            {
-                Ok(Err(format!(
-                    "the baseline has instruction counts, and valgrind is missing: {why}"
-                )))
-            }
-            other => other.map(Ok),
+            Err(CallgrindError::NoValgrind(why)) if !self.args.instructions => Ok(Err(format!(
+                "the baseline has instruction counts, and valgrind is missing: {why}"
+            ))),
+            other => Ok(Ok(other.map_err(GateError::from)?)),
         }
-    }
-
-    /// The command line of `run` for what is compared without a baseline.
-    fn run_args(&self) -> Result<RunArgs, Error> {
-        let (args, how) = (self.args, &self.args.measuring);
-        let mut words: Vec<String> = ["rtbench", "run"].map(str::to_owned).into();
-        let precision = how.precision.map(|p| match p {
-            Precision::F32 => "f32".to_owned(),
-            Precision::F64 => "f64".to_owned(),
-        });
-        let rays = (!how.rays.is_empty()).then(|| how.rays.join(","));
-        for (name, value) in [
-            ("rays", rays),
-            ("threads", how.threads.map(|n| n.to_string())),
-            ("seed", how.seed.map(|n| n.to_string())),
-            ("reference", how.reference.clone()),
-            ("precision", precision),
-            ("size", how.size.map(|n| n.to_string())),
-        ] {
-            words.extend(value.map(|value| format!("--{name}={value}")));
-        }
-        words.extend(args.structures.iter().map(|s| format!("--structures={s}")));
-        words.extend(how.quick.then(|| "--quick".to_owned()));
-        words.push("--".into());
-        words.extend(args.scenes.iter().cloned());
-        Ok(like::run_arguments(words).map_err(GateError::from)?)
     }
 
     fn report(&self, context: &Context<'_>, found: Found<'_>) -> Report {
@@ -338,5 +309,5 @@ fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> 
         let mut file = OpenOptions::new().create(true).append(true).open(path)?;
         file.write_all(export::markdown(report, false).as_bytes())
     };
-    undisturbed(append).map_err(|source| Error::Write { path: path.clone(), source })
+    Ok(undisturbed(append).map_err(|source| WriteError { path: path.clone(), source })?)
 }

@@ -1,20 +1,22 @@
 //! What `rtbench check` starts as processes of their own: a record on standard input says what to
 //! do, the answer goes to standard output as JSON. And what `rtbench scale` starts, which needs no
-//! record: see [`trial`].
+//! record: see [`trial_build`].
 
 use std::io::Read;
 
 use crate::args::{ChildAction, ChildArgs};
-use crate::callgrind::caches::ask_all;
-use crate::callgrind::counted::count_all;
 use crate::commands::measuring::measure_scenes;
+use crate::commands::trial_build;
 use crate::context::Context;
-use crate::error::{Error, FAILURE, SUCCESS};
-use crate::export::files::Outputs;
+use crate::error::Error;
+use crate::exit_code::{FAILURE, SUCCESS};
+use crate::exports::outputs::Outputs;
 use crate::like::{self, Narrowed};
-use crate::record::RunRecord;
-use crate::scale::trial;
-use crate::strides::FixedStrides;
+use measurement::callgrind::caches::ask_all;
+use measurement::callgrind::counted::count_all;
+use measurement::plan::strides::FixedStrides;
+use measurement::record::RunRecord;
+use presentation::format_error::FormatError;
 
 /// Where few answers are checked, one ray in that many of those that would be.
 const LIGHTLY: usize = 16;
@@ -24,14 +26,14 @@ const LIGHTLY: usize = 16;
 /// # Errors
 /// [`Error`] for a record that cannot be read or measured.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
-    let json = |e: serde_json::Error| Error::Format { format: "JSON", message: e.to_string() };
+    let json = |e: serde_json::Error| FormatError { format: "JSON", message: e.to_string() };
     let record = || -> Result<RunRecord, Error> {
         let mut text = Vec::new();
         std::io::stdin().lock().read_to_end(&mut text)?;
-        serde_json::from_slice(&text).map_err(json)
+        Ok(serde_json::from_slice(&text).map_err(json)?)
     };
     let (answer, failures) = match &args.action {
-        ChildAction::Build(build) => return trial::build_here(context, build).map(|()| SUCCESS),
+        ChildAction::Build(build) => return trial_build::run(context, build).map(|()| SUCCESS),
         ChildAction::Measure { rounds, lightly } => {
             let record = record()?;
             let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };

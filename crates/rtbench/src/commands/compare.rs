@@ -7,11 +7,12 @@ use crate::comparison::{
     Choice, CompareError, Comparison, Named, compare, csv, default_metrics, tables,
 };
 use crate::context::Context;
-use crate::error::{Error, SUCCESS};
-use crate::export::files::write_file;
-use crate::export::json;
-use crate::metrics::{self, METRICS};
-use crate::record_file;
+use crate::error::Error;
+use crate::exit_code::SUCCESS;
+use crate::exports::outputs::write_file;
+use measurement::record::file;
+use measurement::record::metrics::{self, METRICS};
+use presentation::json;
 
 /// Prints and exports. What changed is no failure: `rtbench check` is the gate.
 ///
@@ -19,8 +20,7 @@ use crate::record_file;
 /// [`Error`] for results that cannot be read or compared, unknown metrics, and outputs.
 pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Result<u8, Error> {
     let choice = choice(args)?;
-    let runs =
-        args.results.iter().map(|path| record_file::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let runs = args.results.iter().map(|path| file::read(path)).collect::<Result<Vec<_>, _>>()?;
     let paths: Vec<String> = args.results.iter().map(|p| p.display().to_string()).collect();
     let letters: Vec<String> = (0..runs.len()).map(letter).collect();
     let mut named = letters.iter().zip(&paths).zip(&runs).map(|((letter, path), run)| Named {

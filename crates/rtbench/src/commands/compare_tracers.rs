@@ -15,19 +15,25 @@ use renderer::{Geometry, Image};
 use scene_loading::Scene;
 
 use crate::args::{Color, CompareTracersArgs};
-use crate::commands::render::{one_scene, plan_of, structure};
+use crate::commands::render::{one_scene, structure};
 use crate::context::Context;
-use crate::error::{Error, SUCCESS, WRONG_HITS};
-use crate::export::text::write_table;
-use crate::machine;
-use crate::plan::PlanError;
-use crate::pools::pool;
-use crate::rows::Row;
-use crate::suggest;
-use crate::tracer_comparison::queries::{self, Rounds, pixel_shafts};
-use crate::tracer_comparison::reference::{Sampled, converged};
-use crate::tracer_comparison::report::Report;
-use crate::tracer_comparison::{KINDS, Question, compare, without};
+use crate::error::Error;
+use crate::exit_code::{SUCCESS, WRONG_HITS};
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::Row;
+use measurement::rounds::error::MeasureError;
+use measurement::settings::suggest;
+use measurement::system::created::Created;
+use measurement::system::files::WriteError;
+use measurement::system::machine;
+use measurement::system::pools::pool;
+use presentation::text::write_table;
+use studies::effect_plan::plan_of;
+use studies::error::UnsavedImage;
+use studies::tracer_comparison::queries::{self, Rounds, pixel_shafts};
+use studies::tracer_comparison::reference::{Sampled, converged};
+use studies::tracer_comparison::report::Report;
+use studies::tracer_comparison::{KINDS, Question, compare, without};
 
 /// Samples a pixel: those of the full comparison, and those of a first look.
 const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
@@ -47,9 +53,9 @@ pub fn run(
     let tracers = tracers(&args.tracers)?;
     let kinds = known(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.output {
-        fs::create_dir_all(folder)
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let loaded = known.load()?;
     for warning in &loaded.scene.warnings {
@@ -75,7 +81,7 @@ pub fn run(
         plan_of(&scene, frame.plan(&scene, n, frame.seed).settings())?;
     }
     let rounds = choice(args.rounds, 5, 3);
-    let build = |source: BuildError| Error::Build { scene: scene.name.clone(), source };
+    let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };
     let single = Geometry::<f32>::of(&scene)?;
     let double = Geometry::<f64>::of(&scene)?;
     let (threads, clock) = (usize::from(args.threads), context.clock);
@@ -186,7 +192,7 @@ fn shafts_of(
 fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {
     let text = |name: &str, text: String| {
         let path = folder.join(name);
-        fs::write(&path, text).map_err(|source| Error::Write { path, source })
+        fs::write(&path, text).map_err(|source| WriteError { path, source })
     };
     text("tracers.csv", report.to_csv()?)?;
     text("tracers.json", report.to_json()?)?;
@@ -194,7 +200,7 @@ fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {
     text("tracers.svg", report.to_svg())?;
     let image = |name: String, image: &Image| {
         let path = folder.join(name);
-        image.save_png(&path).map_err(|source| Error::Image { path, source })
+        image.save_png(&path).map_err(|source| UnsavedImage { path, source })
     };
     image("reference.png".to_owned(), &report.reference.image)?;
     for row in &report.rows {

@@ -1,7 +1,6 @@
 //! `rtbench cost`: the lecture's product with a scene's numbers, predicted and measured; and where
 //! in the image the time goes.
 
-use std::fs;
 use std::path::Path;
 
 use accel_core::structures::BuildError;
@@ -11,18 +10,22 @@ use renderer::{Geometry, RenderSettings};
 use scene_loading::Scene;
 
 use crate::args::{Color, CostArgs};
-use crate::clock::Clock;
-use crate::commands::render::{one_scene, plan_of, settings, structure};
+use crate::commands::render::{one_scene, settings, structure};
 use crate::context::Context;
-use crate::cost::model::{Model, Work};
-use crate::cost::test_time::seconds_a_test;
-use crate::cost::{CostRow, Factor, Traced, counted, factors, is_near, measured, rows, worst};
 use crate::error::Error;
-use crate::export::numbers::{milliseconds, short};
-use crate::export::table::{Cell, Style, Table};
-use crate::export::text::write_table;
-use crate::pools::pool;
-use crate::rows::Row;
+use measurement::plan::rows::Row;
+use measurement::rounds::error::MeasureError;
+use measurement::system::clock::Clock;
+use measurement::system::created::Created;
+use measurement::system::pools::pool;
+use presentation::numbers::{milliseconds, short};
+use presentation::table::{Cell, Style, Table};
+use presentation::text::write_table;
+use studies::cost::model::{Model, Work};
+use studies::cost::test_time::seconds_a_test;
+use studies::cost::{CostRow, Factor, Traced, counted, factors, is_near, measured, rows, worst};
+use studies::effect_plan::plan_of;
+use studies::error::UnsavedImage;
 
 /// Scenes that the times are taken from: the first two that are not the one in question.
 const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
@@ -34,9 +37,9 @@ const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
 pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;
+    let mut created = Created::default();
     if let Some(folder) = &args.heat_maps {
-        fs::create_dir_all(folder)
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        created.folder(folder)?;
     }
     let settings = settings(args.size, &args.sampling);
     let calibration: Vec<&str> =
@@ -57,7 +60,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
     let plan = plan_of(&loaded, &settings)?;
     let geometry = Geometry::<f32>::of(&loaded)?;
     let clock = context.clock;
-    let build = |source: BuildError| Error::Build { scene: scene.name().to_owned(), source };
+    let build = |source: BuildError| MeasureError::Build { scene: scene.name().to_owned(), source };
     let rows = pool.install(|| {
         let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
         let seconds_a_test = seconds_a_test(geometry.prims(), clock);
@@ -83,7 +86,8 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
 }
 
 fn save(image: &renderer::Image, path: &Path) -> Result<(), Error> {
-    image.save_png(path).map_err(|source| Error::Image { path: path.to_owned(), source })
+    let saved = image.save_png(path);
+    Ok(saved.map_err(|source| UnsavedImage { path: path.to_owned(), source })?)
 }
 
 /// Images of calibration: small, all factors at 1.
@@ -99,15 +103,14 @@ fn calibrate(
     clock: &dyn Clock,
 ) -> Result<Vec<(Work, f64)>, Error> {
     let geometry = Geometry::<f32>::of(scene)?;
-    let build = |source: BuildError| Error::Build { scene: scene.name.clone(), source };
+    let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };
     let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
     let seconds_a_test = seconds_a_test(geometry.prims(), clock);
     let traced = Traced { tracer: &*tracer, seconds_a_test };
-    let point = |factor: Factor| {
-        let work = counted(scene, traced, &factor.plan);
-        (work, measured(scene, &*tracer, &factor.plan, clock))
-    };
-    Ok(factors(scene, settings).into_iter().map(point).collect())
+    let factors = factors(scene, settings);
+    let seconds = measured(scene, &*tracer, &factors, clock);
+    let work = |factor: &Factor| counted(scene, traced, &factor.plan);
+    Ok(factors.iter().map(work).zip(seconds).collect())
 }
 
 fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration: &[&str]) -> Table {

@@ -4,13 +4,14 @@ use std::io::Write;
 
 use crate::args::{Color, DoctorArgs, Format};
 use crate::context::Context;
+use crate::doctor::finding::Level;
 use crate::doctor::memory::{self, LINE};
 use crate::doctor::system::System;
-use crate::doctor::{Diagnosis, Level, diagnose};
+use crate::doctor::{Diagnosis, diagnose};
 use crate::error::Error;
-use crate::export::table::Style;
-use crate::export::text::painted;
-use crate::export::{json, numbers};
+use presentation::table::Style;
+use presentation::text::painted;
+use presentation::{json, numbers};
 
 /// Looks and prints.
 ///

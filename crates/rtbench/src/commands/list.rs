@@ -9,11 +9,11 @@ use renderer::RayKind;
 use renderer::tracers::{TRACERS, TracerInfo};
 use serde_json::{Value, json};
 
-use crate::accuracy::axis::AXES;
 use crate::args::{Format, ListArgs, Listed};
 use crate::context::Context;
 use crate::error::Error;
-use crate::export::json;
+use presentation::json;
+use studies::accuracy::axis::AXES;
 
 /// Lists.
 ///

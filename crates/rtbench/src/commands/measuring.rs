@@ -8,23 +8,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
-use crate::args::{Lights, Precision};
 use crate::context::Context;
-use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
-use crate::export::files::Outputs;
-use crate::journal::Journal;
-use crate::journal::lines::Line;
-use crate::panics::caught;
-use crate::plan::{Plan, Rounds};
-use crate::pools::Pools;
-use crate::progress::Progress;
-use crate::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
-use crate::scale::{admission, quantities};
-use crate::scene_run::{Equipment, run_scene};
-use crate::scene_source::KnownScene;
-use crate::summary::summarize;
-use crate::warnings;
+use crate::error::Error;
+use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
+use crate::exports::outputs::Outputs;
+use measurement::journal::Journal;
+use measurement::journal::lines::Line;
+use measurement::plan::{Plan, Rounds};
+use measurement::record::summary::summarize;
+use measurement::record::warnings;
+use measurement::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
+use measurement::rounds::error::MeasureError;
+use measurement::rounds::scene_run::{Equipment, run_scene};
+use measurement::scenes::KnownScene;
+use measurement::settings::{Lights, Precision};
+use measurement::system::panics::caught;
+use measurement::system::pools::Pools;
+use measurement::system::progress::Progress;
 use renderer::ShadowRays;
+use studies::scale::{admission, quantities};
 
 /// What came of a plan.
 #[derive(Debug)]
@@ -48,7 +50,7 @@ pub struct Kept {
 
 impl Kept {
     fn append(&mut self, line: impl FnOnce() -> Line) -> Result<(), Error> {
-        self.journal.as_mut().map_or(Ok(()), |journal| journal.append(&line()))
+        self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.append(&line())?))
     }
 }
 
@@ -142,7 +144,7 @@ pub fn measure_rest(
             scale.slopes = quantities::slopes(&record.scenes);
         }
         record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
-        let kept_well = kept_well.and_then(|()| outputs.write(&record, false));
+        let kept_well = kept_well.and_then(|()| Ok(outputs.write(&record, false)?));
         if let Some(scene) = record.scenes.last() {
             // What the disk does not take is shown at least.
             progress.suspend(|| show(context, &record, scene))?;
@@ -170,13 +172,15 @@ fn measure_one(
     deadline: Option<Duration>,
 ) -> Result<SceneRecord, Error> {
     let measured = caught(|| {
-        known.load().map_err(Error::from).and_then(|loaded| match plan.precision {
-            Precision::F32 => run_scene::<f32>(plan, &loaded, equipment, deadline),
-            Precision::F64 => run_scene::<f64>(plan, &loaded, equipment, deadline),
+        let loaded = known.load()?;
+        Ok(match plan.precision {
+            Precision::F32 => run_scene::<f32>(plan, &loaded, equipment, deadline)?,
+            Precision::F64 => run_scene::<f64>(plan, &loaded, equipment, deadline)?,
         })
     });
-    let scene = || known.name().to_owned();
-    measured.unwrap_or_else(|source| Err(Error::Panicked { scene: scene(), source }))
+    measured.unwrap_or_else(|source| {
+        Err(MeasureError::Panicked { scene: known.name().to_owned(), source }.into())
+    })
 }
 
 /// 4 when a row is wrong, 1 when something could not be measured, else 0.

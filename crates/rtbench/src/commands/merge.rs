@@ -4,12 +4,12 @@ use std::path::Path;
 
 use crate::args::{Color, MergeArgs};
 use crate::commands::measuring::{Measured, exit_code, warn_of};
+use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
-use crate::export::files::Outputs;
-use crate::export::text;
-use crate::merge::{MergeError, MergeProblem, Part, merge};
-use crate::record_file;
+use measurement::record::file;
+use measurement::record::merge::{MergeError, MergeProblem, Part, merge};
+use studies::run::text;
 
 /// Merges and returns the exit code: that of the whole run.
 ///
@@ -18,7 +18,7 @@ use crate::record_file;
 pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
     let mut parts = Vec::with_capacity(args.parts.len());
     for path in &args.parts {
-        parts.push(Part { record: record_file::read(path)?, path: path.clone() });
+        parts.push(Part { record: file::read(path)?, path: path.clone() });
     }
     if let Some(folder) = &args.exports.output
         && args.parts.iter().any(|part| is_in(part, folder))
@@ -29,7 +29,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     let mut record = merge(parts, args.mixed_machines)?;
     record.command_line = context.command_line.clone();
     // not before: parts that do not fit leave no empty files
-    let mut outputs = Outputs::of_run(&args.exports)?;
+    let mut outputs = run_outputs::of_run(&args.exports)?;
     outputs.write(&record, true)?;
     outputs.print(&record, context.out)?;
     let colors = context.terminal.colors(color);

@@ -6,9 +6,10 @@ use clap_mangen::Man;
 use crate::args::{Cli, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 use crate::context::Context;
 use crate::error::Error;
-use crate::plan::PlanError;
 use crate::schema;
-use crate::suggest;
+use measurement::plan::error::PlanError;
+use measurement::settings::suggest;
+use measurement::system::files::WriteError;
 
 /// The program's name, in pages and completions.
 const NAME: &str = "rtbench";
@@ -48,7 +49,7 @@ pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder)
             .and_then(|()| clap_mangen::generate_to(cli, folder))
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+            .map_err(|source| WriteError { path: folder.clone(), source })?;
         return Ok(());
     }
     cli.build();

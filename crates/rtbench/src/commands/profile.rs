@@ -1,17 +1,17 @@
 //! `rtbench profile`: what the time of a run's fastest rows is spent on.
 
 use crate::args::{Color, ProfileArgs};
-use crate::callgrind::simulation::{caches_below, simulate};
 use crate::context::Context;
 use crate::doctor::memory;
 use crate::error::Error;
-use crate::export::files::write_file;
-use crate::export::markdown::push_table;
-use crate::export::text::write_table;
+use crate::exports::outputs::write_file;
 use crate::gate::GateError;
 use crate::like::{Narrowed, narrowed};
 use crate::profile::{Machine, fastest_rows, tables};
-use crate::record_file;
+use measurement::callgrind::simulation::{caches_below, simulate};
+use measurement::record::file;
+use presentation::markdown::push_table;
+use presentation::text::write_table;
 
 /// Measures the machine's memory, simulates its caches under the rows, and prints both beside the
 /// times of the results.
@@ -20,7 +20,7 @@ use crate::record_file;
 /// [`Error`] for results that cannot be read, a machine that does not tell its caches, a missing
 /// valgrind, and outputs.
 pub fn run(context: &mut Context<'_>, args: &ProfileArgs, color: Color) -> Result<(), Error> {
-    let record = record_file::read(&args.results)?;
+    let record = file::read(&args.results)?;
     let wanted =
         Narrowed { scenes: &args.scene, structures: &args.structures, ..Narrowed::default() };
     let mut record = narrowed(&record, &wanted).map_err(GateError::from)?;

@@ -6,22 +6,26 @@ use accel_core::occluders;
 use accel_core::occluders::shadow_path::ShadowPath;
 use accel_core::structures::Entry;
 use accel_core::tracer::Tracer;
-use renderer::effects::plan::MOST_SAMPLES_A_PIXEL;
-use renderer::{EffectPlan, Geometry, ImageFormat, RenderSettings, render_plan};
-use scene_loading::{SampleWishes, Scene};
+use renderer::{Geometry, ImageFormat, RenderSettings, render_plan};
+use scene_loading::SampleWishes;
 
 use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 use crate::context::Context;
 use crate::effect_table;
 use crate::error::Error;
-use crate::export::text::write_table;
-use crate::machine;
-use crate::plan::{DEFAULT_BASELINE, PlanError};
-use crate::pools::pool;
-use crate::rows::Row;
-use crate::scene_run::light_positions;
-use crate::scene_source::{KnownScene, SceneSource};
-use crate::suggest;
+use measurement::plan::DEFAULT_BASELINE;
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::Row;
+use measurement::rounds::error::MeasureError;
+use measurement::rounds::scene_run::light_positions;
+use measurement::scenes::{KnownScene, SceneSource};
+use measurement::settings::suggest;
+use measurement::system::created::Created;
+use measurement::system::machine;
+use measurement::system::pools::pool;
+use presentation::text::write_table;
+use studies::effect_plan::plan_of;
+use studies::error::UnsavedImage;
 
 /// Renders, or prints the plan, or both.
 ///
@@ -31,10 +35,17 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;
     let output = match &args.output {
-        Some(path) => Some((path.as_path(), writable(path)?)),
+        Some(path) => Some((path.as_path(), format_of(path)?)),
         None => None,
     };
     let occluder = shadows(context, &args.shadows)?;
+    let pool = pool(args.threads.map_or_else(machine::threads, usize::from))?;
+    // all that was typed is valid: an unwritable path is found before a scene is loaded, and where
+    // that is refused, or the structure, the file is taken back
+    let mut created = Created::default();
+    if let Some((path, _)) = output {
+        created.file(path)?;
+    }
     let name = scene.name();
     let loaded = context.load(&*scene)?;
     for warning in &loaded.scene.warnings {
@@ -43,8 +54,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
     let settings = settings(args.size, &args.sampling);
     let plan = plan_of(&loaded.scene, &settings)?;
-    let threads = args.threads.map_or_else(machine::threads, usize::from);
-    let (table, image) = pool(threads)?
+    let (table, image) = pool
         .install(|| {
             let structure = row.entry.build(geometry.prims(), &row.params)?;
             let tracer: Box<dyn Tracer<f32>> = match &occluder {
@@ -60,7 +70,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
             let image = output.is_some().then(|| render_plan(&loaded.scene, &*tracer, &plan).image);
             Ok((table, image))
         })
-        .map_err(|source| Error::Build { scene: name.to_owned(), source })?;
+        .map_err(|source| MeasureError::Build { scene: name.to_owned(), source })?;
     if let Some(table) = table {
         write_table(context.out, &table, context.terminal.colors(color))?;
         context.out.flush()?;
@@ -68,7 +78,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     if let (Some((path, format)), Some(image)) = (output, image) {
         image
             .save(path, format)
-            .map_err(|source| Error::Image { path: path.to_owned(), source })?;
+            .map_err(|source| UnsavedImage { path: path.to_owned(), source })?;
         context.say(format_args!("{name} through {}: {}", row.label(), path.display()));
     }
     Ok(())
@@ -97,31 +107,12 @@ pub fn one_scene(scenes: &dyn SceneSource, name: &str) -> Result<Box<dyn KnownSc
     }
 }
 
-/// The format of an image file; an unwritable path is found before the work is done.
-pub fn writable(path: &Path) -> Result<ImageFormat, Error> {
-    let format = ImageFormat::of(path).ok_or_else(|| PlanError::Malformed {
+/// The format of an image file.
+fn format_of(path: &Path) -> Result<ImageFormat, PlanError> {
+    ImageFormat::of(path).ok_or_else(|| PlanError::Malformed {
         text: path.display().to_string(),
         expected: "a file name that ends in .png or .exr",
-    })?;
-    std::fs::OpenOptions::new()
-        .create(true)
-        .write(true)
-        .truncate(false)
-        .open(path)
-        .map_err(|source| Error::Write { path: path.to_owned(), source })?;
-    Ok(format)
-}
-
-/// The effect plan, unless its samples would fill the memory.
-pub fn plan_of(scene: &Scene, settings: &RenderSettings) -> Result<EffectPlan, PlanError> {
-    let plan = EffectPlan::of(scene, settings);
-    if plan.samples_a_pixel() > MOST_SAMPLES_A_PIXEL {
-        return Err(PlanError::Malformed {
-            text: format!("{} eye x glossy x shadow samples a pixel", plan.samples_a_pixel()),
-            expected: "at most 4194304 of them",
-        });
-    }
-    Ok(plan)
+    })
 }
 
 /// What was typed, as the renderer takes it.

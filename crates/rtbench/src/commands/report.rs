@@ -6,10 +6,11 @@ use std::path::Path;
 use crate::args::ReportArgs;
 use crate::context::Context;
 use crate::error::Error;
-use crate::export::files::write_text;
-use crate::record_file;
 use crate::report::material::Material;
 use crate::report::page;
+use measurement::record::file;
+use measurement::system::files::WriteError;
+use measurement::system::files::write_text;
 
 /// The page's name unless another is asked for.
 const NAME: &str = "report.html";
@@ -19,7 +20,7 @@ const NAME: &str = "report.html";
 /// # Errors
 /// [`Error`] for results that cannot be read and files that cannot be written.
 pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
-    let record = record_file::path_of(&args.folder);
+    let record = file::path_of(&args.folder);
     let material = Material::read(&record)?;
     let usual = material.folder.join(NAME);
     let output = args.output.as_deref().unwrap_or(&usual);
@@ -32,8 +33,7 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
         write_text(output, &page.html)?;
     }
     if let Some(folder) = &args.plots {
-        fs::create_dir_all(folder)
-            .map_err(|source| Error::Write { path: folder.clone(), source })?;
+        fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.clone(), source })?;
         for (name, svg) in &page.plots {
             write_text(&folder.join(name), svg)?;
         }

@@ -4,13 +4,14 @@ use std::ffi::OsString;
 
 use crate::args::{Color, ScaleArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
-use crate::commands::run::{Begun, go_on, journal_in, watch};
+use crate::commands::resumable::{Begun, go_on, journal_in, watch};
 use crate::context::Context;
 use crate::error::Error;
-use crate::export::files::Outputs;
-use crate::export::{json, scale_csv, scale_plot, scale_table};
-use crate::record::RunRecord;
-use crate::scale::Scale;
+use crate::exports::outputs::Outputs;
+use measurement::record::RunRecord;
+use presentation::json;
+use studies::scale::Scale;
+use studies::scale::{csv, plot, table};
 
 /// Measures and returns the exit code. `arguments` are those of the process, program first.
 ///
@@ -22,13 +23,15 @@ pub fn run(
     color: Color,
     arguments: &[OsString],
 ) -> Result<u8, Error> {
-    let scale = Scale::new(args, context.registry, context.occluders, context.scenes)?;
+    let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begun(context, &scale);
     let mut kept = Kept::default();
+    let outputs = outputs(args)?;
     if let Some(folder) = &args.output {
         kept.journal = Some(journal_in(context, folder, &scale.plan, &record, arguments)?);
     }
-    measure(context, args, color, &scale, kept, record)
+    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    measure(context, color, &scale, outputs, kept, record)
 }
 
 /// Finishes what was begun in the folder of `-o`.
@@ -42,10 +45,12 @@ pub(super) fn resume(
     begun_before: Begun<'_>,
 ) -> Result<u8, Error> {
     let args = ScaleArgs { output: Some(begun_before.folder.to_owned()), ..args.clone() };
-    let scale = Scale::new(&args, context.registry, context.occluders, context.scenes)?;
+    let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begun(context, &scale);
     let (kept, record) = go_on(context, begun_before, &scale.plan, record)?;
-    measure(context, &args, color, &scale, kept, record)
+    let outputs = outputs(&args)?;
+    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    measure(context, color, &scale, outputs, kept, record)
 }
 
 /// The record before the first size.
@@ -55,27 +60,25 @@ fn begun(context: &Context<'_>, scale: &Scale<'_>) -> RunRecord {
 
 fn measure(
     context: &mut Context<'_>,
-    args: &ScaleArgs,
     color: Color,
     scale: &Scale<'_>,
+    mut outputs: Outputs<'static>,
     kept: Kept,
     record: RunRecord,
 ) -> Result<u8, Error> {
     let colors = context.terminal.colors(color);
-    let mut outputs = outputs(args)?;
     let has_tables = !outputs.are_printed();
-    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
     let measured =
         measure_rest(context, &scale.plan, &mut outputs, kept, record, |context, run, scene| {
             warn_of(context, scene);
             if has_tables {
-                scale_table::write_size(context.out, run, scene, colors)?;
+                table::write_size(context.out, run, scene, colors)?;
                 context.out.flush()?;
             }
             Ok(())
         })?;
     if has_tables && !measured.record.scenes.is_empty() {
-        scale_table::write_slopes(context.out, &measured.record, colors)?;
+        table::write_slopes(context.out, &measured.record, colors)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))
@@ -84,21 +87,96 @@ fn measure(
 /// The files that the command line names, and those of its folder.
 fn outputs(args: &ScaleArgs) -> Result<Outputs<'static>, Error> {
     let mut outputs = Outputs::default();
+    if let Some(folder) = &args.output {
+        outputs.folder(folder)?;
+    }
     let within = |name| args.output.as_ref().map(|folder| folder.join(name));
     for path in [within("results.json"), args.export_json.clone()] {
-        outputs.add(path.as_ref(), json::to_string)?;
+        outputs.add(path.as_ref(), json::written)?;
     }
     for path in [within("scale.csv"), args.export_csv.clone()] {
-        outputs.add(path.as_ref(), scale_csv::sizes)?;
+        outputs.add(path.as_ref(), csv::sizes)?;
     }
     for path in [within("slopes.csv"), args.export_slopes.clone()] {
-        outputs.add(path.as_ref(), scale_csv::slopes)?;
+        outputs.add(path.as_ref(), csv::slopes)?;
     }
     for path in [within("scale.md"), args.export_markdown.clone()] {
-        outputs.add(path.as_ref(), |run| Ok(scale_table::to_markdown(run)))?;
+        outputs.add(path.as_ref(), |run| Ok(table::to_markdown(run)))?;
     }
     for path in [within("scale.svg"), args.export_svg.clone()] {
-        outputs.add(path.as_ref(), |run| Ok(scale_plot::to_svg(run)))?;
+        outputs.add(path.as_ref(), |run| Ok(plot::to_svg(run)))?;
     }
     Ok(outputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use accel_core::structures::REGISTRY;
+    use clap::Parser;
+
+    use accel_core::occluders;
+
+    use crate::args::{Cli, Command};
+    use measurement::scenes::Installed;
+    use studies::scale::Scale;
+
+    fn scale(arguments: &str) -> Result<Scale<'static>, String> {
+        let words = ["rtbench", "scale"].into_iter().chain(arguments.split(' '));
+        let cli = Cli::try_parse_from(words).map_err(|e| e.to_string())?;
+        let Command::Scale(args) = cli.command else { return Err("another command".into()) };
+        Scale::new(&args.settings(), REGISTRY, occluders::REGISTRY, &Installed)
+            .map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn sizes_are_the_nearest_ones_each_once() {
+        let s = scale("balls-tess --sizes 1e3..1e7 -s uniform-grid").unwrap();
+        let names: Vec<&str> = s.plan.scenes.iter().map(|scene| scene.name()).collect();
+        let expected = [1, 2, 3, 4, 5].map(|n| format!("balls-tess:{n}"));
+        assert_eq!(names, expected);
+        assert_eq!(s.record.sizes[3].primitives, 1_417_154);
+        let s = scale("balls --sizes 1e3..1e4 --per-decade 4 -s uniform-grid").unwrap();
+        let asked: Vec<usize> = s.record.sizes.iter().map(|size| size.asked.len()).collect();
+        assert_eq!((s.record.sizes[0].name.as_str(), asked), ("balls:3", vec![2, 3]));
+        assert_eq!(
+            s.plan.kinds.iter().map(|k| k.name()).collect::<Vec<_>>(),
+            ["primary", "shadow"]
+        );
+        assert_eq!(s.plan.settings.resolution, [256, 256]);
+    }
+
+    #[test]
+    fn all_structures_are_measured_at_their_defaults() {
+        let s = scale("tetra --sizes 64..1024 --quick").unwrap();
+        let labels: Vec<String> = s.plan.rows.iter().map(|row| row.label()).collect();
+        assert_eq!(labels.len(), REGISTRY.len() + occluders::REGISTRY.len());
+        assert!(REGISTRY.iter().all(|e| labels.iter().any(|l| l == e.info.name)), "{labels:?}");
+        let s = scale("tetra --sizes 64 --set uniform-grid.density=4 --rays primary").unwrap();
+        assert!(s.plan.rows.iter().any(|row| row.label() == "uniform-grid density=4"));
+        assert_eq!(s.plan.rows.len(), REGISTRY.len(), "no shadow rays, no occluder");
+    }
+
+    #[test]
+    fn limits_are_read() {
+        let s = scale("tetra --sizes 64 --time-limit 2m --max-memory 1.5GiB").unwrap();
+        let limits = s.plan.build_limits.unwrap();
+        assert_eq!((limits.seconds, limits.bytes), (120.0, 3 << 29));
+    }
+
+    #[test]
+    fn what_cannot_be_scaled_says_why() {
+        for (arguments, said) in [
+            ("kitchen", "does not come in sizes; those that do: balls"),
+            ("kitchn", "unknown scene"),
+            ("hare --sizes 1e3..1e9", "its sizes go from 8 to 19996488"),
+            ("balls --sizes 1", "the nearest size of balls has 11 primitives"),
+            ("hare --sizes 1e6..1e3", "is not below"),
+            ("hare --per-decade 0", "per-decade"),
+            ("hare --max-memory 8", "8GiB"),
+            ("hare -s unifrom-grid", "did you mean 'uniform-grid'?"),
+        ] {
+            let error = scale(arguments).unwrap_err();
+            assert!(error.contains(said), "{arguments}: {error}");
+        }
+    }
 }

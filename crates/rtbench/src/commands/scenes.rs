@@ -4,8 +4,9 @@ use scene_loading::info::SceneInfo;
 
 use crate::args::{SceneNames, ScenesAction};
 use crate::context::Context;
-use crate::error::{Error, FAILURE, SUCCESS};
-use crate::scene_source::{KnownScene, LoadError, LoadedScene};
+use crate::error::Error;
+use crate::exit_code::{FAILURE, SUCCESS};
+use measurement::scenes::{KnownScene, LoadError, LoadedScene};
 
 /// Runs and returns the exit code.
 ///

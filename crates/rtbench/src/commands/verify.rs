@@ -2,21 +2,27 @@
 
 use crate::args::{Color, VerifyArgs};
 use crate::context::Context;
-use crate::error::{Error, SUCCESS, WRONG_HITS};
-use crate::export::files::write_file;
-use crate::export::text::write_table;
-use crate::machine;
-use crate::plan::PlanError;
-use crate::pools::deep_pool;
-use crate::progress::Progress;
-use crate::verify::check::{PRECISIONS, Plan, Replayed, replay};
-use crate::verify::registry::{find, select};
-use crate::verify::replay::Replay;
-use crate::verify::report::Report;
-use crate::verify::subject::Subject;
-use crate::verify::timing;
+use crate::error::Error;
+use crate::exit_code::{INCONCLUSIVE, INTERRUPTED, SUCCESS, WRONG_HITS};
+use crate::exports::outputs::write_file;
+use measurement::plan::error::PlanError;
+use measurement::rounds::error::MeasureError;
+use measurement::system::created::create;
+use measurement::system::interrupt;
+use measurement::system::machine;
+use measurement::system::pools::deep_pool;
+use measurement::system::progress::Progress;
+use presentation::text::write_table;
+use studies::verify::check::{PRECISIONS, Plan, Replayed, replay};
+use studies::verify::registry::{Case, find, select};
+use studies::verify::replay::{Replay, precision_name};
+use studies::verify::report::Report;
+use studies::verify::subject::Subject;
+use studies::verify::timing;
+use studies::verify::watch::{Cut, Watch};
 
-/// Verifies, or repeats one trial, and returns the exit code.
+/// Verifies, or repeats one trial, and returns the exit code: for wrong hits 4, though a signal's
+/// comes first; out of time without any, 5.
 ///
 /// # Errors
 /// [`Error`] for what is asked and not there, and for outputs that cannot be written.
@@ -27,52 +33,81 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     let plan = Plan {
         cases: select(&args.cases)?,
         registry: context.registry,
-        subjects: Subject::all(context.registry, &args.structures)?,
+        subjects: Subject::all(context.registry, &args.structures, args.also_tested)?,
         rays: args.rays as usize,
         seed: args.seed,
     };
+    let _created = create([&args.export_csv, &args.export_json])?;
     let report = checked(context, args, &plan)?;
-    write_file(args.export_csv.as_deref(), || report.to_csv())?;
-    write_file(args.export_json.as_deref(), || report.to_json())?;
     let colors = context.terminal.colors(color);
     write_table(context.out, &report.table(), colors)?;
     for example in report.examples() {
         writeln!(context.out, "{example}")?;
     }
-    if args.timing {
+    if args.timing && report.cut.is_none() {
         writeln!(context.out)?;
         write_table(context.out, &timing::table(&report.timing), colors)?;
     }
     context.out.flush()?;
-    Ok(if report.is_failure() { WRONG_HITS } else { SUCCESS })
+    Ok(match report.cut {
+        Some(Cut::Interrupted(signal)) => signal_code(signal),
+        _ if report.is_failure() => WRONG_HITS,
+        Some(Cut::OutOfTime) => INCONCLUSIVE,
+        None => SUCCESS,
+    })
 }
 
-/// All cases of the plan. The output files exist before the first.
+/// As shells count them.
+fn signal_code(signal: usize) -> u8 {
+    u8::try_from(128 + signal).unwrap_or(INTERRUPTED)
+}
+
+/// All cases of the plan, or those until it is cut short. The output files hold what is done after
+/// each.
 fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Result<Report, Error> {
-    write_file(args.export_csv.as_deref(), || Ok(String::new()))?;
-    write_file(args.export_json.as_deref(), || Ok(String::new()))?;
+    let signal = interrupt::flag().map_err(Error::Signals)?;
     let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
-    let steps = plan.cases.len() * PRECISIONS.len();
-    let progress = Progress::new(context.shows_progress(), steps as u64, None);
     let start = context.clock.now();
-    let command_line = context.command_line.clone();
-    let mut report = Report { command_line, seed: plan.seed, rays: plan.rays, ..Report::default() };
-    for &listed in &plan.cases {
-        progress.message(format!("{}: {}", listed.1.id, listed.1.summary));
-        for precision in PRECISIONS {
-            report.lines.extend(pool.install(|| plan.check(listed, precision))?);
-            progress.step(context.clock.now());
+    let progress = Progress::new(context.shows_progress(), plan.all_rounds(), None);
+    let watch = Watch::new(context.clock, args.time_limit, signal, progress);
+    let mut report = Report {
+        command_line: context.command_line.clone(),
+        seed: plan.seed,
+        rays: plan.rays,
+        rounds: plan.all_rounds(),
+        ..Report::default()
+    };
+    let steps = plan.cases.iter().flat_map(|&listed| PRECISIONS.map(|p| (listed, p)));
+    for (listed, precision) in steps {
+        report.cut = watch.cut();
+        if report.cut.is_some() {
+            break;
         }
+        let Case { id, summary, .. } = listed.1;
+        watch.begin(&format!("{id} {}: {summary}", precision_name(precision)));
+        let (lines, rounds) = pool.install(|| plan.check(listed, precision, &watch))?;
+        report.lines.extend(lines);
+        report.rounds_asked += rounds;
+        report.seconds = context.clock.seconds_since(start);
+        save(args, &report)?;
     }
-    progress.finish();
-    if report.lines.is_empty() {
+    watch.finish();
+    if report.rounds_asked < report.rounds {
+        report.cut = watch.cut();
+    } else if report.lines.is_empty() {
         return Err(PlanError::NothingAsked.into());
-    }
-    if args.timing {
+    } else if args.timing {
         report.timing = timing::timed(&plan.subjects, context.clock, plan.seed)?;
     }
     report.seconds = context.clock.seconds_since(start);
+    save(args, &report)?;
     Ok(report)
+}
+
+/// Writes what is done so far.
+fn save(args: &VerifyArgs, report: &Report) -> Result<(), Error> {
+    write_file(args.export_csv.as_deref(), || report.to_csv())?;
+    Ok(write_file(args.export_json.as_deref(), || report.to_json())?)
 }
 
 /// Repeats one trial and says what comes of it.
@@ -81,7 +116,7 @@ fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
     let subject = Subject::parse(context.registry, &line.subject)?;
     let scene = || format!("{} round {}", case.id, line.round);
     let Replayed { question, wrong, refused } = replay(case, line, &subject)
-        .map_err(|source| Error::Build { scene: scene(), source })?
+        .map_err(|source| MeasureError::Build { scene: scene(), source })?
         .ok_or_else(|| PlanError::Malformed {
             text: line.to_string(),
             expected: "a round that has so many rays",

@@ -1,7 +1,8 @@
 //! What is to be kept in mind with a comparison.
 
-use crate::comparison::differences::{Concerns, Difference};
-use crate::comparison::{Choice, Named};
+use crate::comparison::choice::{Choice, Named};
+use crate::comparison::differences::Difference;
+use measurement::record::metrics::Concerns;
 
 /// What is to be said of two runs that are compared all the same.
 pub fn cautions(

@@ -2,9 +2,9 @@
 //! left out has no metric.
 
 use crate::comparison::Comparison;
-use crate::error::Error;
-use crate::export::csv::{number, written};
-use crate::statistics::Estimate;
+use presentation::csv::{number, written};
+use presentation::format_error::FormatError;
+use statistics::estimate::Estimate;
 
 /// The columns, in order.
 pub const COLUMNS: [&str; 14] = [
@@ -27,8 +27,8 @@ pub const COLUMNS: [&str; 14] = [
 /// All comparisons.
 ///
 /// # Errors
-/// [`Error::Format`].
-pub fn to_string(comparisons: &[Comparison]) -> Result<String, Error> {
+/// [`FormatError`].
+pub fn to_string(comparisons: &[Comparison]) -> Result<String, FormatError> {
     written(|writer| {
         writer.write_record(COLUMNS)?;
         for comparison in comparisons {

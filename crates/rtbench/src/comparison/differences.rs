@@ -7,20 +7,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::record::{RunRecord, SceneRecord};
-
-/// What a difference concerns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Concerns {
-    /// No figure can be compared.
-    Everything,
-    /// No times in seconds.
-    Seconds,
-    /// No ratios to the reference.
-    Ratios,
-    /// All figures can be compared; the difference may be why they differ.
-    Nothing,
-}
+use measurement::record::metrics::Concerns;
+use measurement::record::{RunRecord, SceneRecord};
 
 /// Something that two runs do not have in common.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -133,7 +121,7 @@ impl Found {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_record::run;
+    use measurement::record::made_up::run;
 
     #[test]
     fn every_planted_difference_is_found_and_concerns_what_it_should() {

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::metrics::Metric;
-use crate::record::{RowRecord, SceneRecord, label};
-use crate::statistics::mann_whitney::p_value;
-use crate::statistics::ratio_of_medians::ratio_of_medians;
-use crate::statistics::{Estimate, median};
+use measurement::record::metrics::Metric;
+use measurement::record::{RowRecord, SceneRecord, label};
+use statistics::estimate::{Estimate, median};
+use statistics::mann_whitney::p_value;
+use statistics::ratio_of_medians::ratio_of_medians;
 
 /// Probability of chance from which a difference is not called one.
 const SIGNIFICANT: f64 = 0.05;

@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
+use crate::comparison::choice::{Choice, Pair};
 use crate::comparison::entry::{Outcome, exact_ratio, exceeds};
-use crate::comparison::{Choice, Pair};
-use crate::metrics::Metric;
-use crate::record::RowRecord;
-use crate::statistics::ratio_of_medians::geometric_mean_of_ratios;
-use crate::statistics::{Estimate, geometric_mean};
+use measurement::record::RowRecord;
+use measurement::record::metrics::Metric;
+use statistics::estimate::{Estimate, geometric_mean};
+use statistics::ratio_of_medians::geometric_mean_of_ratios;
 
 /// A metric of a row over all scenes: the geometric mean of the ratios.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,21 +1,24 @@
 //! Two runs side by side: scene by scene, row by row, metric by metric.
 
 pub mod cautions;
+pub mod choice;
 pub mod csv;
 pub mod differences;
 pub mod entry;
 pub mod means;
 pub mod tables;
 
-use regex_lite::Regex;
 use serde::Serialize;
 
+pub use choice::{Choice, Named, Pair};
+
 use crate::comparison::cautions::cautions;
-use crate::comparison::differences::{Concerns, Difference, differences, scenes_of_both};
+use crate::comparison::differences::{Difference, differences, scenes_of_both};
 use crate::comparison::entry::{Entry, Outcome};
 use crate::comparison::means::{Mean, means};
-use crate::metrics::{METRICS, Metric};
-use crate::record::{RowRecord, RunRecord, SceneRecord, Verdict, label};
+use measurement::record::metrics::Concerns;
+use measurement::record::metrics::{METRICS, Metric};
+use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, label};
 
 /// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]
@@ -56,44 +59,10 @@ pub enum CompareError {
     },
 }
 
-/// What to compare, and what to show of it.
-#[derive(Debug)]
-pub struct Choice {
-    /// The metrics.
-    pub metrics: Vec<&'static Metric>,
-    /// Exact metrics that are equal are shown, not only counted.
-    pub shows_equal: bool,
-    /// Finds what is compared.
-    pub filter: Option<Regex>,
-    /// Percent that are shown from.
-    pub threshold: Option<f64>,
-    /// What cannot be compared is compared.
-    pub is_forced: bool,
-}
-
 /// Metrics of a comparison where none are named; exact ones only where they differ.
 pub fn default_metrics() -> Vec<&'static Metric> {
     let is_default = |m: &&Metric| m.is_exact() || ["build", "trace", "ratio"].contains(&m.name);
     METRICS.iter().filter(is_default).collect()
-}
-
-impl Choice {
-    /// Whether the filter, if there is one, finds a metric of a row.
-    pub fn finds(&self, scene: &str, label: &str, metric: &str) -> bool {
-        let found = |filter: &Regex| filter.is_match(&format!("{scene}/{label}/{metric}"));
-        self.filter.as_ref().is_none_or(found)
-    }
-}
-
-/// A run with the name it is given in tables.
-#[derive(Debug, Clone, Copy)]
-pub struct Named<'r> {
-    /// `A`, `B`, ...
-    pub letter: &'r str,
-    /// Where it was read from.
-    pub path: &'r str,
-    /// The run.
-    pub run: &'r RunRecord,
 }
 
 /// What is known of one side.
@@ -152,9 +121,6 @@ pub struct LeftOut {
     /// Why.
     pub why: String,
 }
-
-/// Two scenes, two rows.
-pub type Pair<'r> = ([&'r SceneRecord; 2], [&'r RowRecord; 2]);
 
 /// Holds a run against another.
 ///

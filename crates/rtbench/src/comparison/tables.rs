@@ -5,11 +5,11 @@ use std::io::{self, Write};
 
 use crate::comparison::entry::{Entry, Outcome};
 use crate::comparison::{Comparison, SceneComparison, Side};
-use crate::export::markdown::push_table;
-use crate::export::numbers;
-use crate::export::table::{Cell, Style, Table};
-use crate::export::text::{write_notes, write_table};
-use crate::statistics::Estimate;
+use presentation::markdown::push_table;
+use presentation::numbers;
+use presentation::table::{Cell, Style, Table};
+use presentation::text::{write_notes, write_table};
+use statistics::estimate::Estimate;
 
 /// Column heads of a scene's table.
 const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "p", "outcome"];

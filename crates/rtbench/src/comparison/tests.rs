@@ -1,7 +1,7 @@
 use regex_lite::Regex;
 
 use super::*;
-use crate::test_record::run;
+use measurement::record::made_up::run;
 
 const OLD: [f64; 7] = [1.0, 1.01, 0.99, 1.02, 0.98, 1.0, 1.01];
 
@@ -141,7 +141,8 @@ fn another_machine_leaves_ratios_and_counters() {
     assert!(shown.len() == 4 && shown.iter().all(|line| line.ends_with("/ratio")), "{shown:?}");
     assert_eq!(comparison.equal, 60);
     assert!(comparison.cautions[0].starts_with("processor: Test CPU, then Other CPU; times in"));
-    let seconds = Choice { metrics: vec![crate::metrics::named("trace").unwrap()], ..choice() };
+    let seconds =
+        Choice { metrics: vec![measurement::record::metrics::named("trace").unwrap()], ..choice() };
     let error = compared(&old, &new, &seconds).unwrap_err().to_string();
     assert!(error.contains("processor: Test CPU, then Other CPU; --force"), "{error}");
     let forced = compared(&old, &new, &Choice { is_forced: true, ..seconds }).unwrap();
@@ -162,7 +163,7 @@ fn nothing_is_lost_without_a_word() {
     new.scenes[1].rows[2].rays = 128;
     new.scenes.push(SceneRecord { name: "rings".into(), ..new.scenes[0].clone() });
     new.planned = vec!["x".into(); 8];
-    new.warnings = vec![crate::warnings::Warning::NoisyMachine { spread: 0.5 }];
+    new.warnings = vec![measurement::record::Warning::NoisyMachine { spread: 0.5 }];
     let comparison = compared(&old, &new, &choice()).unwrap();
     let left = |scene: usize| -> Vec<String> {
         let left = comparison.scenes[scene].left_out.iter();

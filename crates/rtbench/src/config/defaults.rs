@@ -10,8 +10,8 @@ use clap::{ArgMatches, Command, CommandFactory};
 use toml::Value;
 
 use crate::args::Cli;
-use crate::config::{Config, ConfigError};
-use crate::suggest;
+use crate::config::file::{Config, ConfigError};
+use measurement::settings::suggest;
 
 /// What may not stand in a file: what belongs to one run alone.
 const NOT_THERE: [&str; 3] = ["help", "resume", "version"];
@@ -154,7 +154,7 @@ fn default(run: &Command, name: &str, value: &Value) -> Result<OptionDefault, St
 #[cfg(test)]
 mod tests {
     use super::join;
-    use crate::config::tests::read;
+    use crate::config::file::tests::read;
 
     const TEXT: &str = "[run]\nscenes = [\"tetra:2\", \"balls:1\"]\nrounds = 7\nquick = true\n\
                         seed = 3\nstructures = \"obvhs-cwbvh\"\nset = [\"uniform-grid.density=4\"]\n";

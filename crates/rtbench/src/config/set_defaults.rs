@@ -9,12 +9,11 @@ use clap::{ArgMatches, CommandFactory};
 use toml::Value;
 
 use crate::args::Cli;
-use crate::config::ConfigError;
 use crate::config::defaults::{is_typed, not_typed, valid_default};
-use crate::error::Error;
-use crate::plan::PlanError;
-use crate::scene_source::SceneSource;
-use crate::suggest;
+use crate::config::file::ConfigError;
+use measurement::plan::error::PlanError;
+use measurement::scenes::SceneSource;
+use measurement::settings::suggest;
 
 /// What belongs to one run, and not to a question: scenes are the set's own, files the user's.
 const NOT_IN_SETS: [&str; 4] = ["scenes", "as", "output", "shard"];
@@ -23,7 +22,10 @@ const NOT_IN_SETS: [&str; 4] = ["scenes", "as", "output", "shard"];
 ///
 /// # Errors
 /// [`PlanError::UnknownName`] for a set of `--as` that has no options, [`ConfigError::InSet`].
-pub fn of_set(arguments: &[OsString], scenes: &dyn SceneSource) -> Result<Vec<OsString>, Error> {
+pub fn of_set(
+    arguments: &[OsString],
+    scenes: &dyn SceneSource,
+) -> Result<Vec<OsString>, ConfigError> {
     let cli = Cli::command();
     let Ok(matches) = cli.clone().try_get_matches_from(arguments) else { return Ok(Vec::new()) };
     let Some(run) = run_of(&matches) else { return Ok(Vec::new()) };
@@ -45,7 +47,7 @@ pub fn of_set(arguments: &[OsString], scenes: &dyn SceneSource) -> Result<Vec<Os
     for (name, value) in &options {
         let invalid = |message| ConfigError::InSet { set: set.clone(), message };
         if NOT_IN_SETS.contains(&&**name) {
-            return Err(invalid(format!("{name}: not an option of sets")).into());
+            return Err(invalid(format!("{name}: not an option of sets")));
         }
         let value = Value::try_from(value).map_err(|e| invalid(format!("{name}: {e}")))?;
         defaults.push(valid_default(&cli, known, name, &value).map_err(invalid)?);
@@ -65,7 +67,7 @@ fn run_of(matches: &ArgMatches) -> Option<&ArgMatches> {
     }
 }
 
-fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, Error> {
+fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, ConfigError> {
     let mut valid = Vec::new();
     for (name, _) in scenes.sets().map_err(PlanError::Scene)? {
         if !scenes.run_options(&name, false).map_err(PlanError::Scene)?.is_empty() {
@@ -86,7 +88,7 @@ mod tests {
 
     use super::*;
     use crate::config::join;
-    use crate::scene_source::{Installed, KnownScene, LoadError};
+    use measurement::scenes::{Installed, KnownScene, LoadError};
 
     /// A source with one set that has options.
     struct One(serde_json::Value);

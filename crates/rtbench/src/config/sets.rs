@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use scene_loading::source_names::{name_of_path, path_of_name};
 use serde_json::{Map, Value};
 
-use crate::config::Config;
-use crate::scene_source::{KnownScene, LoadError, SceneSizes, SceneSource};
+use crate::config::file::Config;
+use measurement::scenes::{KnownScene, LoadError, SceneSizes, SceneSource};
 
 /// A source of scenes with the sets of a configuration.
 pub struct Configured<'a> {

@@ -9,8 +9,8 @@ use std::hint::black_box;
 
 use serde::Serialize;
 
-use crate::clock::Clock;
-use crate::random::Random;
+use measurement::system::clock::Clock;
+use statistics::random::Random;
 
 /// The sizes of `rtbench doctor --memory`, bytes.
 pub const SIZES: [usize; 10] = [
@@ -100,7 +100,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::clock::SteppingClock;
+    use measurement::system::clock::SteppingClock;
 
     #[test]
     fn the_walk_comes_by_every_line_once() {

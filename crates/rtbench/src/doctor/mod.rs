@@ -1,53 +1,17 @@
 //! What on a machine disturbs measurements: one finding a line, with what it means and what to do.
 
+pub mod finding;
 pub mod memory;
 pub mod noise;
 pub mod system;
 
 use serde::Serialize;
 
-use crate::clock::Clock;
+use crate::doctor::finding::Finding;
 use crate::doctor::memory::Latency;
 use crate::doctor::noise::Noise;
 use crate::doctor::system::System;
-
-/// What is said of a finding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Level {
-    /// Nothing to do.
-    Good,
-    /// Measurements suffer from it.
-    Warning,
-    /// The system does not tell.
-    Unknown,
-}
-
-impl Level {
-    /// As printed.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Good => "good",
-            Self::Warning => "warning",
-            Self::Unknown => "unknown",
-        }
-    }
-}
-
-/// One thing that was looked at.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
-    /// What was looked at.
-    pub name: &'static str,
-    /// What is said of it.
-    pub level: Level,
-    /// What was found, in words.
-    pub value: String,
-    /// What it means for measurements.
-    pub meaning: &'static str,
-    /// What to do; only of warnings.
-    pub advice: Option<&'static str>,
-}
+use measurement::system::clock::Clock;
 
 /// Everything that was looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]

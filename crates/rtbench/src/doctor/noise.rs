@@ -7,9 +7,9 @@ use std::hint::black_box;
 
 use serde::Serialize;
 
-use crate::clock::Clock;
-use crate::doctor::{Finding, Level};
-use crate::statistics::median;
+use crate::doctor::finding::{Finding, Level};
+use measurement::system::clock::Clock;
+use statistics::estimate::median;
 
 /// How often the loop is timed.
 const LOOPS: usize = 100;
@@ -99,7 +99,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::clock::SteppingClock;
+    use measurement::system::clock::SteppingClock;
 
     #[test]
     fn equal_loops_have_no_noise() {

@@ -4,9 +4,9 @@
 use std::fs;
 use std::path::PathBuf;
 
-use crate::doctor::{Finding, Level};
-use crate::machine::{kibibytes, value};
-use crate::world::World;
+use crate::doctor::finding::{Finding, Level};
+use measurement::system::machine::{kibibytes, value};
+use measurement::system::world::World;
 
 /// A file system root to look at: `/`, or a test's own.
 #[derive(Debug, Clone)]

@@ -9,22 +9,26 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::check::stride_for;
-use crate::child_process::{ChildError, answer, without_samples};
-use crate::clock::Clock;
-use crate::gate::{MatchedRow, ROUNDS};
-use crate::progress::Progress;
-use crate::random::Random;
-use crate::record::{RowRecord, RunRecord};
+use measurement::answers::check::stride_for;
+use measurement::record::{RowRecord, RunRecord};
+use measurement::system::child_process::{ChildError, answer, without_samples};
+use measurement::system::clock::Clock;
+use measurement::system::progress::Progress;
+use statistics::estimate::median;
+use statistics::random::Random;
 
-/// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The least
-/// of their times counts, of each kind of rays by itself: other programs only add to it, and a
-/// short time has the better chance of passing between them.
+/// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can
+/// be significant among thousands of rows; that of the 5 of `run` cannot even be among ten.
+pub const ROUNDS: u32 = 15;
+
+/// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The median
+/// of their times counts, of each kind of rays by itself.
 const VISITS: (u32, u32) = (5, 25);
 /// Seconds of a process that are worth their time: starting it takes about as long.
 const VISIT_SECONDS: f64 = 0.5;
 /// Seconds that the rays of a kind may take in a process, about; more are thinned. On a busy machine
-/// a thread is interrupted every few milliseconds: what is shorter is often spared.
+/// a thread is interrupted every few milliseconds: most visits that are shorter are spared, and the
+/// median is of those.
 const PASS_SECONDS: f64 = 0.001;
 /// Pairs within a time budget, at the least: fewer could not be significant.
 const FEWEST: u32 = 9;
@@ -56,15 +60,6 @@ pub struct PairedRow {
     pub build: Vec<[f64; 2]>,
     /// Trace.
     pub trace: Vec<[f64; 2]>,
-}
-
-impl PairedRow {
-    /// True for that row.
-    pub fn is_of(&self, row: &MatchedRow<'_>) -> bool {
-        self.scene == row.scene.1.name
-            && self.structure == row.now.structure
-            && self.settings == row.now.settings
-    }
 }
 
 /// Two binaries and what they measure.
@@ -203,20 +198,22 @@ fn add(rows: &mut Vec<PairedRow>, old: &RunRecord, new: &RunRecord) {
     }
 }
 
-/// The least times of the row on both sides: build, trace.
+/// The median times of the row on both sides: build, trace.
 fn pair(old: &RowRecord, new: &RowRecord) -> Option<([f64; 2], [f64; 2])> {
-    let build = |row: &RowRecord| row.samples.iter().map(|s| s.build_s).min_by(f64::total_cmp);
     Some(([build(old)?, build(new)?], [trace(old)?, trace(new)?]))
 }
 
-/// The least trace times of all kinds of rays together.
+fn build(row: &RowRecord) -> Option<f64> {
+    median(&row.samples.iter().map(|s| s.build_s).collect::<Vec<_>>())
+}
+
+/// The median trace times of all kinds of rays together.
 fn trace(row: &RowRecord) -> Option<f64> {
-    let kinds = row.samples.first()?.trace_s.keys();
-    let least = |kind| {
-        let seconds = row.samples.iter().filter_map(|s| s.trace_s.get(kind));
-        seconds.copied().min_by(f64::total_cmp)
+    let of = |kind| {
+        let seconds = row.samples.iter().filter_map(|s| s.trace_s.get(kind).copied());
+        median(&seconds.collect::<Vec<_>>())
     };
-    kinds.map(least).sum()
+    row.samples.first()?.trace_s.keys().map(of).sum()
 }
 
 /// The file of this program, as the environment has it.

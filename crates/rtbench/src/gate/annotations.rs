@@ -5,8 +5,8 @@
 
 use std::io::{self, Write};
 
+use crate::gate::evidence::{Finding, Outcome};
 use crate::gate::report::Report;
-use crate::gate::{Finding, Outcome};
 
 /// GitHub shows no more than that of a level in a step.
 const MOST: usize = 10;

@@ -3,8 +3,8 @@
 //! Wrong hits are judged by the run itself, against its oracle. Beyond that the hashes of all
 //! answers must be those of the baseline: ids and every bit of t.
 
-use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung};
-use crate::record::Verdict;
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung};
+use measurement::record::Verdict;
 
 /// Registry line.
 pub const RUNG: Rung =

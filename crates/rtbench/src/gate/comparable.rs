@@ -1,7 +1,8 @@
 //! May two records be compared at all?
 
-use crate::comparison::differences::{Concerns, Difference, differences};
-use crate::record::RunRecord;
+use crate::comparison::differences::{Difference, differences};
+use measurement::record::RunRecord;
+use measurement::record::metrics::Concerns;
 
 /// What keeps `now` from being held against `base`, each in words: all that keeps two runs from being
 /// compared, but for seconds, which no rung looks at. Of `base`, scenes that `now` lacks do not
@@ -18,7 +19,8 @@ pub fn refusals(base: &RunRecord, now: &RunRecord) -> Vec<String> {
 pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
     let mut remarks = Vec::new();
     if base.machine != now.machine {
-        let cpu = |m: &crate::record::Machine| m.cpu.clone().unwrap_or_else(|| "unknown".into());
+        let cpu =
+            |m: &measurement::record::Machine| m.cpu.clone().unwrap_or_else(|| "unknown".into());
         remarks.push(format!(
             "Another machine than the baseline's ({}; was {}): counters and instruction counts are \
              judged as on the same, times only as ratios to {} within each run.",

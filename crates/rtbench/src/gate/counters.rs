@@ -3,9 +3,9 @@
 //! They are the same on every machine, so any difference is one of the code. More work or more
 //! memory is a regression; less is an improvement, to be kept by saving a new baseline.
 
-use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung};
-use crate::metrics::{METRICS, Metric};
-use crate::statistics::Estimate;
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung};
+use measurement::record::metrics::{METRICS, Metric};
+use statistics::estimate::Estimate;
 
 /// Registry line.
 pub const RUNG: Rung =
@@ -31,7 +31,7 @@ fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
         // whether it was built is judged with its answers
         _ => return Some(finding(Outcome::NotJudged, "one side has none")),
     };
-    let counted = |row: &crate::record::RowRecord| row.work.as_ref().map(|w| w.rays);
+    let counted = |row: &measurement::record::RowRecord| row.work.as_ref().map(|w| w.rays);
     if counted(row.base) != counted(row.now) {
         return Some(finding(Outcome::NotJudged, "other rays were counted"));
     }

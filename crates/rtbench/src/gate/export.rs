@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::error::Error;
-use crate::export::csv::{number, written};
-use crate::export::markdown::push_table;
 use crate::gate::report::{GLOSSARY, Report};
+use presentation::csv::{number, written};
+use presentation::format_error::FormatError;
+use presentation::markdown::push_table;
 
 /// Columns of the CSV file.
 pub const COLUMNS: [&str; 12] = [
@@ -43,8 +43,8 @@ pub fn markdown(report: &Report, all: bool) -> String {
 /// One row for each thing judged.
 ///
 /// # Errors
-/// [`Error::Format`].
-pub fn csv(report: &Report) -> Result<String, Error> {
+/// [`FormatError`].
+pub fn csv(report: &Report) -> Result<String, FormatError> {
     written(|writer| {
         writer.write_record(COLUMNS)?;
         for f in &report.findings {

@@ -3,9 +3,9 @@
 //! They repeat to within a few of a million, whatever else the machine does, so a threshold of 1%
 //! needs no test. What they do not see are cache misses and mispredicted branches.
 
-use crate::callgrind::CountedRow;
-use crate::gate::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung};
-use crate::statistics::Estimate;
+use crate::gate::evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung};
+use measurement::callgrind::CountedRow;
+use statistics::estimate::Estimate;
 
 /// Registry line.
 pub const RUNG: Rung =
@@ -32,7 +32,9 @@ fn of_row(
     now: &[CountedRow],
     threshold: f64,
 ) -> Vec<Finding> {
-    let of = |counted: &[CountedRow]| counted.iter().find(|c| c.is_of(row)).cloned();
+    let of = |counted: &[CountedRow]| {
+        counted.iter().find(|c| row.is(&c.scene, &c.structure, &c.settings)).cloned()
+    };
     let note = match (of(base), of(now)) {
         (Some(before), Some(now)) if before.rays != now.rays => "other rays were counted",
         (Some(before), Some(now)) => {

@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use crate::error::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
-use crate::export::numbers;
-use crate::export::table::{Cell, Style, Table};
+use crate::exit_code::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
 use crate::gate::against::PairedRow;
+use crate::gate::evidence::{Finding, Outcome, Rung};
 use crate::gate::thresholds::Thresholds;
-use crate::gate::{Finding, Outcome, RUNGS, Rung, wall_clock};
-use crate::record::{Machine, Tool};
+use crate::gate::{RUNGS, wall_clock};
+use measurement::record::{Machine, Tool};
+use presentation::numbers;
+use presentation::table::{Cell, Style, Table};
 
 /// A check.
 #[derive(Debug, Clone, PartialEq, Serialize)]

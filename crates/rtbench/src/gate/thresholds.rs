@@ -6,11 +6,7 @@
 //! percent (where code and memory happen to lie), and by more on shared machines; 10% is beyond
 //! most of that, and what is slower by less is what instruction counts are for.
 
-use std::time::Duration;
-
 use serde::{Deserialize, Serialize};
-
-use crate::args::ThresholdArgs;
 
 /// Thresholds of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -45,20 +41,11 @@ pub struct ThresholdError {
 }
 
 impl Thresholds {
-    /// These, with what the command line says in place of them.
+    /// These, where each is in its range.
     ///
     /// # Errors
     /// [`ThresholdError`] naming what is valid.
-    pub fn with(mut self, args: &ThresholdArgs) -> Result<Self, ThresholdError> {
-        self.instructions = args.instruction_threshold.unwrap_or(self.instructions);
-        self.time = args.time_threshold.unwrap_or(self.time);
-        self.busiest = args.busiest.unwrap_or(self.busiest);
-        self.significance = args.significance.unwrap_or(self.significance);
-        self.shortest = args.shortest.map_or(self.shortest, |t: Duration| t.as_secs_f64());
-        self.checked()
-    }
-
-    fn checked(self) -> Result<Self, ThresholdError> {
+    pub fn checked(self) -> Result<Self, ThresholdError> {
         let share = "a share from 0 to 10";
         let is_share = |x: f64| (0.0..=10.0).contains(&x);
         let [not_negative, probability] = ["seconds, not negative", "between 0 and 1"];
@@ -100,14 +87,10 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_comes_first_and_nonsense_is_refused() {
-        let args = ThresholdArgs { instruction_threshold: Some(0.02), ..ThresholdArgs::default() };
-        let with = Thresholds::default().with(&args).unwrap();
-        assert_eq!((with.instructions, with.time), (0.02, 0.1));
+    fn nonsense_is_refused() {
         for significance in [0.0, 1.0, f64::NAN] {
-            let args =
-                ThresholdArgs { significance: Some(significance), ..ThresholdArgs::default() };
-            let error = Thresholds::default().with(&args).unwrap_err().to_string();
+            let thresholds = Thresholds { significance, ..Thresholds::default() };
+            let error = thresholds.checked().unwrap_err().to_string();
             assert!(error.contains("between 0 and 1"), "{error}");
         }
     }

@@ -11,11 +11,12 @@
 //! chance. An interval that reaches beyond the threshold says that it may be: inconclusive.
 
 use crate::gate::against::PairedRow;
-use crate::gate::{Evidence, Finding, MatchedRow, Outcome, Rung, Times};
-use crate::metrics::METRICS;
-use crate::record::SceneRecord;
-use crate::statistics::ratio_of_medians::ratio_of_medians;
-use crate::statistics::{Estimate, estimate, holm, mann_whitney, median, sign_test};
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung, Times};
+use measurement::record::SceneRecord;
+use measurement::record::metrics::METRICS;
+use statistics::estimate::{Estimate, estimate, median};
+use statistics::ratio_of_medians::ratio_of_medians;
+use statistics::{holm, mann_whitney, sign_test};
 
 /// Registry line.
 pub const RUNG: Rung =
@@ -42,7 +43,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
             let found = match evidence.times {
                 Times::InRun { .. } => in_run(row, ratio, time, evidence.thresholds.shortest),
                 Times::Paired(pairs) => {
-                    let own = pairs.iter().find(|p| p.is_of(row));
+                    let own = pairs.iter().find(|p| row.is(&p.scene, &p.structure, &p.settings));
                     paired(own, what, evidence.thresholds.shortest, evidence.now.settings.seed)
                 }
             };
@@ -99,7 +100,7 @@ fn in_run(
     })
 }
 
-fn values(metric: &str, scene: &SceneRecord, row: &crate::record::RowRecord) -> Vec<f64> {
+fn values(metric: &str, scene: &SceneRecord, row: &measurement::record::RowRecord) -> Vec<f64> {
     let metric = METRICS.iter().find(|m| m.name == metric);
     metric.map(|m| m.values(scene, row)).unwrap_or_default()
 }
@@ -196,7 +197,7 @@ pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
             s.rung == finding.rung && same && s.quantity == finding.quantity
         });
         let seen = again.and_then(|s| s.change);
-        let seen = seen.map_or_else(|| "no time".to_owned(), |e| crate::export::numbers::ratio(&e));
+        let seen = seen.map_or_else(|| "no time".to_owned(), |e| presentation::numbers::ratio(&e));
         if again.is_some_and(is_suspect) {
             finding.note = format!("again in a second measurement: {}", seen.trim_end());
         } else {

@@ -3,9 +3,9 @@
 //! The time for n rays is T(n) = build + n * time per ray. Two such lines cross once at most; the
 //! least time over all n is their lower envelope.
 
-use crate::random::Random;
 use crate::report::costs::{Cost, Profile};
-use crate::statistics::{interval, median};
+use statistics::estimate::{interval, median};
+use statistics::random::Random;
 
 /// Resamples of an interval.
 const RESAMPLES: usize = 1000;

@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
-use crate::statistics::{Estimate, estimate, geometric_mean_of_medians, median};
+use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
+use statistics::estimate::{Estimate, estimate, geometric_mean_of_medians, median};
 
 /// Seconds of a round.
 #[derive(Debug, Clone, Copy, PartialEq)]

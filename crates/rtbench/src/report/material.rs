@@ -7,13 +7,11 @@ use std::path::{Path, PathBuf};
 use scene_loading::source_hash::sha256_of_bytes;
 use serde::de::DeserializeOwned;
 
-use crate::accuracy::record::AccuracyRecord;
-use crate::record::{RunRecord, SceneRecord};
-use crate::record_file::{self, RecordError};
 use crate::report::costs::{Profile, profiles};
-use crate::report::sections::counters::Reproduced;
-use crate::report::sections::lecture::LectureRow;
-use crate::report::sections::tracers::TracersRecord;
+use crate::report::records::{LectureRow, Reproduced, TracersRecord};
+use measurement::record::file::{self, RecordError};
+use measurement::record::{RunRecord, SceneRecord};
+use studies::accuracy::record::AccuracyRecord;
 
 /// What every PNG file begins with.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -116,8 +114,8 @@ impl Material {
     /// # Errors
     /// [`ReportError`], naming the file. What is not there is no error.
     pub fn read(record: &Path) -> Result<Self, ReportError> {
-        let text = record_file::bytes(record)?;
-        let run = record_file::record(record, &text)?;
+        let text = file::bytes(record)?;
+        let run = file::record(record, &text)?;
         let folder = match record.parent() {
             Some(folder) if folder != Path::new("") => folder.to_owned(),
             _ => PathBuf::from("."),
@@ -166,7 +164,7 @@ fn json<T: DeserializeOwned>(
     if !path.exists() {
         return Ok(None);
     }
-    Ok(Some(record_file::parsed(path, &record_file::bytes(path)?, written_by)?))
+    Ok(Some(file::parsed(path, &file::bytes(path)?, written_by)?))
 }
 
 /// A CSV file, where there is one.
@@ -177,7 +175,7 @@ fn csv<T: DeserializeOwned>(
     if !path.exists() {
         return Ok(None);
     }
-    let text = record_file::bytes(path)?;
+    let text = file::bytes(path)?;
     let rows: Result<Vec<T>, csv::Error> =
         csv::Reader::from_reader(&text[..]).deserialize().collect();
     rows.map(Some).map_err(|e| ReportError::Csv {
@@ -213,7 +211,7 @@ fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
     for scene in folders(folder)? {
         let is_picture = |path: &PathBuf| path.extension().is_some_and(|e| e == "png");
         for path in entries(&scene)?.into_iter().filter(is_picture) {
-            let png = record_file::bytes(&path)?;
+            let png = file::bytes(&path)?;
             let size = size_of_png(&png);
             let size = size.ok_or_else(|| ReportError::NotAPicture { path: path.clone() })?;
             let (scene, name) = (name(scene.file_name()), name(path.file_stem()));
@@ -229,7 +227,7 @@ fn sweeps(folder: &Path) -> Result<Vec<SweepPlot>, ReportError> {
     for path in entries(folder)? {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if name.starts_with("sweep-") && path.extension().is_some_and(|e| e == "svg") {
-            let svg = record_file::bytes(&path)?;
+            let svg = file::bytes(&path)?;
             if !svg.starts_with(b"<svg ") {
                 return Err(ReportError::NotAPlot { path });
             }

@@ -6,17 +6,20 @@
 pub mod break_even;
 pub mod costs;
 mod date;
-mod html;
+mod glossary;
 pub mod material;
+pub mod page;
 mod plots;
+mod records;
 mod sections;
 mod tables;
 
 pub use material::ReportError;
+pub use page::{Page, Shown};
 
-use crate::export::svg_plot::palette::dark_rules;
-use crate::report::html::Html;
 use crate::report::material::Material;
+use presentation::html::Html;
+use presentation::svg_plot::palette::dark_rules;
 
 /// How the page looks, but for the colours of plots in the dark.
 static STYLE: &str = include_str!("page.css");
@@ -31,15 +34,6 @@ pub struct Section {
     pub made_by: &'static str,
     /// Writes it, or nothing where the folder has nothing for it.
     pub write: fn(&Material, &mut Page) -> Shown,
-}
-
-/// Whether there was something to show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shown {
-    /// There was.
-    Yes,
-    /// The folder has nothing of it.
-    Missing,
 }
 
 /// All parts, in their order on the page.
@@ -102,32 +96,6 @@ const fn section(
     write: fn(&Material, &mut Page) -> Shown,
 ) -> Section {
     Section { id, title, made_by, write }
-}
-
-/// What sections write to.
-#[derive(Default)]
-pub struct Page {
-    html: Html,
-    plots: Vec<(String, String)>,
-    is_beside_record: bool,
-}
-
-impl Page {
-    /// A plot within the page, kept by its name for files of its own, too.
-    fn plot(&mut self, name: &str, svg: String) {
-        self.html.open("figure", &[]);
-        self.html.open_scroll(&format!("plot {name}"));
-        self.html.markup(&svg);
-        self.html.close();
-        self.html.close();
-        self.plots.push((format!("{}.svg", file_name(name)), svg));
-    }
-}
-
-/// A name that is safe as a file's.
-fn file_name(name: &str) -> String {
-    let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-    name.chars().map(safe).collect()
 }
 
 /// A finished page.
@@ -212,10 +180,5 @@ mod tests {
         ids.sort_unstable();
         ids.dedup();
         assert_eq!(ids.len(), SECTIONS.len());
-    }
-
-    #[test]
-    fn names_of_files_stay_in_their_folder() {
-        assert_eq!(file_name("../a b/c"), "___a_b_c");
     }
 }

@@ -1,11 +1,11 @@
 //! The plots of a run: bars with intervals, and builds against rays.
 
-use crate::export::numbers::short;
-use crate::export::svg_plot::bars::{Bar, BarChart, BarRow, Column, chart};
-use crate::export::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series, figure};
-use crate::record::{Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
 use crate::report::costs::Profile;
-use crate::statistics::Estimate;
+use measurement::record::{Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
+use presentation::numbers::short;
+use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column, chart};
+use presentation::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series, figure};
+use statistics::estimate::Estimate;
 
 /// What a bar chart needs of a row, of a scene or of all.
 struct Ratios {

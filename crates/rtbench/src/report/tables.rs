@@ -1,8 +1,8 @@
 //! Tables of the other formats as HTML.
 
-use crate::export::table::{Cell, Style, Table};
-use crate::report::html::{Attribute, Html};
-use crate::report::sections::glossary::meaning;
+use crate::report::glossary::meaning;
+use presentation::html::{Attribute, Html};
+use presentation::table::{Cell, Style, Table};
 
 /// How a table is written.
 #[derive(Debug, Clone, Copy, Default)]

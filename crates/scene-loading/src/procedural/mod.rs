@@ -72,31 +72,18 @@ pub fn generators() -> impl Iterator<Item = &'static SpdEntry> {
 }
 
 /// Why a spec names no scene.
+#[allow(missing_docs, reason = "the message of a variant says what its fields are")]
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
     /// There is no generator of that name.
     #[error("no procedural scene is called `{name}`; there are {known}")]
-    UnknownName {
-        /// The name asked for.
-        name: String,
-        /// The names there are, with commas between them.
-        known: String,
-    },
+    UnknownName { name: String, known: String },
     /// The size is not a number or not in the generator's range.
     #[error(
         "scene `{name}` has no size `{size}`: sizes are whole numbers from 1 to {max_size} \
          (default {default_size})"
     )]
-    BadSize {
-        /// The generator.
-        name: &'static str,
-        /// The size asked for.
-        size: String,
-        /// The generator's largest size.
-        max_size: u32,
-        /// The generator's size where none is given.
-        default_size: u32,
-    },
+    BadSize { name: &'static str, size: String, max_size: u32, default_size: u32 },
 }
 
 /// Generates the scene that `spec` names: `name` or `name:size`.

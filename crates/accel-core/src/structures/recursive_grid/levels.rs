@@ -187,6 +187,8 @@ pub(super) struct Division<S: Scalar> {
     pub(super) by_division: bool,
     /// No voxel is narrower.
     pub(super) narrowest: S,
+    /// By so much the grid of a voxel reaches beyond it on every side; see `voxel_walk.rs`.
+    pub(super) padding: S,
     pub(super) cells: Budget,
     pub(super) references: Budget,
 }
@@ -201,7 +203,8 @@ impl<S: Scalar> Division<S> {
     pub(super) fn root(&self, ids: &[u32], bounds: Aabb<S>) -> Result<Grid<S>, OverLimit> {
         let mut density = self.densities[0];
         loop {
-            if let Some(root) = self.grid_of_density(ids, bounds, 1, density)? {
+            let n = self.resolution(ids.len(), bounds, density);
+            if let Some(root) = self.grid_of(ids, GridFrame::new(bounds, n), 1)? {
                 return Ok(root);
             }
             // ends: a grid of one voxel does not multiply anything
@@ -209,29 +212,27 @@ impl<S: Scalar> Division<S> {
         }
     }
 
-    /// The grid of `bounds` over these primitives, with the grids below it that are not left for
-    /// later. `None` for a grid that would not pay.
+    /// The grid of the voxel `bounds` over these primitives, with the grids below it that are not
+    /// left for later. `None` for a grid that would not pay.
     pub(super) fn grid(
         &self,
         ids: &[u32],
         bounds: Aabb<S>,
         depth: u32,
     ) -> Result<Option<Grid<S>>, OverLimit> {
-        self.grid_of_density(ids, bounds, depth, self.densities[1])
-    }
-
-    fn grid_of_density(
-        &self,
-        ids: &[u32],
-        bounds: Aabb<S>,
-        depth: u32,
-        density: f64,
-    ) -> Result<Option<Grid<S>>, OverLimit> {
-        let n = self.resolution(ids.len(), bounds, density);
-        if depth > 1 && n == [1; 3] {
+        let n = self.resolution(ids.len(), bounds, self.densities[1]);
+        if n == [1; 3] {
             return Ok(None);
         }
-        let frame = GridFrame::new(bounds, n);
+        self.grid_of(ids, GridFrame::new(bounds.expanded(self.padding), n), depth)
+    }
+
+    fn grid_of(
+        &self,
+        ids: &[u32],
+        frame: GridFrame<S>,
+        depth: u32,
+    ) -> Result<Option<Grid<S>>, OverLimit> {
         let cells = frame.cells() as u64;
         self.cells.take(cells)?;
         let allowed = self.max_growth * ids.len() as f64;

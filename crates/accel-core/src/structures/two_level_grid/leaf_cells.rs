@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 use crate::structures::nested_grids::Excess;
 use crate::structures::regular_grid::Contents;
 use crate::structures::uniform_grid::DenseCells;
-use crate::voxel_walk::GridFrame;
+use crate::voxel_walk::{CellDivision, GridFrame};
 
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
 const REFERENCES_A_PRIMITIVE: u64 = 16;
@@ -85,16 +85,17 @@ impl LeafCells {
     }
 }
 
-/// Divides the upper cells, whose lists are `lists`.
+/// Divides the upper cells, whose lists are `lists`, as `division` says.
 ///
 /// # Errors
 /// [`Excess`] where the limits do not suffice.
 pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     contents: &Contents<S, P>,
+    division: &CellDivision<S>,
     lists: &DenseCells,
     rules: &LeafRules,
 ) -> Result<(Vec<UpperCell>, LeafCells), Excess> {
-    let upper = Upper { contents, lists, rules };
+    let upper = Upper { contents, division, lists, rules };
     let stretches = lists.stretches(rayon::current_num_threads());
     // resolutions, then where leaf cells begin
     let resolutions: Vec<Vec<UpperCell>> =
@@ -180,6 +181,7 @@ struct Part<'a> {
 /// What dividing an upper cell looks at.
 struct Upper<'a, 'p, S: Scalar, P: PrimSet<S>> {
     contents: &'a Contents<'p, S, P>,
+    division: &'a CellDivision<S>,
     lists: &'a DenseCells,
     rules: &'a LeafRules,
 }
@@ -187,7 +189,7 @@ struct Upper<'a, 'p, S: Scalar, P: PrimSet<S>> {
 impl<S: Scalar, P: PrimSet<S>> Upper<'_, '_, S, P> {
     /// The grid of an upper cell.
     fn leaf(&self, cell: usize, n: [u8; 3]) -> GridFrame<S> {
-        self.contents.frame.divided(self.contents.frame.coords(cell), n)
+        self.division.grid(self.contents.frame.coords(cell), n)
     }
 
     /// The resolution of an upper cell; where its leaf cells begin is not yet known.

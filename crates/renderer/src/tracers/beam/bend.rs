@@ -16,7 +16,7 @@ use glam::{DVec2, DVec3};
 use super::convex::{Affine, Convex, Cut};
 use super::pyramid::{Plane, Pyramid};
 use super::visibility::halving_line;
-use crate::surface::refract;
+use crate::shading::surface::refract;
 
 /// Pieces of less area, square pixels, are not halved: they are bent as their central rays.
 const SMALLEST: f64 = 1.0 / 64.0;
@@ -24,7 +24,6 @@ const SMALLEST: f64 = 1.0 / 64.0;
 /// A part of a beam that meets glass.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// Which part.
     pub piece: Convex,
     /// What becomes of it.
     pub beam: Bent,
@@ -41,11 +40,8 @@ pub enum Bent {
     Totally,
 }
 
-/// A beam that meets glass.
 pub struct Bend<'a> {
-    /// The beam.
     pub pyramid: &'a Pyramid,
-    /// The surface.
     pub plane: &'a Plane,
     /// Its outer unit normal.
     pub normal: DVec3,

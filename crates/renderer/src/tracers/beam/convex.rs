@@ -65,7 +65,6 @@ impl Convex {
         Self { corners }
     }
 
-    /// Its corners.
     pub fn corners(&self) -> &[DVec2] {
         &self.corners
     }

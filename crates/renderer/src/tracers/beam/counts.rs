@@ -4,7 +4,6 @@ use std::ops::AddAssign;
 
 use super::visibility::Cuts;
 
-/// What was traced.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
     /// Beams from the eye: tiles.
@@ -13,7 +12,6 @@ pub struct Counts {
     pub mirrored: u64,
     /// Beams sent on by glass.
     pub refracted: u64,
-    /// Beams from lights.
     pub shadows: u64,
     /// Pieces that see one face, or nothing.
     pub fragments: u64,

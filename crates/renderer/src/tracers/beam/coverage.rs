@@ -2,24 +2,13 @@
 
 use scene_loading::Scene;
 
-use super::tile::Tile;
-use super::{Prepared, Settings};
-use crate::tracers::{Frame, Refusal, Structures};
+use super::prepared::Prepared;
+use super::settings::Settings;
+use super::tile::{Covered, Tile};
+use crate::tracers::drawing::{Frame, Structures};
+use crate::tracers::info::Refusal;
 
-/// A primitive, or nothing, that is seen in a part of a pixel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Covered {
-    /// 1 as seen from the eye, 2 behind one mirror or glass, and so on.
-    pub depth: u32,
-    /// The primitive; `None` where nothing is met.
-    pub id: Option<u32>,
-    /// The part of the pixel, from 0 to 1. Behind a surface that mirrors and transmits, both count.
-    pub area: f64,
-    /// The part of it that light reaches, summed over the lights; of nothing, all of it.
-    pub lit: f64,
-}
-
-/// What the pixels of an image see, row by row: a line for each depth and primitive, in that order.
+/// What the pixels of an image see, row by row: one line for each depth and primitive, in that order.
 ///
 /// # Errors
 /// [`Refusal`], as [`super::draw`].

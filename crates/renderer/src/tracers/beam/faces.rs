@@ -65,7 +65,7 @@ fn convex_parts(outline: &[DVec3]) -> Vec<Vec<DVec3>> {
     let corner = |i: u32| outline.get(i as usize).copied().unwrap_or_default();
     let at = |part: &[u32]| part.iter().map(|&i| corner(i)).collect::<Vec<DVec3>>();
     let mut parts: Vec<Vec<u32>> = Vec::new();
-    for triangle in triangulate(outline) {
+    for triangle in triangulate(outline).unwrap_or_default() {
         let joined = parts.iter().enumerate().find_map(|(number, part)| {
             let joined = joined(part, triangle)?;
             is_convex(&at(&joined)).then_some((number, joined))
@@ -110,7 +110,7 @@ pub fn crossing_outlines(scene: &Scene) -> usize {
         }
         let twice = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a);
         let corner = |i: u32| outline.get(i as usize).copied().unwrap_or_default();
-        let parts = triangulate(outline).into_iter().map(|t| t.map(corner));
+        let parts = triangulate(outline).unwrap_or_default().into_iter().map(|t| t.map(corner));
         let sum: f64 = parts.map(|[a, b, c]| twice(a, b, c).length()).sum();
         let Some(&first) = outline.first() else { return false };
         let whole: DVec3 = outline

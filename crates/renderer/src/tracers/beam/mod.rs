@@ -32,145 +32,28 @@ mod coverage;
 mod faces;
 mod outline;
 mod pixels;
+mod prepared;
 mod pyramid;
 mod refusal;
+mod settings;
 mod tile;
+mod tiling;
 mod visibility;
 
 use accel_core::region::Work;
-use glam::DVec3;
-use rayon::prelude::*;
-use scene_loading::{Rgb, Scene};
+use scene_loading::Scene;
 
-pub use coverage::{Covered, coverage};
+pub use coverage::coverage;
 pub use refusal::refusal;
+pub use settings::{INFO, Settings};
+pub use tile::Covered;
 
-use crate::camera::{EyeRays, Sampling};
-use crate::effects::lights;
+use super::drawing::{Drawn, Frame, Structures};
+use super::info::Refusal;
 use crate::film::Image;
-use crate::surface::Surfaces;
-use crate::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo};
 use counts::Counts;
-use faces::Faces;
+use prepared::Prepared;
 use tile::Tile;
-
-/// Registry line.
-pub static INFO: TracerInfo = TracerInfo {
-    name: "beam",
-    summary: "pyramids cut exactly by the polygons they meet: antialiasing without samples",
-    paper: "Heckbert, Hanrahan 1984",
-    assumptions: "flat polygons whose outlines do not cross themselves; shading is even over a \
-                  pixel's part of a face; refraction bends a ray wrong by up to \
-                  a tenth of a pixel's angle",
-    deviations: "beams stay in image coordinates; no beam tree, no order of depth: cycles and \
-                 intersections are cut; candidates come from a structure",
-    refuses: "spheres, cones, lights with a radius, lenses, motion, textures, rough mirrors, \
-              mirrors and glass with smooth normals, polygons that cross themselves",
-};
-
-/// How beams are cut.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Edge of the tiles that beams start with, pixels, at least 1.
-    pub tile: u32,
-    /// With more candidates than these, a piece larger than a pixel is halved, not cut by them.
-    pub candidates: usize,
-    /// By how much a ray may be bent wrong at one refraction, in angles that a pixel spans.
-    pub bend: f64,
-    /// Pieces with less area, square pixels, are dropped.
-    pub least_area: f64,
-    /// Pieces of a beam that are cut before all others are decided at their centres.
-    pub most_cuts: u64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { tile: 16, candidates: 32, bend: 0.1, least_area: 1e-13, most_cuts: 1_000_000 }
-    }
-}
-
-/// A scene made ready for beams.
-struct Prepared<'a> {
-    scene: &'a Scene,
-    over: Structures<'a>,
-    settings: Settings,
-    frame: Frame,
-    eye: EyeRays,
-    faces: Faces,
-    surfaces: Surfaces<'a>,
-    lights: Vec<(DVec3, Rgb)>,
-    /// Largest coordinate, world units.
-    magnitude: f64,
-}
-
-impl<'a> Prepared<'a> {
-    fn new(
-        scene: &'a Scene,
-        frame: Frame,
-        settings: &Settings,
-        over: Structures<'a>,
-    ) -> Result<Self, Refusal> {
-        refusal(scene)?;
-        let bounds = scene.bounds();
-        let eye = scene.camera.from.abs().max_element();
-        let magnitude = if bounds.is_empty() {
-            eye.max(1.0)
-        } else {
-            bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
-        };
-        Ok(Self {
-            scene,
-            over,
-            settings: Settings { tile: settings.tile.max(1), ..*settings },
-            frame,
-            eye: EyeRays::new(&scene.camera, frame.resolution, Sampling::PixelCentres),
-            faces: Faces::of(scene),
-            surfaces: Surfaces::new(scene, false),
-            lights: lights(scene),
-            magnitude,
-        })
-    }
-
-    /// Traces every tile in the current rayon pool, `recording` what is seen where or not; in
-    /// order.
-    fn tiles(&self, recording: bool) -> Vec<Tile<'_>> {
-        let [width, height] = self.frame.resolution;
-        let edge = self.settings.tile;
-        let corners: Vec<[u32; 2]> = (0..height)
-            .step_by(edge as usize)
-            .flat_map(|y| (0..width).step_by(edge as usize).map(move |x| [x, y]))
-            .collect();
-        let trace = |gathered: &mut _, corner: &[u32; 2]| {
-            let [x, y] = *corner;
-            let size = [edge.min(width - x), edge.min(height - y)];
-            let mut tile = Tile::new(self, *corner, size, recording);
-            tile.trace(gathered);
-            tile
-        };
-        corners.par_iter().map_init(Default::default, trace).collect()
-    }
-
-    /// Places the pixels of tiles into an image.
-    fn assemble<'t, T: Clone + 't>(
-        &self,
-        empty: T,
-        tiles: &'t [Tile<'t>],
-        of: impl Fn(&'t Tile<'t>) -> &'t [T],
-    ) -> Vec<T> {
-        let [width, height] = self.frame.resolution.map(|n| n as usize);
-        let mut pixels = vec![empty; width * height];
-        for tile in tiles {
-            let rows = of(tile).chunks(tile.size()[0].max(1) as usize);
-            for (row, y) in rows.zip(tile.corner()[1] as usize..) {
-                let begin = y * width + tile.corner()[0] as usize;
-                if let Some(place) = pixels.get_mut(begin..begin + row.len()) {
-                    place.clone_from_slice(row);
-                }
-            }
-        }
-        pixels
-    }
-}
 
 /// Draws the scene by beams, in the current rayon pool. The same image for any number of threads.
 ///

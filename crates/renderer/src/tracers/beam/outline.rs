@@ -16,7 +16,6 @@ const EDGE_ON: f64 = 1e-13;
 /// What a convex face covers of the image.
 #[derive(Debug, Clone)]
 pub struct Outline {
-    /// The primitive.
     pub id: u32,
     /// Its edges, inside to the positive side.
     pub lines: Vec<Affine>,

@@ -183,7 +183,7 @@ impl HalfSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::reflect;
+    use crate::shading::surface::reflect;
 
     fn pyramid() -> Pyramid {
         let frame = DMat3::from_cols(

@@ -4,8 +4,9 @@ use accel_core::primitives::newell_normal;
 use glam::DVec3;
 use scene_loading::{Primitive, Scene, Shape};
 
-use super::{INFO, faces};
-use crate::tracers::Refusal;
+use super::faces;
+use super::settings::INFO;
+use crate::tracers::info::Refusal;
 
 /// The sine of the angle between a mirror's normals and its face beyond which it is not flat.
 const FLAT: f64 = 1e-9;

@@ -5,22 +5,33 @@ use accel_core::region::{Gathered, Shaft, Work};
 use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 
-use super::Prepared;
 use super::bend::{Bend, Bent, Part};
 use super::convex::Convex;
 use super::counts::Counts;
-use super::coverage::Covered;
 use super::outline::{Outline, Relation};
 use super::pixels::pixels_of;
+use super::prepared::Prepared;
 use super::pyramid::{Plane, Pyramid};
 use super::visibility::{cut_along, resolve};
-use crate::effects::{lit_normal, shadow_ray};
-use crate::surface::{SurfacePoint, reflect};
-use crate::tracers::stages::{Origin, SurfaceHit};
+use crate::effects::{Origin, SurfaceHit, lit_normal, shadow_ray};
+use crate::shading::surface::{SurfacePoint, reflect};
 
 /// A shaft reaches so many times the scene's largest coordinate: farther than any two points of
 /// the scene are apart.
 const REACH: f64 = 4.0;
+
+/// A primitive, or nothing, that is seen in a part of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Covered {
+    /// 1 as seen from the eye, 2 behind one mirror or glass, and so on.
+    pub depth: u32,
+    /// The primitive; `None` where nothing is met.
+    pub id: Option<u32>,
+    /// The part of the pixel, from 0 to 1. Behind a surface that mirrors and transmits, both count.
+    pub area: f64,
+    /// The part of it that light reaches, summed over the lights; of nothing, all of it.
+    pub lit: f64,
+}
 
 /// A beam on its way.
 struct Beam {
@@ -62,7 +73,6 @@ impl<'a> Tile<'a> {
         }
     }
 
-    /// Upper left pixel.
     pub fn corner(&self) -> [u32; 2] {
         self.corner
     }
@@ -87,7 +97,6 @@ impl<'a> Tile<'a> {
         self.work
     }
 
-    /// What was traced.
     pub fn counts(&self) -> Counts {
         self.counts
     }

@@ -10,9 +10,9 @@
 
 use glam::DVec2;
 
-use super::Settings;
 use super::convex::{Affine, Convex, Cut};
 use super::outline::{Outline, Relation};
+use super::settings::Settings;
 
 /// Depths (1/s) that differ by less than this part are equal.
 const SAME_DEPTH: f64 = 1e-10;
@@ -20,13 +20,10 @@ const SAME_DEPTH: f64 = 1e-10;
 /// A piece of the image, and what is seen all over it: an index into the outlines, or nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fragment {
-    /// The piece.
     pub piece: Convex,
-    /// What is seen.
     pub seen: Option<usize>,
 }
 
-/// What cutting took.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Cuts {
     /// Pieces that were cut in two or more.

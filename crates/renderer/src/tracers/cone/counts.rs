@@ -2,7 +2,6 @@
 
 use accel_core::region::Gathered;
 
-/// What was traced.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
     pub(super) cones: u64,
@@ -13,7 +12,6 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// With their names.
     pub fn rows(self) -> Vec<(&'static str, u64)> {
         vec![
             ("cones", self.cones),
@@ -40,6 +38,5 @@ impl std::ops::AddAssign for Counts {
 pub struct Scratch {
     /// Memory of the candidate queries, and their cost.
     pub gathered: Gathered,
-    /// What was traced.
     pub counts: Counts,
 }

@@ -19,18 +19,14 @@ const WINDOW: f64 = 2.0;
 /// A focus and an apex are left out by this part of the cone's largest radius.
 const LEAST_RADIUS: f64 = 1e-7;
 
-/// A flat primitive.
 pub struct Flat {
     /// Unit normal; zero where it has no area.
     pub normal: DVec3,
-    /// Its first corner.
     pub first: usize,
-    /// Number of corners.
     pub count: usize,
 }
 
 impl Flat {
-    /// What it covers.
     pub fn cover(&self, cone: &Cone, corners: &[DVec3], left: Option<&Left>) -> Option<Coverage> {
         let &anchor = corners.first()?;
         let (overlap, outline, deepest) = project(cone, corners, left)?;
@@ -47,7 +43,6 @@ impl Flat {
         Some(Coverage { overlap, outline: Outline::Polygon(outline), far, doubtful: false })
     }
 
-    /// The depth of the plane.
     pub fn depth(&self, cone: &Cone, anchor: DVec3, place: DVec2) -> Option<f64> {
         let (across, along) = self.slope(cone);
         let q = across.dot(place);

@@ -19,7 +19,6 @@ use super::outline::Outline;
 /// How far an arc may bulge over its chord, in radii of the bundle.
 const BULGE: f64 = 0.01;
 
-/// The side.
 pub struct Side {
     body: Body<f64>,
     base: DVec3,
@@ -35,7 +34,6 @@ pub struct Side {
 }
 
 impl Side {
-    /// Of a scene.
     pub fn new(cone: &scene_loading::Cone) -> Self {
         let way = cone.apex - cone.base;
         let length = way.length();
@@ -55,7 +53,6 @@ impl Side {
         }
     }
 
-    /// Its centre.
     pub fn middle(&self) -> DVec3 {
         (self.base + self.apex) * 0.5
     }

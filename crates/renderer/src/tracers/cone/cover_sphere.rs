@@ -21,14 +21,11 @@ use super::outline::Outline;
 /// A cone whose radius changes by less than this part over the way to the sphere is a cylinder.
 const PARALLEL: f64 = 1e-7;
 
-/// A sphere.
 pub struct Ball {
-    /// The sphere.
     pub sphere: Sphere<f64>,
 }
 
 impl Ball {
-    /// Of a scene.
     pub fn new(sphere: &scene_loading::Sphere) -> Self {
         Self { sphere: Sphere { center: sphere.center, radius: sphere.radius.abs() } }
     }

@@ -1,14 +1,7 @@
-//! The surfaces of a scene, made ready for cones: how much of a cone each covers, and at which
-//! depth a ray of the cone meets it. One file a kind of surface.
+//! How much of a cone a surface covers, and the surface that the cone leaves.
 
-use accel_core::primitives::newell_normal;
-use glam::{DVec2, DVec3};
-use scene_loading::{Scene, Shape};
+use glam::DVec3;
 
-use super::circular_cone::Cone;
-use super::cover_flat::Flat;
-use super::cover_side::Side;
-use super::cover_sphere::Ball;
 use super::disc_overlap::Overlap;
 use super::outline::Outline;
 
@@ -19,8 +12,8 @@ pub struct Left {
     pub id: u32,
     /// Whether the cone goes into the body: against the outer geometric normal.
     pub inwards: bool,
-    /// Where the surface is flat, or the cone goes into a ball: what lies behind is not met. A unit normal on the side of the
-    /// cone, and how far along it the surface lies.
+    /// Where the surface is flat, or the cone goes into a ball, what lies behind is not met: a unit
+    /// normal on the side of the cone, and how far along it the surface lies.
     pub plane: Option<(DVec3, f64)>,
 }
 
@@ -35,90 +28,4 @@ pub struct Coverage {
     pub far: f64,
     /// The estimate may be wrong by much.
     pub doubtful: bool,
-}
-
-/// A primitive, by what cones ask of it.
-enum Form {
-    Ball(Ball),
-    Side(Box<Side>),
-    Flat(Flat),
-}
-
-/// All primitives of a scene.
-pub struct Forms {
-    forms: Vec<Form>,
-    corners: Vec<DVec3>,
-    /// Transmissive primitives, which let light pass.
-    clear: Vec<bool>,
-}
-
-impl Forms {
-    /// Of a scene.
-    pub fn new(scene: &Scene) -> Self {
-        let mut corners = Vec::new();
-        let form = |primitive: &scene_loading::Primitive| match primitive.shape {
-            Shape::Sphere(i) => Form::Ball(Ball::new(&scene.spheres[i as usize])),
-            Shape::Cone(i) => Form::Side(Box::new(Side::new(&scene.cones[i as usize]))),
-            Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
-                let outline = scene.outline(primitive.shape);
-                let first = corners.len();
-                corners.extend_from_slice(&outline);
-                Form::Flat(Flat { normal: newell_normal(&outline), first, count: outline.len() })
-            }
-        };
-        let forms = scene.primitives.iter().map(form).collect();
-        let is_clear = |p: &scene_loading::Primitive| {
-            scene.materials.get(p.material as usize).is_some_and(|m| m.transmittance > 0.0)
-        };
-        Self { forms, corners, clear: scene.primitives.iter().map(is_clear).collect() }
-    }
-
-    /// Whether the primitive lets light pass.
-    pub fn is_clear(&self, id: u32) -> bool {
-        self.clear[id as usize]
-    }
-
-    /// Whether the primitive is flat.
-    pub fn is_flat(&self, id: u32) -> bool {
-        matches!(self.forms[id as usize], Form::Flat(_))
-    }
-
-    /// Whether the primitive is a sphere.
-    pub fn is_ball(&self, id: u32) -> bool {
-        matches!(self.forms[id as usize], Form::Ball(_))
-    }
-
-    /// How much of the cone a primitive covers; `None` for nothing.
-    pub fn cover(&self, cone: &Cone, id: u32, left: Option<&Left>) -> Option<Coverage> {
-        let own = left.filter(|left| left.id == id);
-        match &self.forms[id as usize] {
-            Form::Ball(ball) => ball.cover(cone, own, left),
-            Form::Side(side) => side.cover(cone, own, left),
-            Form::Flat(_) if own.is_some() => None,
-            Form::Flat(flat) => flat.cover(cone, self.outline(flat), left),
-        }
-    }
-
-    /// The depth at which the ray through a place meets a primitive; of a flat one, its plane.
-    pub fn depth(&self, cone: &Cone, id: u32, place: DVec2, left: Option<&Left>) -> Option<f64> {
-        match &self.forms[id as usize] {
-            Form::Ball(ball) => ball.depth(cone, place, left.filter(|left| left.id == id)),
-            Form::Side(side) => side.depth(cone, place),
-            Form::Flat(flat) => flat.depth(cone, *self.outline(flat).first()?, place),
-        }
-    }
-
-    /// About how deep the primitive lies, for places that just miss it.
-    pub fn middle(&self, cone: &Cone, id: u32) -> f64 {
-        let center = match &self.forms[id as usize] {
-            Form::Ball(ball) => ball.sphere.center,
-            Form::Side(side) => side.middle(),
-            Form::Flat(flat) => self.outline(flat).iter().sum::<DVec3>() / flat.count.max(1) as f64,
-        };
-        cone.locate(center).0.clamp(cone.begin, cone.end)
-    }
-
-    fn outline(&self, flat: &Flat) -> &[DVec3] {
-        &self.corners[flat.first..][..flat.count]
-    }
 }

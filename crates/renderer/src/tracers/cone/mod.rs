@@ -1,4 +1,4 @@
-//! Cone tracing: one cone a pixel in place of rays; what it covers is estimated as an area.
+//! Cone tracing: one cone per pixel in place of rays; what it covers is estimated as an area.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984. Deviations: areas are exact where
 //! the paper estimates ([`disc_overlap`]); estimates that may be wrong are noticed, and the cone is
@@ -26,6 +26,7 @@
 //!   cone its visible part ([`cover_side`]). Its share is an area, and shares are added up front to
 //!   back ([`compose`]).
 
+mod caster;
 pub mod circular_cone;
 pub mod compose;
 mod counts;
@@ -33,77 +34,31 @@ mod cover_flat;
 mod cover_side;
 mod cover_sphere;
 pub mod coverage;
-pub mod disc_overlap;
+mod disc_overlap;
+pub mod forms;
 mod gathering;
-pub mod outline;
+mod outline;
+mod refusal;
+mod settings;
 mod shadows;
 mod tracing;
-pub mod widening;
+mod widening;
 
 use accel_core::region::Work;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 use scene_loading::{Rgb, Scene};
 
-use super::{Drawn, Frame, Refusal, Structures, TracerInfo};
+pub use refusal::refusal;
+pub use settings::{INFO, Settings};
+
+use super::drawing::{Drawn, Frame, Structures};
+use super::info::Refusal;
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
+use caster::Caster;
 use circular_cone::Cone;
 use counts::{Counts, Scratch};
-use tracing::Caster;
-
-/// Registry line.
-pub static INFO: TracerInfo = TracerInfo {
-    name: "cone",
-    summary: "one cone a pixel: covered areas in place of samples, soft shadows and all",
-    paper: "Amanatides 1984",
-    assumptions: "a pixel is a disc; a surface looks as in the middle of what is seen of it; cones \
-                  stay round; where outlines still overlap, shares are guessed",
-    deviations: "exact areas; cut into four where the estimate fails; oblique reflection; sides of \
-                 truncated cones",
-    refuses: "motion, a lens, rough mirrors",
-};
-
-/// How cones are traced.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// How often a cone is cut into four where its estimate fails; 0 is the paper's plain estimate.
-    pub subdivisions: u32,
-    /// A cone is cut where the normal turns by more than this across its footprint, radians.
-    pub turn: f64,
-    /// Radius of a pixel's cone over that of a disc with the pixel's area; 0 traces rays.
-    pub width: f64,
-    /// Whether curved surfaces change the spread of a cone. Without, reflections are wrong: it
-    /// shows what that is worth.
-    pub widening: bool,
-    /// Cones that contribute less than this part of a pixel go on as rays; those from surfaces
-    /// within one cone as one ray.
-    pub ray_below: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { subdivisions: 2, turn: 0.5, width: 1.0, widening: true, ray_below: 1.0 / 64.0 }
-    }
-}
-
-/// Whether cones can draw the scene.
-///
-/// # Errors
-/// [`Refusal`] for what moves while the shutter is open, a lens with an extent and rough mirrors.
-pub fn refusal(scene: &Scene) -> Result<(), Refusal> {
-    let moving = scene.velocities.iter().take(scene.primitives.len());
-    let moving = moving.filter(|v| **v != DVec3::ZERO && scene.camera.shutter > 0.0).count();
-    Refusal::of(&INFO, scene, moving, "primitives that move while the shutter is open")?;
-    let lenses = usize::from(scene.camera.aperture > 0.0);
-    Refusal::of(&INFO, scene, lenses, "lens with an extent")?;
-    let is_rough = |p: &&scene_loading::Primitive| {
-        let material = scene.materials.get(p.material as usize);
-        material.is_some_and(|m| m.specular > 0.0 && m.roughness > 0.0)
-    };
-    let rough = scene.primitives.iter().filter(is_rough).count();
-    Refusal::of(&INFO, scene, rough, "primitives with a rough mirror")
-}
 
 /// Draws the scene, in the current rayon pool. The same image for any number of threads and any
 /// right structure.

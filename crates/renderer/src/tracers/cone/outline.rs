@@ -13,17 +13,9 @@ const SLACK: f64 = 1e-6;
 /// Pairs of corners that are compared before a pair of outlines is given up as overlapping.
 const MOST_PAIRS: usize = 1 << 14;
 
-/// An outline.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outline {
-    /// A disc.
-    Disc {
-        /// Its centre.
-        center: DVec2,
-        /// Its radius.
-        radius: f64,
-    },
-    /// A polygon.
+    Disc { center: DVec2, radius: f64 },
     Polygon(Vec<DVec2>),
 }
 

@@ -12,13 +12,14 @@
 use glam::DVec3;
 use scene_loading::Rgb;
 
+use super::caster::{Caster, Path};
 use super::circular_cone::Cone;
 use super::compose::union;
 use super::counts::Scratch;
 use super::coverage::Left;
-use super::tracing::{Caster, Path};
+
 use super::widening::Incidence;
-use crate::tracers::stages::SurfaceHit;
+use crate::effects::SurfaceHit;
 
 /// Lights end a shadow cone by this part of the way before them: they may stand on a surface.
 const BEFORE_LIGHT: f64 = 1e-9;

@@ -5,60 +5,24 @@
 
 use accel_core::{Hit, Ray};
 use glam::DVec3;
-use scene_loading::{Rgb, Scene};
+use scene_loading::Rgb;
 
-use super::Settings;
+use super::caster::{Caster, Path, UNSEEN};
 use super::circular_cone::Cone;
 use super::compose::Seen;
 use super::counts::Scratch;
-use super::coverage::{Forms, Left};
-use super::widening::{Incidence, LEAST_COSINE};
-use crate::effects::{ImageColors, lights, lit_normal, shadow_ray};
-use crate::leaving::{Leaving, OffsetRule};
-use crate::surface::{Surfaces, reflect, refract};
-use crate::tracers::Structures;
-use crate::tracers::stages::{HitStage, Origin, SurfaceHit};
+use super::coverage::Left;
+use super::widening::Incidence;
+use crate::effects::{HitStage, Origin, SurfaceHit, lit_normal, shadow_ray};
+use crate::shading::surface::{reflect, refract};
 
 /// Cones that spread more than this are cut into four: half an angle of 27 degrees.
 const WIDE: f64 = 0.5;
-
-/// A surface that is seen in less than this share of a cone is not shaded.
-pub(super) const UNSEEN: f64 = 1e-6;
-
-/// What a flat surface's neighbours in its plane may be off it by rounding, in epsilons of its
-/// largest coordinate.
-const PLANE_SLACK: f64 = 64.0 * f64::EPSILON;
-
-/// A scene made ready for cones.
-pub struct Caster<'a> {
-    scene: &'a Scene,
-    surfaces: Surfaces<'a>,
-    pub(super) forms: Forms,
-    pub(super) leaving: Leaving,
-    /// Centre, colour and radius.
-    lights: Vec<(DVec3, Rgb, f64)>,
-    textures: ImageColors<'a>,
-    pub(super) bounds: [DVec3; 2],
-    max_depth: u32,
-    pub(super) settings: Settings,
-    pub(super) over: Structures<'a>,
-}
 
 /// A bundle on its way.
 enum Bundle {
     Ray(Ray<f64>),
     Cone(Cone, Option<Left>),
-}
-
-/// What a bundle will contribute, and where in the tree it is.
-#[derive(Clone, Copy)]
-pub(super) struct Path {
-    /// What it contributes, by colour.
-    pub weight: Rgb,
-    /// 1 for those from the eye.
-    pub depth: u32,
-    /// How often it was cut.
-    pub level: u32,
 }
 
 /// A surface that is seen, and the cone that sees it.
@@ -89,25 +53,6 @@ impl Way {
 }
 
 impl<'a> Caster<'a> {
-    /// Prepares a scene.
-    pub fn new(scene: &'a Scene, settings: Settings, max_depth: u32, over: Structures<'a>) -> Self {
-        let bounds = scene.bounds();
-        let radii = scene.lights.iter().map(|light| light.radius());
-        Self {
-            scene,
-            surfaces: Surfaces::new(scene, false),
-            forms: Forms::new(scene),
-            // this rule asks for no magnitude
-            leaving: Leaving::new(OffsetRule::default(), 0.0),
-            lights: lights(scene).into_iter().zip(radii).map(|((p, c), r)| (p, c, r)).collect(),
-            textures: ImageColors::new(scene),
-            bounds: [bounds.min, bounds.max],
-            max_depth,
-            settings,
-            over,
-        }
-    }
-
     /// The colour that a cone from the eye sees.
     pub fn look(&self, cone: Cone, scratch: &mut Scratch) -> Rgb {
         let bundle = if cone.is_ray() {
@@ -333,30 +278,6 @@ impl<'a> Caster<'a> {
         let cone = Cone::new(hit.point.foot.position, axis, radius, spread).across(right, up);
         let left = self.left(hit, axis);
         Bundle::Cone(self.begun(cone, &left), Some(left))
-    }
-
-    /// The surface that a bundle leaves along a direction.
-    pub(super) fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Left {
-        let foot = hit.point.foot;
-        let inwards = direction.dot(foot.normal) < 0.0;
-        // within a convex body, all of it is on the inner side of the surface
-        let is_one_sided = self.forms.is_flat(hit.id) || self.forms.is_ball(hit.id) && inwards;
-        let plane = is_one_sided.then(|| {
-            let normal = if inwards { -foot.normal } else { foot.normal };
-            (normal, normal.dot(foot.position) + PLANE_SLACK * foot.magnitude)
-        });
-        Left { id: hit.id, inwards, plane }
-    }
-
-    /// The cone that leaves a flat surface begins where its edge does, before its middle.
-    pub(super) fn begun(&self, mut cone: Cone, left: &Left) -> Cone {
-        if let Some((normal, _)) = left.plane.filter(|_| self.forms.is_flat(left.id)) {
-            let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
-            let slope = (1.0 - cosine * cosine).sqrt() / cosine;
-            // the edge recedes from the axis as the cone spreads
-            cone.begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
-        }
-        cone
     }
 }
 

@@ -1,16 +1,18 @@
 //! `rtbench reproduce havran1999`: counters, published and ours.
 
-use std::fs::File;
 use std::io::Write;
 
-use super::chosen;
 use crate::args::HavranArgs;
+use crate::commands::reproduce::chosen::chosen;
 use crate::context::Context;
-use crate::error::{Error, FAILURE, SUCCESS};
-use crate::export::csv;
-use crate::reproduce::published::{SCENES, figures};
-use crate::reproduce::verdict::Verdict;
-use crate::reproduce::{ReproduceError, Row, reproduce_scene, structures};
+use crate::error::Error;
+use crate::exit_code::{FAILURE, SUCCESS};
+use crate::exports::outputs::write_file;
+use measurement::system::created::create;
+use presentation::csv;
+use studies::reproduce::published::{SCENES, figures};
+use studies::reproduce::verdict::Verdict;
+use studies::reproduce::{ReproduceError, Row, reproduce_scene, structures};
 
 /// Reproduces scene after scene, prints a line a figure as soon as a scene is done, and the sums;
 /// with `--strict` an unexplained difference is a failure.
@@ -20,13 +22,7 @@ use crate::reproduce::{ReproduceError, Row, reproduce_scene, structures};
 pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     let scenes = chosen(&args.scenes, &SCENES, ReproduceError::UnknownScene)?;
     let structures = chosen(&args.structures, &structures(), ReproduceError::UnknownStructure)?;
-    let mut file = match &args.export_csv {
-        Some(path) => Some((
-            path,
-            File::create(path).map_err(|source| Error::Write { path: path.clone(), source })?,
-        )),
-        None => None,
-    };
+    let _created = create([&args.export_csv])?;
     let figures = figures().map_err(ReproduceError::from)?;
     let mut rows = Vec::new();
     write_header(context.out)?;
@@ -38,11 +34,9 @@ pub fn run(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
         rows.extend(of_scene);
     }
     write_sums(context.out, &rows)?;
-    if let Some((path, file)) = &mut file {
-        let text = csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))?;
-        file.write_all(text.as_bytes())
-            .map_err(|source| Error::Write { path: (*path).clone(), source })?;
-    }
+    write_file(args.export_csv.as_deref(), || {
+        csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))
+    })?;
     let unexplained = rows.iter().any(|r| r.verdict == Verdict::Unexplained);
     Ok(if args.strict && unexplained { FAILURE } else { SUCCESS })
 }

@@ -1,23 +1,25 @@
 //! `rtbench reproduce zachmann2007`: the lecture's two tables as ratios, then and now.
 
-use super::chosen;
-use crate::args::{MeasuringArgs, ZachmannArgs};
+use crate::args::ZachmannArgs;
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::commands::reproduce::chosen::chosen;
 use crate::context::Context;
 use crate::error::Error;
-use crate::export::csv;
-use crate::export::files::Outputs;
-use crate::export::numbers;
-use crate::export::table::{Cell, Style, Table};
-use crate::export::text::write_table;
-use crate::plan::Plan;
-use crate::record::{RunRecord, Verdict};
-use crate::reproduce::ReproduceError;
-use crate::reproduce::lecture::{
+use crate::exports::outputs::Outputs;
+use measurement::plan::Plan;
+use measurement::plan::rows::Row;
+use measurement::record::{RunRecord, Verdict};
+use measurement::settings::MeasuringSettings;
+use presentation::csv;
+use presentation::format_error::FormatError;
+use presentation::numbers;
+use presentation::table::{Cell, Style, Table};
+use presentation::text::write_table;
+use renderer::RayKind;
+use studies::reproduce::ReproduceError;
+use studies::reproduce::lecture::{
     Comparison, Line, MODERN, Published, Ratios, SCENES, STRUCTURES, published,
 };
-use crate::rows::Row;
-use renderer::RayKind;
 
 /// Measures the lecture's structures, prints a table a scene and all verdicts at the end.
 ///
@@ -25,7 +27,7 @@ use renderer::RayKind;
 /// [`Error`] for unknown names, unwritable files and scenes that cannot be measured.
 pub fn run(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> {
     let scenes = chosen(&args.scenes, &SCENES, ReproduceError::NotInLecture)?;
-    let plan = plan(context, &args.measuring, &scenes)?;
+    let plan = plan(context, args.measuring.settings(), &scenes)?;
     let published = published().map_err(ReproduceError::from)?;
     let mut outputs = Outputs::default();
     outputs.add(args.export_csv.as_ref(), |run| csv_text(&comparisons(run, &published)))?;
@@ -49,13 +51,12 @@ pub fn run(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> 
 /// needed unless others are asked for.
 fn plan<'r>(
     context: &Context<'r>,
-    args: &MeasuringArgs,
+    mut args: MeasuringSettings,
     scenes: &[&str],
 ) -> Result<Plan<'r>, Error> {
     if args.reference.is_some() {
         return Err(ReproduceError::FixedReference(STRUCTURES[0].0).into());
     }
-    let mut args = args.clone();
     if args.rays.is_empty() {
         let kinds = RayKind::ALL.into_iter().filter(|k| *k != RayKind::Diffuse);
         args.rays = kinds.map(|k| k.name().to_owned()).collect();
@@ -109,7 +110,7 @@ fn now_cell(line: &Line, ratios: Ratios) -> Cell {
     }
 }
 
-fn csv_text(comparisons: &[Comparison]) -> Result<String, Error> {
+fn csv_text(comparisons: &[Comparison]) -> Result<String, FormatError> {
     let header = [
         "scene",
         "lecture",

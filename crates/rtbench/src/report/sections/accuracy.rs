@@ -1,10 +1,10 @@
 //! What accuracy costs in time: each axis with its front.
 
-use crate::accuracy::{plot, summary, tables as axis_tables};
-use crate::export::svg_plot::figure;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown};
+use presentation::svg_plot::figure;
+use studies::accuracy::{plot, summary, tables as axis_tables};
 
 /// Axis by axis: in words, as a plot, as tables.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

@@ -1,15 +1,16 @@
 //! Build against trace: who wins for how many rays, and from how many rays on each structure is
 //! worth it against each other.
 
-use crate::export::numbers::{milliseconds, short};
-use crate::export::table::{Cell, Style, Table};
 use crate::report::break_even::{BreakEven, break_even, count_interval, envelope};
 use crate::report::costs::{Cost, Profile, lead_for};
-use crate::report::html::Html;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::plots;
 use crate::report::sections::headlines::names;
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown, plots};
+use presentation::html::Html;
+use presentation::numbers::{milliseconds, short};
+use presentation::table::{Cell, Style, Table};
 
 /// Powers of ten that are asked about.
 const DECADES: std::ops::RangeInclusive<i32> = 0..=9;

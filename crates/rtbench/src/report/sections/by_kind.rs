@@ -1,9 +1,9 @@
 //! Each kind of ray by itself, all scenes first, and the time to a picture.
 
-use crate::export::kind_tables;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown};
+use studies::run::kind_tables;
 
 /// Missing of records from before there were ratios by kind.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

@@ -2,26 +2,13 @@
 //!
 //! The figures and the verdicts are those of `rtbench reproduce havran1999`.
 
-use serde::Deserialize;
-
-use crate::export::numbers::short;
-use crate::export::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
-use crate::export::table::Table;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::records::Reproduced;
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown};
-
-/// A figure as `rtbench reproduce havran1999 --export-csv` writes it.
-#[derive(Debug, Clone, Deserialize)]
-pub struct Reproduced {
-    scene: String,
-    structure: String,
-    params: String,
-    counter: String,
-    published: String,
-    ours: f64,
-    verdict: String,
-}
+use presentation::numbers::short;
+use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
+use presentation::table::Table;
 
 /// The counters that are drawn, with their colours' order.
 const DRAWN: [&str; 3] = ["N_IT", "N_TS", "N_OIV"];

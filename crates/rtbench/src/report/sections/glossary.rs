@@ -1,53 +1,9 @@
-//! What the symbols mean: those of Havran and Sixta (1999), and those of the times.
+//! What the symbols mean, and the papers.
 
-use crate::report::html::Html;
+use crate::report::glossary::MEANINGS;
 use crate::report::material::Material;
-use crate::report::{Page, Shown};
-
-/// Symbols and words of the tables' heads.
-static MEANINGS: &[(&str, &str)] = &[
-    ("N_IN", "inner cells: nodes of a hierarchy, grids within grids"),
-    ("N_V", "elementary cells: voxels, leaves"),
-    ("N_EV", "elementary cells that are empty"),
-    ("N_OIV", "references to primitives in elementary cells"),
-    ("N_IT", "ray-primitive intersection tests per ray"),
-    ("N_TS", "traversal steps per ray, those in the hierarchy included"),
-    ("N_ETS", "steps per ray into elementary cells"),
-    ("N_EETS", "steps per ray into empty elementary cells"),
-    ("MiB", "memory of the structure, 2^20 bytes"),
-    ("rays", "rays that a row was timed on: rows that are slow are timed on every k-th"),
-    ("build ms", "median time to build the structure from the primitives, milliseconds"),
-    ("trace ms", "median time for the rays of the column `rays`, milliseconds"),
-    ("image ms", "the whole image through the renderer, once, milliseconds"),
-    (
-        "ratio [95%]",
-        "trace time over the reference's for the same rays in the same round: the median with its \
-         95% bootstrap interval; below 1 is faster; = where the interval holds 1: no difference was \
-         measured",
-    ),
-    ("trace ratio [95%]", "geometric mean over the scenes of the ratio of trace times"),
-    ("build ratio [95%]", "geometric mean over the scenes of the ratio of build times"),
-    ("primary", "millions of primary rays a second"),
-    ("shadow", "millions of shadow rays a second"),
-    ("second.", "millions of reflected and refracted rays a second"),
-    ("diffuse", "millions of rays a second in random directions from surfaces"),
-    ("verdict", "whether every answer was right, and on how many rays that rests where not on all"),
-    (
-        "query",
-        "whether a row was asked ray by ray, or answered a batch with several rays on their way",
-    ),
-    ("picture ms", "build, one million primary rays and their shadow rays, milliseconds"),
-    ("to obvhs [95%]", "that time over that of the row of obvhs which is done first"),
-    ("least", "the scene with the fewest rays per second over those of the reference"),
-    ("break-even", "the number of rays from which on the slower build is worth it"),
-    ("not told apart", "the 95% interval of the ratio of both times holds 1"),
-    ("k, M, G", "thousand, million, thousand million"),
-];
-
-/// What a column's head means.
-pub fn meaning(name: &str) -> Option<&'static str> {
-    MEANINGS.iter().find(|(symbol, _)| *symbol == name).map(|(_, meaning)| *meaning)
-}
+use crate::report::page::{Page, Shown};
+use presentation::html::Html;
 
 /// The list, and the papers.
 pub fn write(_: &Material, page: &mut Page) -> Shown {

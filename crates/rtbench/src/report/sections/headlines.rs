@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use crate::export::numbers::short;
-use crate::record::{SceneRecord, Verdict};
 use crate::report::costs::{Lead, lead, lead_for, lead_over_all};
-use crate::report::html::Html;
 use crate::report::material::Material;
-use crate::report::{Page, Shown};
+use crate::report::page::{Page, Shown};
+use measurement::record::{SceneRecord, Verdict};
+use presentation::html::Html;
+use presentation::numbers::short;
 
 /// The most names that are listed.
 const NAMES: usize = 3;
@@ -127,7 +127,7 @@ fn wrong_rows(scene: &SceneRecord) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::Estimate;
+    use statistics::estimate::Estimate;
 
     #[test]
     fn what_is_not_told_apart_is_said() {

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::report::material::Material;
-use crate::report::{Page, Shown};
+use crate::report::page::{Page, Shown};
 
 /// What each picture shows.
 static CAPTIONS: &[(&str, &str)] = &[

@@ -1,44 +1,14 @@
 //! The lecture's two tables (Zachmann 2007, after Havran and Sixta 1999) beside ours: all times over
 //! those of uniform D=1 on the same machine.
 
-use serde::Deserialize;
-
-use crate::export::numbers::{ratio, short};
-use crate::export::table::{Cell, Style, Table};
-use crate::record::Verdict;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::records::LectureRow;
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown};
-use crate::statistics::Estimate;
-
-/// A row as `rtbench reproduce zachmann2007 --export-csv` writes it.
-#[derive(Debug, Clone, Deserialize)]
-pub struct LectureRow {
-    scene: String,
-    lecture: String,
-    ours: String,
-    verdict: String,
-    build_then: Option<f64>,
-    build_now: Option<f64>,
-    build_low: Option<f64>,
-    build_high: Option<f64>,
-    run_then: Option<f64>,
-    run_now: Option<f64>,
-    run_low: Option<f64>,
-    run_high: Option<f64>,
-}
-
-impl LectureRow {
-    fn build(&self) -> Option<Estimate> {
-        let (median, low, high) = (self.build_now?, self.build_low?, self.build_high?);
-        Some(Estimate { median, low, high })
-    }
-
-    fn run(&self) -> Option<Estimate> {
-        let (median, low, high) = (self.run_now?, self.run_low?, self.run_high?);
-        Some(Estimate { median, low, high })
-    }
-}
+use measurement::record::Verdict;
+use presentation::numbers::{ratio, short};
+use presentation::table::{Cell, Style, Table};
+use statistics::estimate::Estimate;
 
 /// One table.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

@@ -1,12 +1,12 @@
 //! What is needed to repeat the run: machine, compiler, settings, commands, scenes, raw data.
 
-use crate::export::numbers::mebibytes;
-use crate::record::{RunRecord, SceneRecord};
 use crate::report::date::utc;
-use crate::report::html::Html;
 use crate::report::material::{DataFile, Material};
+use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown};
+use measurement::record::{RunRecord, SceneRecord};
+use presentation::html::Html;
+use presentation::numbers::mebibytes;
 
 const UNKNOWN: &str = "unknown";
 
@@ -108,7 +108,7 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn scenes(scenes: &[SceneRecord]) -> crate::export::table::Table {
+fn scenes(scenes: &[SceneRecord]) -> presentation::table::Table {
     let rows = scenes.iter().map(|scene| {
         vec![
             scene.name.clone(),

@@ -1,9 +1,10 @@
 //! Each scene: its table in the manner of Havran and Sixta (1999), and its bars.
 
-use crate::export::table::scene_table;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::plots;
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown, plots};
+use studies::run::tables::scene_table;
 
 /// One after another.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

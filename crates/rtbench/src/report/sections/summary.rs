@@ -1,9 +1,10 @@
 //! All scenes together: the table and the bars.
 
-use crate::export::table::summary_table;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::plots;
 use crate::report::tables::{self, Look};
-use crate::report::{Page, Shown, plots};
+use studies::run::tables::summary_table;
 
 /// The geometric means.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

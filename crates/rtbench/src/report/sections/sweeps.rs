@@ -5,7 +5,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::report::material::Material;
-use crate::report::{Page, Shown};
+use crate::report::page::{Page, Shown};
 
 /// Plot by plot.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

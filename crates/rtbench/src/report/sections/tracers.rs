@@ -1,65 +1,14 @@
 //! Samples, cones and beams on a scene: time against error, as `rtbench compare-tracers` found it.
 
-use serde::Deserialize;
-
-use crate::accuracy::record::Standing;
-use crate::export::numbers::{milliseconds, short};
-use crate::export::svg_plot::figure;
-use crate::export::table::Table;
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
+use crate::report::records::{Outcome, TracersRecord};
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown};
-use crate::statistics::{Estimate, estimate};
-use crate::tracer_comparison::plot::{Placed, error_over_time};
-
-/// A comparison as `rtbench compare-tracers -o` writes it; candidate queries are left out.
-#[derive(Debug, Clone, Deserialize)]
-pub struct TracersRecord {
-    /// The command line, program first.
-    pub command_line: Vec<String>,
-    scene: String,
-    resolution: [u32; 2],
-    threads: usize,
-    seed: u64,
-    reference: Reference,
-    images: Vec<Image>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct Reference {
-    own_error: f64,
-    samples: u32,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct Image {
-    row: Row,
-    outcome: Outcome,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-struct Row {
-    tracer: String,
-    settings: String,
-    samples: Option<u32>,
-}
-
-impl Row {
-    fn label(&self) -> String {
-        let samples = self
-            .samples
-            .map(|n| format!(" {n} sample{}", if n == 1 { "" } else { "s" }))
-            .unwrap_or_default();
-        format!("{} {}", self.tracer, self.settings).trim_end().to_owned() + &samples
-    }
-}
-
-#[derive(Debug, Clone, Deserialize)]
-#[serde(untagged)]
-enum Outcome {
-    Refused { refused: String },
-    Made { seconds: Vec<f64>, rmse: f64, below_reference: bool, standing: Standing },
-}
+use presentation::numbers::{milliseconds, short};
+use presentation::svg_plot::figure;
+use presentation::table::Table;
+use statistics::estimate::{Estimate, estimate};
+use studies::tracer_comparison::plot::{Placed, error_over_time};
 
 /// Scene by scene.
 pub fn write(material: &Material, page: &mut Page) -> Shown {
@@ -111,7 +60,7 @@ impl TracersRecord {
         table
     }
 
-    fn plot(&self) -> crate::export::svg_plot::Plot {
+    fn plot(&self) -> presentation::svg_plot::Plot {
         let placed = self.images.iter().filter_map(|image| {
             let Outcome::Made { seconds, rmse, standing, .. } = &image.outcome else { return None };
             Some(Placed {

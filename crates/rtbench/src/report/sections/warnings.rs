@@ -1,11 +1,11 @@
 //! What a reader of the times must know: warnings of the run and of its scenes, and outliers, which
 //! are counted and never dropped.
 
-use crate::export::table::Table;
-use crate::record::{Outliers, SceneRecord};
 use crate::report::material::Material;
+use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look, words};
-use crate::report::{Page, Shown};
+use measurement::record::{Outliers, SceneRecord};
+use presentation::table::Table;
 
 /// Warnings, then outliers.
 pub fn write(material: &Material, page: &mut Page) -> Shown {

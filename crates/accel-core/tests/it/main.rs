@@ -1,0 +1,14 @@
+//! Tests of the crate from outside, in one program: each structure is compiled and linked once.
+
+mod agreement;
+mod caps;
+mod common;
+mod contributing;
+mod differential;
+mod motion;
+mod nested_grids;
+mod obvhs;
+mod octree_and_kd_tree;
+mod planes_of_cells;
+mod threads;
+mod volumes;

@@ -1,0 +1,170 @@
+//! Rays within the planes of nested cells: blocks of unit cubes, whose faces lie in the planes of
+//! whatever cells a structure makes, and rays along those planes with components so small that two
+//! roundings of one plane lie on either side of the whole scene.
+
+use accel_core::primitives::{TriangleSet, Watertight};
+use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
+use accel_core::{Hit, Ray, Vec3, Vector};
+use glam::DVec3;
+
+/// A small seeded generator (an LCG with the multiplier of D. Knuth, TAOCP 2, 3.3.4).
+struct Random(u64);
+
+impl Random {
+    /// Uniform in [0, 1).
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// The smallest component that is not zero.
+const SMALLEST: f64 = 1e-45;
+
+/// Every second cube of a block of unit cubes, or all of them; 12 triangles each.
+fn block<S: Buildable>(n: [u32; 3], whole: bool) -> TriangleSet<S, Watertight> {
+    let mut triangles = Vec::new();
+    for i in 0..n[0] * n[1] * n[2] {
+        let at = [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])];
+        if !whole && (at[0] + at[1] + at[2]) % 2 == 1 {
+            continue;
+        }
+        let low = DVec3::from_array(at.map(f64::from));
+        for axis in 0..3 {
+            let (mut u, mut v) = (DVec3::ZERO, DVec3::ZERO);
+            (u[(axis + 1) % 3], v[(axis + 2) % 3]) = (1.0, 1.0);
+            for side in [0.0, 1.0] {
+                let mut p = low;
+                p[axis] += side;
+                triangles.push([p, p + u, p + u + v]);
+                triangles.push([p, p + u + v, p + v]);
+            }
+        }
+    }
+    let narrow = |t: [DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
+    TriangleSet::new(triangles.into_iter().map(narrow).collect(), |_| false).unwrap()
+}
+
+/// Along one axis, the other two components of sizes from `smallest` to 1e-3, drawn evenly by
+/// their logarithms, of either sign, one in five of them zero. The origin lies on a lattice line,
+/// three in four 3 to 13 units outside of the block.
+fn rays<S: Buildable>(
+    n: [u32; 3],
+    smallest: f64,
+    count: usize,
+    random: &mut Random,
+) -> Vec<Ray<S>> {
+    let sizes = smallest.log10()..-3.0;
+    let mut ray = |i: usize| {
+        let (mut o, mut d) = ([0.0; 3], [0.0; 3]);
+        let axis = i % 3;
+        for k in 0..3 {
+            o[k] = (random.unit() * f64::from(n[k] + 1)).floor();
+            let size = 10f64.powf(sizes.start + (sizes.end - sizes.start) * random.unit());
+            d[k] = if random.unit() < 0.2 { 0.0 } else { size };
+            if random.unit() < 0.5 {
+                d[k] = -d[k];
+            }
+        }
+        let up = random.unit() < 0.5;
+        d[axis] = if up { 1.0 } else { -1.0 };
+        if random.unit() < 0.75 {
+            let outside = 3.0 + 10.0 * random.unit();
+            o[axis] = if up { -outside } else { f64::from(n[axis]) + outside };
+        }
+        Ray::new(
+            Vec3::<S>::from_array(o.map(S::from_f64)),
+            Vec3::<S>::from_array(d.map(S::from_f64)),
+        )
+    };
+    (0..count).map(&mut ray).collect()
+}
+
+/// Settings written as in a variant.
+fn settings(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    text.split_whitespace().map(|setting| setting.split_once('=').unwrap())
+}
+
+/// What a structure answers: closest hits, occlusions, and closest hits while it counts, which some
+/// find by a walk of their own.
+type Answers<S> = (Vec<Hit<S>>, Vec<bool>, Vec<Hit<S>>);
+
+fn answers<S: Buildable>(
+    prims: PrimsRef<S>,
+    name: &str,
+    variant: &str,
+    rays: &[Ray<S>],
+) -> Answers<S> {
+    let entry = find(name).unwrap();
+    let tracer = entry.build(prims, &entry.params(settings(variant)).unwrap()).unwrap();
+    let (mut hits, mut blocked) = (vec![Hit::NONE; rays.len()], vec![false; rays.len()]);
+    tracer.closest_hits(rays, &mut hits);
+    tracer.occlusions(rays, &mut blocked);
+    let mut counted = hits.clone();
+    tracer.count_closest_hits(rays, &mut counted);
+    (hits, blocked, counted)
+}
+
+/// Every structure in every variant; more of those whose walks or levels differ.
+fn tested() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let variants = REGISTRY.iter().flat_map(|entry| {
+        // an octree cuts aligned faces for ever
+        let is_octree = entry.info.name == "octree";
+        let variants = if is_octree { &["max-depth=6"] } else { entry.info.variants };
+        let is_right = move |v: &&&str| {
+            (entry.info.known_defect)(&entry.params(settings(v)).unwrap()).is_none()
+        };
+        variants.iter().filter(is_right).map(|variant| (entry.info.name, *variant))
+    });
+    variants.chain([
+        ("recursive-grid", "max-depth=8 threshold=2"),
+        ("two-level-grid", "density=0.01 leaf-density=20"),
+        ("hug", "size-classes=4 min-objects=2"),
+        ("adaptive-grid", "m=0.1 split=2 levels=8"),
+        ("irregular-grid", "query=batch"),
+        ("octree", "max-depth=6 traversal=neighbour"),
+        ("octree", "max-depth=6 traversal=point-location"),
+    ])
+}
+
+/// How many answers differ from the right ones, and the first of them.
+fn wrong<S: Buildable>(
+    got: &Answers<S>,
+    right: &Answers<S>,
+    rays: &[Ray<S>],
+) -> Option<(usize, String)> {
+    let of = |answers: &Answers<S>, i: usize| (answers.0[i], answers.1[i], answers.2[i]);
+    let differing: Vec<usize> = (0..rays.len()).filter(|&i| of(got, i) != of(right, i)).collect();
+    let &i = differing.first()?;
+    Some((differing.len(), format!("{:?}: {:?}, not {:?}", rays[i], of(got, i), of(right, i))))
+}
+
+fn blocks_agree<S: Buildable>() {
+    let mut random = Random(18);
+    let mut found = Vec::new();
+    let sizes = [[12; 3], [16; 3], [2; 3], [24, 3, 10], [5, 24, 7], [9, 4, 24], [8; 3]];
+    for (i, n) in sizes.into_iter().enumerate() {
+        let set = block::<S>(n, i == 3);
+        let prims = PrimsRef::Watertight(&set);
+        let count = (25_000_000 / set.triangles().len()).min(3000);
+        let rays = rays(n, SMALLEST, count, &mut random);
+        let right = answers(prims, "brute-force", "", &rays);
+        assert!(right.0.iter().filter(|hit| hit.is_hit()).count() * 10 > count);
+        for (name, settings) in tested() {
+            if let Some(wrong) = wrong(&answers(prims, name, settings, &rays), &right, &rays) {
+                found.push(format!("{n:?} {name} {settings} of {count}: {wrong:?}"));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{} {found:#?}", S::NAME);
+}
+
+#[test]
+fn blocks_of_cubes_agree_with_brute_force_in_f32() {
+    blocks_agree::<f32>();
+}
+
+#[test]
+fn blocks_of_cubes_agree_with_brute_force_in_f64() {
+    blocks_agree::<f64>();
+}

@@ -1,0 +1,236 @@
+//! Is a row right, and what does it cost? Before anything of it is timed.
+
+use accel_core::counters::WorkCounters;
+use accel_core::occluders::OccluderScalar;
+use accel_core::structures::{BuildError, Buildable};
+use rayon::prelude::*;
+use scene_loading::source_hash::sha256_of_bytes;
+
+use crate::answers::reference::{oracle_rays, oracle_sample};
+use crate::plan::measured_row::{Built, MeasuredRow};
+use crate::rays::batches::{Answers, Batch, BatchSet, CHUNK};
+use crate::record::query::Query;
+use crate::record::{ShapeRecord, Verdict, WorkRecord};
+use crate::rounds::scope::Scope;
+use crate::system::clock::Clock;
+
+/// Rays of a kind in the first and in the last step of a pilot.
+const PILOT_RAYS: (usize, usize) = (16, 1024);
+/// Seconds after which a pilot has seen enough of a kind.
+const PILOT_SECONDS: f64 = 0.000_3;
+
+/// What is known of a row before it is timed.
+#[derive(Debug)]
+pub struct Checked {
+    /// What is said of its answers.
+    pub verdict: Verdict,
+    /// What was built.
+    pub shape: ShapeRecord,
+    /// How it answers the rays of a batch.
+    pub query: Query,
+    /// The work of the counted rays.
+    pub work: WorkRecord,
+    /// Rays compared.
+    pub checked_rays: usize,
+    /// Of those, answered wrongly.
+    pub mismatches: usize,
+    /// The first wrong answer, in words.
+    pub example: Option<String>,
+    /// SHA-256 of all answers compared, kind by kind: equal where every answer is.
+    pub answers_sha256: String,
+    /// Seconds that one thread needs for all rays, estimated.
+    pub full_pass_s: f64,
+}
+
+/// Builds a row, asks it all rays (or a sample where that takes too long) and compares.
+///
+/// # Errors
+/// [`BuildError`] when it refuses the scene.
+pub fn check<S: Buildable + OccluderScalar>(
+    scope: &Scope<'_, '_, S>,
+    row: &MeasuredRow<'_>,
+) -> Result<Checked, BuildError> {
+    let prims = scope.stage.geometry.prims();
+    let built = scope.pools.measured.install(|| row.build(prims, scope.lights))?;
+    let asked = scope.all.restricted(|kind| row.answers(kind));
+    let full_pass_s = pilot(&built, &asked, scope.clock);
+    // the same rays in another order are compared in every round
+    let asked = asked.distinct();
+    let limits = &scope.plan.limits;
+    let cap = if row.is_sampled() { limits.sampled_pass } else { limits.checked_pass };
+    let fixed = scope.plan.strides.checked(&scope.stage.scene.name, &row.label());
+    let stride = fixed.unwrap_or_else(|| stride_for(full_pass_s, cap));
+    let thinned;
+    let set = if stride == 1 {
+        &asked
+    } else {
+        thinned = asked.thinned(stride);
+        &thinned
+    };
+    let mut work = WorkCounters::default();
+    let (mut checked_rays, mut mismatches, mut example) = (0, 0, None);
+    let mut answered = Vec::new();
+    scope.pools.helper.install(|| {
+        for batch in &set.batches {
+            let mut timed_path = Answers::new(batch.kind, batch.rays.len());
+            timed_path.poison(&batch.expected);
+            built.trace_chunked(batch, &mut timed_path);
+            answered.extend_from_slice(batch.name().as_bytes());
+            answered.extend(timed_path.bytes());
+            let (counted_path, counted) = count(&built, batch);
+            work += counted;
+            let timed = compare(scope, set, batch, &timed_path);
+            let counted = compare(scope, set, batch, &counted_path);
+            checked_rays += timed.compared;
+            mismatches += timed.wrong.max(counted.wrong);
+            example = example.take().or(timed.example).or(counted.example);
+        }
+    });
+    let verdict = match (mismatches, row.known_defect()) {
+        (0, _) => Verdict::Ok,
+        (_, Some(_)) => Verdict::WrongAsShipped,
+        (_, None) => Verdict::Wrong,
+    };
+    Ok(Checked {
+        verdict,
+        shape: shape(&built),
+        query: built.query(),
+        work: WorkRecord {
+            rays: set.total() as u64,
+            intersection_tests: work.intersection_tests,
+            traversal_steps: work.traversal_steps,
+            elementary_steps: work.elementary_steps,
+            empty_elementary_steps: work.empty_elementary_steps,
+            tests_saved: work.tests_saved,
+        },
+        checked_rays,
+        mismatches,
+        example,
+        answers_sha256: sha256_of_bytes(&answered),
+        full_pass_s,
+    })
+}
+
+/// Every how many-th ray to take so that a pass stays within the cap; a power of two, so that
+/// rows share samples.
+pub fn stride_for(full_pass_s: f64, cap: f64) -> usize {
+    let wanted = (full_pass_s / cap).ceil();
+    if wanted > 1.0 { (wanted.min(1e9) as usize).next_power_of_two() } else { 1 }
+}
+
+/// How the answers to a batch compare.
+struct Comparison {
+    compared: usize,
+    wrong: usize,
+    example: Option<String>,
+}
+
+/// Compares the answers to a batch: with those of the reference, or with the oracle
+/// where it confirmed no reference.
+fn compare<S: Buildable>(
+    scope: &Scope<'_, '_, S>,
+    set: &BatchSet<'_, S>,
+    batch: &Batch<'_, S>,
+    answers: &Answers<S>,
+) -> Comparison {
+    if !scope.is_confirmed {
+        let (stage, plan) = (scope.stage, scope.plan);
+        let count = oracle_rays(stage.geometry.len(), set.batches.len(), &plan.limits);
+        let rays = batch.rays.len();
+        let sample = oracle_sample(plan.seed, &stage.scene.name, batch.kind, rays, count);
+        let tally = stage.oracle.check(batch.kind, &batch.rays, answers, &sample);
+        let wrong = tally.wrong.len();
+        return Comparison { compared: tally.checked, wrong, example: tally.example };
+    }
+    let example = answers.differing(&batch.expected).next().map(|first| {
+        let (kind, ray) = (batch.name(), first * set.stride);
+        let (said, expected) = (answers.describe(first), batch.expected.describe(first));
+        format!("{kind} ray {ray}: {said}, expected {expected}")
+    });
+    let wrong = answers.differing(&batch.expected).count();
+    Comparison { compared: batch.rays.len(), wrong, example }
+}
+
+/// Seconds that one call a kind would take for all rays, from a few evenly spread ones.
+fn pilot<S: Buildable>(built: &Built<'_, S>, set: &BatchSet<'_, S>, clock: &dyn Clock) -> f64 {
+    let mut total = 0.0;
+    for batch in &set.batches {
+        let all = batch.rays.len();
+        let mut wanted = PILOT_RAYS.0.min(all);
+        loop {
+            let stride = (all / wanted.max(1)).max(1);
+            let few = batch.thinned(stride);
+            let mut answers = Answers::new(batch.kind, few.rays.len());
+            let mut ask = || {
+                let start = clock.now();
+                built.trace(&few, &mut answers);
+                clock.seconds_since(start)
+            };
+            // The first time warms up; the smaller of two more is free of most interruptions.
+            ask();
+            let seconds = ask().min(ask());
+            if seconds >= PILOT_SECONDS || wanted >= PILOT_RAYS.1.min(all) {
+                total += seconds / few.rays.len().max(1) as f64 * all as f64;
+                break;
+            }
+            wanted = (wanted * 4).min(all);
+        }
+    }
+    total
+}
+
+/// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
+pub fn count<S: Buildable>(
+    built: &Built<'_, S>,
+    batch: &Batch<'_, S>,
+) -> (Answers<S>, WorkCounters) {
+    let Built::Structure(tracer) = built else {
+        let (blocked, work) = built.count_blocked(batch);
+        return (Answers::Blocked(blocked), work);
+    };
+    if batch.kind.is_occlusion() {
+        let (blocked, work) = built.count_blocked(batch);
+        return (Answers::Blocked(blocked), work);
+    }
+    let mut answers = Answers::new(batch.kind, batch.rays.len());
+    answers.poison(&batch.expected);
+    let Answers::Hits(mut hits) = answers else { return (answers, WorkCounters::default()) };
+    let work = batch
+        .rays
+        .par_chunks(CHUNK)
+        .zip(hits.par_chunks_mut(CHUNK))
+        .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
+        .reduce(WorkCounters::default, |mut a, b| {
+            a += b;
+            a
+        });
+    (Answers::Hits(hits), work)
+}
+
+fn shape<S: Buildable>(built: &Built<'_, S>) -> ShapeRecord {
+    let shape = built.shape();
+    ShapeRecord {
+        n_in: shape.inner_cells,
+        n_v: shape.cells,
+        n_ev: shape.empty_cells,
+        n_oiv: shape.references,
+        resolution: shape.resolution,
+        memory_bytes: shape.bytes,
+        pending_cells: shape.pending_cells,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strides_are_powers_of_two_that_keep_the_cap() {
+        assert_eq!(stride_for(0.5, 1.0), 1);
+        assert_eq!(stride_for(1.0, 1.0), 1);
+        assert_eq!(stride_for(1.1, 1.0), 2);
+        assert_eq!(stride_for(5.0, 1.0), 8);
+        assert_eq!(stride_for(f64::NAN, 1.0), 1);
+        assert!(stride_for(1e30, 1.0).is_power_of_two());
+    }
+}

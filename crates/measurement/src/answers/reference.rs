@@ -1,0 +1,118 @@
+//! The answers that all rows are compared with: those of the first structure that the oracle
+//! confirms.
+
+use accel_core::structures::{BuildError, Buildable};
+use renderer::{Geometry, RayBatches, RayKind, generate_rays};
+use scene_loading::Scene;
+
+use crate::answers::oracle::Oracle;
+use crate::plan::rows::Row;
+use crate::plan::{Limits, Plan};
+use crate::rays::batches::{Answers, answer};
+use crate::record::OracleRecord;
+use crate::rounds::error::MeasureError;
+use crate::system::panics::caught;
+use crate::system::pools::Pools;
+use statistics::random::Random;
+
+/// Fewest rays a kind that the oracle answers, whatever they cost.
+const FEWEST_ORACLE_RAYS: usize = 16;
+
+/// The rays of a scene, their answers, and what the oracle says of them.
+pub struct Reference<S: Buildable> {
+    /// All rays.
+    pub rays: RayBatches<S>,
+    /// The answers, one batch a kind.
+    pub answers: Vec<(RayKind, Answers<S>)>,
+    /// How they were judged; `reference` is none when the oracle confirmed no structure.
+    pub record: OracleRecord,
+}
+
+/// A scene ready to be asked.
+pub struct Stage<'a, S: Buildable> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its primitives.
+    pub geometry: &'a Geometry<S>,
+    /// The judge.
+    pub oracle: &'a Oracle<'a>,
+}
+
+impl<S: Buildable> Stage<'_, S> {
+    /// Finds a structure that the oracle confirms and produces rays and answers with it.
+    ///
+    /// # Errors
+    /// [`MeasureError::NoAnswers`] when no structure can be built at all.
+    pub fn reference(&self, plan: &Plan<'_>, pools: &Pools) -> Result<Reference<S>, MeasureError> {
+        let mut unconfirmed = None;
+        let mut refused = Vec::new();
+        for row in &plan.answers {
+            match caught(|| pools.helper.install(|| self.asked(row, plan))) {
+                Err(panicked) => refused.push(format!("{}: {panicked}", row.label())),
+                Ok(Err(error)) => refused.push(format!("{}: {error}", row.label())),
+                Ok(Ok((mut reference, None))) => {
+                    reference.record.reference = Some(row.label());
+                    reference.record.refused = refused;
+                    return Ok(reference);
+                }
+                Ok(Ok((reference, Some(example)))) => {
+                    refused.push(format!("{}: {example}", row.label()));
+                    unconfirmed = Some(reference);
+                }
+            }
+        }
+        match unconfirmed {
+            Some(mut reference) => {
+                reference.record.refused = refused;
+                Ok(reference)
+            }
+            None => Err(MeasureError::NoAnswers {
+                scene: self.scene.name.clone(),
+                reasons: refused.join("; "),
+            }),
+        }
+    }
+
+    /// Rays and answers of one candidate, and its first wrong answer. Runs in the current pool.
+    fn asked(
+        &self,
+        row: &Row<'_>,
+        plan: &Plan<'_>,
+    ) -> Result<(Reference<S>, Option<String>), BuildError> {
+        let tracer = row.entry.build(self.geometry.prims(), &row.params)?;
+        let rays = generate_rays(self.scene, &*tracer, &plan.settings);
+        let answers = answer(&rays, &plan.kinds, &*tracer);
+        let mut record = OracleRecord::default();
+        let mut example = None;
+        let count = oracle_rays(self.geometry.len(), answers.len(), &plan.limits);
+        for (kind, answers) in &answers {
+            let rays = rays.rays(*kind);
+            let sample = oracle_sample(plan.seed, &self.scene.name, *kind, rays.len(), count);
+            let tally = self.oracle.check(*kind, rays, answers, &sample);
+            record.checked += tally.checked as u64;
+            record.borderline += tally.borderline as u64;
+            let counts = [tally.checked as u64, tally.borderline as u64];
+            record.by_kind.insert(kind.name().into(), counts);
+            example = example.or(tally.example);
+        }
+        Ok((Reference { rays, answers, record }, example))
+    }
+}
+
+/// How many rays of a kind the oracle answers: fewer in large scenes.
+pub fn oracle_rays(primitives: usize, kinds: usize, limits: &Limits) -> usize {
+    let tests_a_ray = primitives.max(1) as u64 * kinds.max(1) as u64;
+    let affordable = (limits.oracle_tests / tests_a_ray) as usize;
+    affordable.max(FEWEST_ORACLE_RAYS).min(limits.oracle_rays)
+}
+
+/// Which rays of a kind the oracle answers: a seeded sample.
+pub fn oracle_sample(
+    seed: u64,
+    scene: &str,
+    kind: RayKind,
+    rays: usize,
+    count: usize,
+) -> Vec<usize> {
+    Random::new(seed, &format!("oracle/{scene}/{}", kind.name())).sample(rays, count)
+}

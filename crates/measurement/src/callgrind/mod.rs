@@ -1,0 +1,290 @@
+//! Instruction counts of the build and of the walk of each row, by valgrind's callgrind.
+//!
+//! Source: the manual of callgrind (N. Nethercote, J. Seward, "Valgrind: A Framework for
+//! Heavyweight Dynamic Binary Instrumentation", PLDI 2007). All rows are counted in one process, as
+//! starting valgrind and loading scenes is what takes long: everything to be counted runs in one
+//! function that is never inlined ([`counted::counted_phase`]), which switches the counting on and
+//! off, and each return from it writes a file of its own.
+
+pub mod caches;
+pub mod counted;
+pub mod simulation;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::RunRecord;
+use crate::system::child_process::{ChildError, answer, without_samples};
+
+/// The function whose calls are counted, in whichever crate older and newer binaries have it: of two
+/// options with the same pattern, callgrind 3.19 follows only one.
+const PHASE: &str = "*::callgrind::counted::counted_phase";
+
+/// Why nothing was counted.
+#[derive(Debug, thiserror::Error)]
+pub enum CallgrindError {
+    /// There is no valgrind.
+    #[error(
+        "instruction counts need valgrind, which could not be started ({0}); install it (`apt-get \
+         install valgrind`), or leave instruction counts out with --no-instructions"
+    )]
+    NoValgrind(String),
+    /// The program under valgrind.
+    #[error(transparent)]
+    Child(#[from] ChildError),
+    /// This program's own file is not known.
+    #[error("cannot tell where the file of this program is, to start it under valgrind")]
+    NoProgram,
+    /// Callgrind's files.
+    #[error("callgrind's output {}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// Callgrind's files are not as they should be.
+    #[error("callgrind's output: {0}")]
+    Output(String),
+    /// The program has no names of functions.
+    #[error(
+        "callgrind counted {found} of {expected} phases: were the symbols of {} stripped?",
+        program.display()
+    )]
+    Phases {
+        /// The program.
+        program: PathBuf,
+        /// Calls it made.
+        expected: usize,
+        /// Calls that callgrind saw.
+        found: usize,
+    },
+    /// The system does not tell what is to be simulated.
+    #[error(
+        "{}: tells of {found} caches of data; expected at least two levels with level, size, \
+         ways_of_associativity and coherency_line_size", folder.display()
+    )]
+    Caches {
+        /// Where Linux tells it.
+        folder: PathBuf,
+        /// How many it tells of.
+        found: usize,
+    },
+    /// The results that counts were asked for are of another commit.
+    #[error(
+        "{}: made by rtbench at {}, this is {}: instructions of the one say nothing of the other",
+        path.display(), name(was), name(is)
+    )]
+    OtherProgram {
+        /// The results.
+        path: PathBuf,
+        /// Their commit.
+        was: Option<String>,
+        /// That of this program.
+        is: Option<String>,
+    },
+}
+
+fn name(revision: &Option<String>) -> &str {
+    revision.as_deref().unwrap_or("an unknown commit")
+}
+
+/// Instruction counts of rows.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Version of valgrind.
+    pub valgrind: String,
+    /// One a scene and row.
+    pub rows: Vec<CountedRow>,
+}
+
+/// Instructions of a row in a scene.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CountedRow {
+    /// Scene.
+    pub scene: String,
+    /// Structure.
+    pub structure: String,
+    /// What differs from its defaults.
+    pub settings: String,
+    /// Rays that were asked.
+    pub rays: u64,
+    /// Instructions of the build.
+    pub build: Option<u64>,
+    /// Instructions of the walks of all those rays; none where it was not built.
+    pub trace: Option<u64>,
+}
+
+/// The version of the valgrind that is installed.
+///
+/// # Errors
+/// [`CallgrindError::NoValgrind`].
+pub fn version() -> Result<String, CallgrindError> {
+    let missing = |why: String| CallgrindError::NoValgrind(why);
+    let output = Command::new("valgrind").arg("--version").output();
+    let output = output.map_err(|e| missing(e.to_string()))?;
+    match output.status.success() {
+        true => Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned()),
+        false => Err(missing(String::from_utf8_lossy(&output.stderr).trim().to_owned())),
+    }
+}
+
+/// Counts what `program` takes for the rows of a record.
+///
+/// # Errors
+/// [`CallgrindError`].
+pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, CallgrindError> {
+    let valgrind = version()?;
+    let program = program.ok_or(CallgrindError::NoProgram)?;
+    let folder = Scratch::new()?;
+    let mut command = callgrind(&folder);
+    command.arg(program).args(["--quiet", "child", "count-instructions"]);
+    let phases: Vec<counted::Counted> = answer(&mut command, &without_samples(record))?;
+    let totals = totals(&folder.0)?;
+    let expected = phases.iter().flat_map(|p| [p.build_call, p.trace_call]).flatten().count();
+    if totals.len() != expected {
+        let (program, found) = (program.to_owned(), totals.len());
+        return Err(CallgrindError::Phases { program, expected, found });
+    }
+    let total = |call: Option<usize>| call.and_then(|i| totals.get(i).copied());
+    let rows = phases.into_iter().map(|phase| CountedRow {
+        build: total(phase.build_call),
+        trace: total(phase.trace_call),
+        scene: phase.scene,
+        structure: phase.structure,
+        settings: phase.settings,
+        rays: phase.rays,
+    });
+    Ok(Counts { valgrind, rows: rows.collect() })
+}
+
+/// Callgrind, counting the phase function alone, a file a call; its program is to be added.
+fn callgrind(folder: &Scratch) -> Command {
+    let mut command = Command::new("valgrind");
+    // what allocating costs must not depend on what was freed before; threads keep their own arenas,
+    // or it would depend on what other threads allocate
+    command.env("MALLOC_MMAP_THRESHOLD_", "131072");
+    command
+        .args(["--tool=callgrind", "--collect-atstart=no", "--quiet"])
+        .arg(format!("--toggle-collect={PHASE}"))
+        .arg(format!("--dump-after={PHASE}"))
+        .arg(format!("--callgrind-out-file={}", folder.0.join("out").display()));
+    command
+}
+
+/// The instructions of all files in the folder that a return from the phase function wrote, in order.
+fn totals(folder: &Path) -> Result<Vec<u64>, CallgrindError> {
+    let instructions = |events: Events| events.get("Ir").copied();
+    let of_all = events_of_calls(folder)?.into_iter().map(instructions);
+    of_all.collect::<Option<_>>().ok_or_else(|| CallgrindError::Output("no event 'Ir'".into()))
+}
+
+/// Counts of a call by the names of the events.
+type Events = BTreeMap<String, u64>;
+
+/// The counts of all files in the folder that a return from the phase function wrote, in order.
+fn events_of_calls(folder: &Path) -> Result<Vec<Events>, CallgrindError> {
+    let io = |path: &Path| {
+        let path = path.to_owned();
+        move |source| CallgrindError::Io { path, source }
+    };
+    let mut parts = Vec::new();
+    for file in fs::read_dir(folder).map_err(io(folder))? {
+        let path = file.map_err(io(folder))?.path();
+        let text = fs::read_to_string(&path).map_err(io(&path))?;
+        parts.extend(part(&text).map_err(CallgrindError::Output)?);
+    }
+    parts.sort_unstable_by_key(|(number, _)| *number);
+    Ok(parts.into_iter().map(|(_, events)| events).collect())
+}
+
+/// The number of a file's part and its totals; none for the part that the end of the program wrote.
+fn part(text: &str) -> Result<Option<(u64, Events)>, String> {
+    let value =
+        |key: &str| text.lines().find_map(|line| Some(line.strip_prefix(key)?.trim().to_owned()));
+    let line = |key: &str| value(key).ok_or_else(|| format!("no line '{key}'"));
+    let number = |key: &str, text: &str| {
+        text.parse::<u64>().map_err(|_| format!("'{key} {text}': expected a whole number"))
+    };
+    let trigger = value("desc: Trigger:").unwrap_or_default();
+    if !trigger.starts_with("--dump-after") {
+        return Ok(None);
+    }
+    let (names, totals) = (line("events:")?, line("totals:")?);
+    let counts = totals.split_whitespace().map(|text| number("totals:", text));
+    let counts = counts.collect::<Result<Vec<_>, _>>()?;
+    let names: Vec<&str> = names.split_whitespace().collect();
+    if counts.len() > names.len() {
+        return Err(format!("'totals: {totals}': expected one count for each of {names:?}"));
+    }
+    // callgrind leaves out zeros at the end
+    let counts = counts.into_iter().chain(std::iter::repeat(0));
+    let events = names.into_iter().map(str::to_owned).zip(counts).collect();
+    Ok(Some((number("part:", &line("part:")?)?, events)))
+}
+
+/// A folder for callgrind's files, removed when it is dropped.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new() -> Result<Self, CallgrindError> {
+        use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+        static NUMBER: AtomicUsize = AtomicUsize::new(0);
+        let number = NUMBER.fetch_add(1, Relaxed);
+        let name = format!("rtbench-callgrind-{}-{number}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        match fs::create_dir(&path) {
+            Ok(()) => Ok(Self(path)),
+            Err(source) => Err(CallgrindError::Io { path, source }),
+        }
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PART: &str = "# callgrind format\nversion: 1\npid: 7\npart: 3\n\n\
+        desc: Trigger: --dump-after=x\nevents: Ir\nfn=x\n0 12\n\ntotals: 1234\n";
+
+    #[test]
+    fn a_part_has_a_number_and_a_total() {
+        assert_eq!(part(PART), Ok(Some((3, [("Ir".to_owned(), 1234)].into()))));
+        let more = PART.replace("events: Ir", "events: Ir Dr D1mr").replace("1234", "9 8");
+        let events = [("Ir", 9), ("Dr", 8), ("D1mr", 0)].map(|(name, n)| (name.to_owned(), n));
+        assert_eq!(part(&more), Ok(Some((3, events.into()))));
+        let end = PART.replace("--dump-after=x", "Program termination");
+        assert_eq!(part(&end), Ok(None));
+        for damaged in [
+            PART.replace("totals: 1234", ""),
+            PART.replace("1234", "12 34"),
+            PART.replace("1234", "x"),
+            PART.replace("part: 3", "part: three"),
+        ] {
+            assert!(part(&damaged).is_err(), "{damaged}");
+        }
+    }
+
+    #[test]
+    fn parts_come_in_the_order_of_their_numbers() {
+        let folder = Scratch::new().unwrap();
+        for (name, number, total) in [("out.10", "10", "5"), ("out.9", "9", "4"), ("out", "x", "9")]
+        {
+            let text = PART.replace("part: 3", &format!("part: {number}")).replace("1234", total);
+            let text = if name == "out" { text.replace("--dump-after", "end") } else { text };
+            fs::write(folder.0.join(name), text).unwrap();
+        }
+        assert_eq!(totals(&folder.0).unwrap(), [4, 5]);
+    }
+}

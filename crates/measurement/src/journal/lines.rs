@@ -1,0 +1,302 @@
+//! The lines of a journal, and what can be recovered from them.
+//!
+//! A journal is text of one JSON value a line. Lines are only ever appended, each with one write
+//! and a synchronisation, so whatever ends the program, a journal is whole lines and at most one
+//! torn line behind them, which is cut off. The unit that can be finished is a scene: its rows are
+//! measured in interleaved rounds, so that all of them end together.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::record::{Compiler, Machine, SCHEMA_VERSION, SceneRecord, Settings, Tool};
+
+/// What a run is: two runs whose manifests agree may be parts of one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// The program.
+    pub tool: Tool,
+    /// Hash of the program's file, where it can be read.
+    pub program_sha256: Option<String>,
+    /// What it was compiled with.
+    pub compiler: Compiler,
+    /// What it runs on.
+    pub machine: Machine,
+    /// What was asked for.
+    pub settings: Settings,
+    /// How many rounds.
+    pub rounds: String,
+    /// The scenes, in order.
+    pub scenes: Vec<String>,
+    /// The rows of each.
+    pub rows: Vec<String>,
+    /// The arguments, without the program's name; bytes that are not UTF-8 as in names of scenes.
+    pub arguments: Vec<String>,
+    /// The command line, program first, as shown.
+    pub command_line: Vec<String>,
+    /// When it began, seconds since 1970.
+    pub started_unix_s: u64,
+}
+
+/// A line of a journal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Line {
+    /// The first line.
+    Begun(Box<Manifest>),
+    /// A scene is begun: its place among the scenes of the manifest.
+    Scene(usize),
+    /// All rows of a scene.
+    Finished {
+        /// Its place among the scenes of the manifest.
+        scene: usize,
+        /// Its rows.
+        record: Box<SceneRecord>,
+    },
+    /// A scene could not be measured.
+    Failed {
+        /// Its place among the scenes of the manifest.
+        scene: usize,
+        /// Why.
+        error: String,
+    },
+    /// A signal ended the program: its number.
+    Interrupted(i32),
+    /// Every scene had its turn.
+    Complete,
+}
+
+/// Why a journal cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum LineError {
+    /// There is not even a first line.
+    #[error("no whole line: nothing was begun")]
+    Empty,
+    /// A line in the middle is damaged.
+    #[error("line {line}: {message}")]
+    Damaged {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// Another version of the program wrote it.
+    #[error("written with schema {found}, expected {SCHEMA_VERSION}")]
+    Schema {
+        /// The version found.
+        found: u32,
+    },
+}
+
+/// What a journal holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recovered {
+    /// What the run is.
+    pub manifest: Manifest,
+    /// The finished scenes, by their places among the scenes of the manifest.
+    pub finished: BTreeMap<usize, SceneRecord>,
+    /// Every scene had its turn.
+    pub is_complete: bool,
+    /// The scene in which the program ended without a word: killed, or out of memory.
+    pub died_in: Option<usize>,
+    /// Bytes of whole lines; what comes behind is torn.
+    pub whole: usize,
+}
+
+/// Reads a journal. A last line without its line break is torn: it counts as never written.
+///
+/// # Errors
+/// [`LineError`].
+pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
+    let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |last| last + 1);
+    let text = bytes.get(..whole).unwrap_or_default();
+    let mut lines = text.split_inclusive(|&b| b == b'\n').enumerate();
+    let damaged = |i: usize, message: &dyn std::fmt::Display| LineError::Damaged {
+        line: i + 1,
+        message: message.to_string(),
+    };
+    let (_, first) = lines.next().ok_or(LineError::Empty)?;
+    // The version first: other versions may have other fields.
+    if let Some(found) = schema_of(first).filter(|&found| found != SCHEMA_VERSION) {
+        return Err(LineError::Schema { found });
+    }
+    let manifest = match serde_json::from_slice(first).map_err(|e| damaged(0, &e))? {
+        Line::Begun(manifest) => *manifest,
+        _ => return Err(damaged(0, &"expected the manifest of a run")),
+    };
+    let mut found =
+        Recovered { manifest, finished: BTreeMap::new(), is_complete: false, died_in: None, whole };
+    for (i, line) in lines {
+        let line: Line = serde_json::from_slice(line).map_err(|e| damaged(i, &e))?;
+        let known = |scene: usize| match found.manifest.scenes.len() {
+            n if scene < n => Ok(scene),
+            n => Err(damaged(i, &format!("scene {scene} of {n}"))),
+        };
+        match line {
+            Line::Begun(_) => return Err(damaged(i, &"a second manifest")),
+            Line::Scene(scene) => {
+                found.died_in = Some(known(scene)?);
+                found.is_complete = false;
+            }
+            Line::Finished { scene, record } => {
+                if found.finished.insert(known(scene)?, *record).is_some() {
+                    return Err(damaged(i, &format!("scene {scene} is finished twice")));
+                }
+                found.died_in = None;
+            }
+            Line::Failed { scene, .. } => {
+                known(scene)?;
+                found.died_in = None;
+            }
+            Line::Interrupted(_) => found.died_in = None,
+            Line::Complete => found.is_complete = true,
+        }
+    }
+    Ok(found)
+}
+
+/// The version in a manifest, whatever else it holds.
+fn schema_of(line: &[u8]) -> Option<u32> {
+    let value: Value = serde_json::from_slice(line).ok()?;
+    value.get("begun")?.get("schema_version")?.as_u64()?.try_into().ok()
+}
+
+/// What may differ between the parts of one run.
+const MAY_DIFFER: [&str; 3] = ["arguments", "command_line", "started_unix_s"];
+
+impl Manifest {
+    /// What differs in another manifest, each as `name: was ..., is ...`; empty where the runs may
+    /// be parts of one.
+    pub fn differences(&self, now: &Self) -> Vec<String> {
+        let mut differences = Vec::new();
+        if let (Ok(Value::Object(mut was)), Ok(Value::Object(mut is))) =
+            (serde_json::to_value(self), serde_json::to_value(now))
+        {
+            for name in MAY_DIFFER {
+                was.remove(name);
+                is.remove(name);
+            }
+            compare("", &Value::Object(was), &Value::Object(is), &mut differences);
+        }
+        differences
+    }
+}
+
+/// Appends each field in which two values differ, as `name: was ..., is ...`.
+pub(crate) fn compare(name: &str, was: &Value, is: &Value, differences: &mut Vec<String>) {
+    if let (Value::Object(was), Value::Object(is)) = (was, is) {
+        for (key, value) in was {
+            let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+            // counts what the kernel leaves over: no two boots agree
+            if name != "machine.memory_bytes" {
+                compare(&name, value, is.get(key).unwrap_or(&Value::Null), differences);
+            }
+        }
+    } else if was != is {
+        differences.push(format!("{name}: was {was}, is {is}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::system::world::FixedWorld;
+
+    use super::*;
+
+    fn manifest() -> Manifest {
+        Manifest {
+            schema_version: SCHEMA_VERSION,
+            tool: Tool { name: "rtbench".into(), version: "0".into(), git_revision: None },
+            program_sha256: Some("ab".into()),
+            compiler: Compiler {
+                rustc: None,
+                target: None,
+                target_features: Vec::new(),
+                profile: None,
+                opt_level: None,
+            },
+            machine: FixedWorld::default().machine,
+            settings: Settings {
+                seed: 1,
+                threads: 1,
+                precision: "f32".into(),
+                resolution: [8, 8],
+                max_depth: 5,
+                rays: Vec::new(),
+                reference: "x".into(),
+                quick: true,
+                order: "scanline".into(),
+                lights: "each".into(),
+                by_kind: false,
+            },
+            rounds: "Fixed(3)".into(),
+            scenes: vec!["a".into(), "b".into()],
+            rows: vec!["x".into()],
+            arguments: Vec::new(),
+            command_line: Vec::new(),
+            started_unix_s: 0,
+        }
+    }
+
+    fn text(lines: &[Line]) -> Vec<u8> {
+        let line = |l: &Line| serde_json::to_string(l).unwrap() + "\n";
+        lines.iter().map(line).collect::<String>().into_bytes()
+    }
+
+    #[test]
+    fn every_cut_is_its_whole_lines() {
+        let begun = Line::Begun(Box::new(manifest()));
+        let failed = Line::Failed { scene: 0, error: "no".into() };
+        let lines = [begun, Line::Scene(0), failed, Line::Scene(1)];
+        let bytes = text(&lines);
+        let ends: Vec<usize> = (1..=lines.len()).map(|n| text(&lines[..n]).len()).collect();
+        for cut in 0..bytes.len() {
+            let whole = ends.iter().copied().filter(|&end| end <= cut).max();
+            match (read(&bytes[..cut]), whole) {
+                (Ok(found), Some(whole)) => assert_eq!(found.whole, whole),
+                (Err(error), None) => assert_eq!(error, LineError::Empty),
+                other => panic!("{cut}: {other:?}"),
+            }
+        }
+        assert_eq!(read(&bytes).unwrap().died_in, Some(1));
+    }
+
+    #[test]
+    fn damage_in_the_middle_is_an_error_that_names_the_line() {
+        let begun = || Line::Begun(Box::new(manifest()));
+        for (lines, line) in [
+            (vec![Line::Complete], 1),
+            (vec![begun(), begun()], 2),
+            (vec![begun(), Line::Scene(0), Line::Scene(2)], 3),
+        ] {
+            let error = read(&text(&lines)).unwrap_err();
+            assert!(matches!(error, LineError::Damaged { line: l, .. } if l == line), "{error}");
+        }
+        let mut bytes = text(&[begun(), Line::Scene(0), Line::Complete]);
+        let middle = text(&[begun()]).len() + 2;
+        bytes[middle] = 0;
+        assert!(matches!(read(&bytes), Err(LineError::Damaged { line: 2, .. })));
+        let old = Manifest { schema_version: 0, ..manifest() };
+        let error = read(&text(&[Line::Begun(Box::new(old))])).unwrap_err();
+        assert_eq!(error, LineError::Schema { found: 0 });
+    }
+
+    #[test]
+    fn differences_are_named() {
+        let was = manifest();
+        let mut now = manifest();
+        now.started_unix_s = 5;
+        now.machine.memory_bytes = None;
+        assert!(was.differences(&now).is_empty());
+        now.settings.seed = 2;
+        now.program_sha256 = None;
+        now.scenes.pop();
+        let said = was.differences(&now).join("; ");
+        for part in ["settings.seed: was 1, is 2", "program_sha256: was", "scenes: was"] {
+            assert!(said.contains(part), "{said}");
+        }
+    }
+}

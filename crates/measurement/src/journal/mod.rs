@@ -1,0 +1,200 @@
+//! The journal of a run, `run.jsonl` in its output folder: what is finished stays finished,
+//! whatever ends the program. [`lines`] has the format.
+
+pub mod lines;
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use crate::journal::lines::{Line, LineError, Manifest, Recovered, read};
+use crate::system::interrupt::undisturbed;
+use presentation::format_error::FormatError;
+
+/// The journal's name in the output folder.
+pub const NAME: &str = "run.jsonl";
+
+/// The most bytes of a journal that are read: a full run writes about 2 MB.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// Why a journal cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum JournalError {
+    /// The system refused.
+    #[error("cannot write the journal {}: {source}", path.display())]
+    Io {
+        /// The journal.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// No run was begun there.
+    #[error("{}: no run was begun here with -o; expected the file {NAME}", folder.display())]
+    None {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// It is damaged, or of another version.
+    #[error("{}: {source}", path.display())]
+    Lines {
+        /// The journal.
+        path: PathBuf,
+        /// What is wrong.
+        source: LineError,
+    },
+    /// It is too large to be one.
+    #[error("{}: more than {MAX_BYTES} bytes, too large for a journal", path.display())]
+    TooLarge {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// Another process writes to it.
+    #[error("{}: another run writes here", path.display())]
+    Busy {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// A new run would overwrite one that is not finished.
+    #[error(
+        "{}: a run with {finished} of {scenes} scenes finished; go on with `rtbench run --resume \
+         {}`, or remove {NAME} there",
+        folder.display(), folder.display()
+    )]
+    Unfinished {
+        /// The folder.
+        folder: PathBuf,
+        /// Scenes that are finished.
+        finished: usize,
+        /// All scenes.
+        scenes: usize,
+    },
+    /// The run that is to be resumed is not the one that this program would run.
+    #[error(
+        "{}: this would not be the same run: {differences}; begin a new one in another folder",
+        folder.display()
+    )]
+    Differs {
+        /// The folder.
+        folder: PathBuf,
+        /// Each difference, with what was and what is.
+        differences: String,
+    },
+    /// A line could not be made.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+}
+
+/// A journal that is open for appending, by this process alone.
+#[derive(Debug)]
+pub struct Journal {
+    file: File,
+    path: PathBuf,
+    /// Bytes of whole lines.
+    length: u64,
+}
+
+impl Journal {
+    /// Begins the journal of a new run in a folder. One of a run that is over, or that finished
+    /// nothing, is replaced.
+    ///
+    /// # Errors
+    /// [`JournalError::Busy`], [`JournalError::Unfinished`], or that of [`Journal::append`].
+    pub fn begin(folder: &Path, manifest: Manifest) -> Result<Self, JournalError> {
+        let mut journal = Self::open(folder, true)?;
+        if let Ok(old) = read(&journal.bytes()?)
+            && !old.is_complete
+            && !old.finished.is_empty()
+        {
+            return Err(JournalError::Unfinished {
+                folder: folder.to_owned(),
+                finished: old.finished.len(),
+                scenes: old.manifest.scenes.len(),
+            });
+        }
+        journal.cut()?;
+        journal.append(&Line::Begun(Box::new(manifest)))?;
+        Ok(journal)
+    }
+
+    /// Opens the journal of a run that was begun; a torn last line is cut off.
+    ///
+    /// # Errors
+    /// [`JournalError`].
+    pub fn resume(folder: &Path) -> Result<(Self, Recovered), JournalError> {
+        let mut journal = Self::open(folder, false)?;
+        let found = read(&journal.bytes()?)
+            .map_err(|source| JournalError::Lines { path: journal.path.clone(), source })?;
+        journal.length = found.whole as u64;
+        journal.cut()?;
+        Ok((journal, found))
+    }
+
+    fn open(folder: &Path, is_new: bool) -> Result<Self, JournalError> {
+        let path = folder.join(NAME);
+        let fail = |source| JournalError::Io { path: path.clone(), source };
+        let mut options = OpenOptions::new();
+        let file = match options.read(true).append(true).create(is_new).open(&path) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound && !is_new => {
+                return Err(JournalError::None { folder: folder.to_owned() });
+            }
+            other => other.map_err(fail)?,
+        };
+        if !file.metadata().map_err(fail)?.is_file() {
+            return Err(fail(io::Error::other("not a regular file")));
+        }
+        match file.try_lock() {
+            Ok(()) => Ok(Self { file, path, length: 0 }),
+            Err(std::fs::TryLockError::WouldBlock) => Err(JournalError::Busy { path }),
+            // a file system without locks
+            Err(std::fs::TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => {
+                Ok(Self { file, path, length: 0 })
+            }
+            Err(std::fs::TryLockError::Error(e)) => Err(fail(e)),
+        }
+    }
+
+    fn bytes(&mut self) -> Result<Vec<u8>, JournalError> {
+        let fail = |source| JournalError::Io { path: self.path.clone(), source };
+        let mut bytes = Vec::new();
+        self.file.seek(SeekFrom::Start(0)).map_err(fail)?;
+        (&self.file).take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(JournalError::TooLarge { path: self.path.clone() });
+        }
+        Ok(bytes)
+    }
+
+    /// Takes away what is behind the whole lines.
+    fn cut(&self) -> Result<(), JournalError> {
+        let cut = self.file.set_len(self.length);
+        cut.map_err(|source| JournalError::Io { path: self.path.clone(), source })
+    }
+
+    /// Appends a line: whole, or, where the system refuses it (a full disk), not at all.
+    ///
+    /// # Errors
+    /// [`JournalError::Io`].
+    pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
+        let mut text = serde_json::to_string(line)
+            .map_err(|e| FormatError { format: "JSON", message: e.to_string() })?;
+        text.push('\n');
+        let written = undisturbed(|| {
+            self.file.write_all(text.as_bytes()).and_then(|()| self.file.sync_data())
+        });
+        if let Err(source) = written {
+            self.cut()?;
+            return Err(JournalError::Io { path: self.path.clone(), source });
+        }
+        self.length += text.len() as u64;
+        Ok(())
+    }
+
+    /// Another handle to the journal, for the last line of a run that is interrupted.
+    ///
+    /// # Errors
+    /// [`JournalError::Io`].
+    pub fn handle(&self) -> Result<File, JournalError> {
+        let handle = self.file.try_clone();
+        handle.map_err(|source| JournalError::Io { path: self.path.clone(), source })
+    }
+}

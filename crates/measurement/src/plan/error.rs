@@ -1,0 +1,131 @@
+//! What makes no sense on the command line, or in a file that says the same.
+
+use accel_core::params::ParamError;
+
+use crate::scenes::LoadError;
+use crate::settings::shard::Shard;
+
+/// What makes no sense on the command line.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// No such structure.
+    #[error("unknown structure '{name}'{hint}; valid: {valid}")]
+    UnknownStructure {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// No such parameter, or a value out of range.
+    #[error("{error}{hint}")]
+    Param {
+        /// The registry's message.
+        error: ParamError,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+    },
+    /// Not of the right form.
+    #[error("cannot read '{text}': expected {expected}")]
+    Malformed {
+        /// As typed.
+        text: String,
+        /// The form.
+        expected: &'static str,
+    },
+    /// `--set` for a structure that is not measured.
+    #[error("--set names {structure}, which this run does not measure; add it to -s")]
+    OverrideWithoutRow {
+        /// Structure.
+        structure: &'static str,
+    },
+    /// No such kind of ray.
+    #[error("unknown kind of ray '{name}'{hint}; valid: {valid}")]
+    UnknownRays {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// No such thing among those of a kind.
+    #[error("unknown {what} '{name}'{hint}; valid: {valid}")]
+    UnknownName {
+        /// The kind: `tracer`.
+        what: &'static str,
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// No such hard case or group of them.
+    #[error("unknown case '{name}'{hint}; valid: {valid}")]
+    UnknownCase {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// No such rule for rays that leave surfaces.
+    #[error("unknown offset '{name}'{hint}; valid: {valid}")]
+    UnknownOffset {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// No such axis of accuracy.
+    #[error("unknown axis '{name}'{hint}; valid: {valid}")]
+    UnknownAxis {
+        /// As typed.
+        name: String,
+        /// ` (did you mean ...?)` or empty.
+        hint: String,
+        /// All names.
+        valid: String,
+    },
+    /// An occluder, and none of the rays that it answers.
+    #[error("{structure} answers shadow rays only; add shadow to --rays")]
+    NoRaysFor {
+        /// Occluder.
+        structure: &'static str,
+    },
+    /// The cases asked for concern none of the structures asked for.
+    #[error("these cases ask none of these structures: leave out -s, or ask for other cases")]
+    NothingAsked,
+    /// There are no structures at all.
+    #[error("there are no structures to measure")]
+    NoRows,
+    /// A part of a run that is too small to be cut so often.
+    #[error(
+        "--shard {shard}: this run has {cells} cells (scenes times rows, without the \
+             reference); divide it into at most {cells}"
+    )]
+    TooManyShards {
+        /// As typed.
+        shard: Shard,
+        /// What there is to divide.
+        cells: usize,
+    },
+    /// Parts could not be joined again.
+    #[error("--shard: two scenes have the name {name}; parts are joined by names")]
+    SameName {
+        /// Of both.
+        name: String,
+    },
+    /// Two outputs would be mixed up.
+    #[error("more than one output is to go to standard output (-); name files for the others")]
+    OneStdout,
+    /// No such scene or set.
+    #[error(transparent)]
+    Scene(#[from] LoadError),
+}

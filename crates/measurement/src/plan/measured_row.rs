@@ -1,0 +1,236 @@
+//! What a run measures: a structure, which answers all rays, or an occluder, which answers shadow
+//! rays only.
+
+use accel_core::counters::WorkCounters;
+use accel_core::occluders::{self, BoxedOccluder, OccluderScalar};
+use accel_core::structures::{BuildError, Buildable, Entry, PrimsRef, Shape};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use glam::DVec3;
+use rayon::prelude::*;
+use renderer::RayKind;
+
+use crate::plan::error::PlanError;
+use crate::plan::rows::{self, Registered, Row};
+use crate::rays::batches::{Answers, Batch, CHUNK, trace, trace_chunked};
+use crate::record::query::Query;
+use crate::settings::suggest;
+
+/// A row of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeasuredRow<'r> {
+    /// Answers rays of all kinds.
+    Structure(Row<'r>),
+    /// Answers shadow rays.
+    Occluder(Row<'r, occluders::Entry>),
+}
+
+/// Calls the same on whichever row it is.
+macro_rules! either {
+    ($self:ident, $row:ident => $call:expr) => {
+        match $self {
+            MeasuredRow::Structure($row) => $call,
+            MeasuredRow::Occluder($row) => $call,
+        }
+    };
+}
+
+impl<'r> From<Row<'r>> for MeasuredRow<'r> {
+    fn from(row: Row<'r>) -> Self {
+        Self::Structure(row)
+    }
+}
+
+impl MeasuredRow<'_> {
+    /// See [`Row::structure`].
+    pub fn structure(&self) -> &'static str {
+        either!(self, row => row.structure())
+    }
+
+    /// See [`Row::settings`].
+    pub fn settings(&self) -> String {
+        either!(self, row => row.settings())
+    }
+
+    /// See [`Row::label`].
+    pub fn label(&self) -> String {
+        either!(self, row => row.label())
+    }
+
+    /// See [`Row::known_defect`].
+    pub fn known_defect(&self) -> Option<&'static str> {
+        either!(self, row => row.known_defect())
+    }
+
+    /// See [`Row::is_sampled`].
+    pub fn is_sampled(&self) -> bool {
+        either!(self, row => row.is_sampled())
+    }
+
+    /// Whether it answers rays of that kind.
+    pub fn answers(&self, kind: RayKind) -> bool {
+        match self {
+            Self::Structure(_) => true,
+            Self::Occluder(_) => kind.is_occlusion(),
+        }
+    }
+
+    /// Whether it answers rays of one kind only.
+    pub fn is_occluder(&self) -> bool {
+        matches!(self, Self::Occluder(_))
+    }
+
+    /// Builds it for a scene with those lights.
+    ///
+    /// # Errors
+    /// [`BuildError`].
+    pub fn build<'a, S: Buildable + OccluderScalar>(
+        &self,
+        prims: PrimsRef<'a, S>,
+        lights: &[DVec3],
+    ) -> Result<Built<'a, S>, BuildError> {
+        Ok(match self {
+            Self::Structure(row) => Built::Structure(row.entry.build(prims, &row.params)?),
+            Self::Occluder(row) => Built::Occluder(row.entry.build(prims, lights, &row.params)?),
+        })
+    }
+}
+
+/// A row, built.
+pub enum Built<'a, S: Buildable> {
+    /// See [`MeasuredRow::Structure`].
+    Structure(Box<dyn Tracer<S> + 'a>),
+    /// See [`MeasuredRow::Occluder`].
+    Occluder(BoxedOccluder<'a, S>),
+}
+
+impl<S: Buildable> Built<'_, S> {
+    /// Answers a batch in one call; an occluder leaves closest hits as they are.
+    pub fn trace(&self, batch: &Batch<'_, S>, answers: &mut Answers<S>) {
+        match (self, answers) {
+            (Self::Structure(tracer), answers) => trace(&**tracer, &batch.rays, answers),
+            (Self::Occluder(occluder), Answers::Blocked(blocked)) => {
+                occluder.occlusions(&batch.rays, &batch.lights, blocked);
+            }
+            (Self::Occluder(_), Answers::Hits(_)) => {}
+        }
+    }
+
+    /// The same in chunks over the current rayon pool.
+    pub fn trace_chunked(&self, batch: &Batch<'_, S>, answers: &mut Answers<S>) {
+        match (self, answers) {
+            (Self::Structure(tracer), answers) => trace_chunked(&**tracer, &batch.rays, answers),
+            (Self::Occluder(occluder), Answers::Blocked(blocked)) => batch
+                .rays
+                .par_chunks(CHUNK)
+                .zip(batch.lights.par_chunks(CHUNK))
+                .zip(blocked.par_chunks_mut(CHUNK))
+                .for_each(|((rays, lights), blocked)| occluder.occlusions(rays, lights, blocked)),
+            (Self::Occluder(_), Answers::Hits(_)) => {}
+        }
+    }
+
+    /// The counting pass over shadow rays, in chunks over the current pool.
+    pub fn count_blocked(&self, batch: &Batch<'_, S>) -> (Vec<bool>, WorkCounters) {
+        let mut answers = Answers::new(batch.kind, batch.rays.len());
+        answers.poison(&batch.expected);
+        let Answers::Blocked(mut blocked) = answers else { return Default::default() };
+        let chunks = batch
+            .rays
+            .par_chunks(CHUNK)
+            .zip(batch.lights.par_chunks(CHUNK))
+            .zip(blocked.par_chunks_mut(CHUNK));
+        let work = chunks
+            .map(|((rays, lights), blocked)| match self {
+                Self::Structure(tracer) => {
+                    let preset = |blocked: &bool| ShadowCount { blocked: *blocked, glass: 0 };
+                    let mut answers: Vec<_> = blocked.iter().map(preset).collect();
+                    let rule = ShadowRule::OpaqueBlocks;
+                    let work = tracer.count_occlusions(rays, rule, &mut answers);
+                    blocked.iter_mut().zip(&answers).for_each(|(b, a)| *b = a.blocked);
+                    work
+                }
+                Self::Occluder(occluder) => occluder.count_occlusions(rays, lights, blocked),
+            })
+            .reduce(WorkCounters::default, |mut a, b| {
+                a += b;
+                a
+            });
+        (blocked, work)
+    }
+
+    /// How it answers the rays of a batch.
+    pub fn query(&self) -> Query {
+        let answers_batches = match self {
+            Self::Structure(tracer) => tracer.answers_batches(),
+            Self::Occluder(occluder) => occluder.answers_batches(),
+        };
+        if answers_batches { Query::Batch } else { Query::OneRay }
+    }
+
+    /// What was built.
+    pub fn shape(&self) -> Shape {
+        match self {
+            Self::Structure(tracer) => tracer.shape(),
+            Self::Occluder(occluder) => occluder.shape(),
+        }
+    }
+}
+
+/// The rows that `-s` and `--set` ask for: of structures and of occluders. Each of both registries
+/// sees what names its lines; `all`, or nothing, means all of both.
+///
+/// # Errors
+/// [`PlanError`] naming what is valid.
+#[allow(clippy::type_complexity)]
+pub fn select<'r>(
+    registry: &'r [Entry],
+    occluders: &'r [occluders::Entry],
+    names: &[String],
+    overrides: &[String],
+) -> Result<(Vec<Row<'r>>, Vec<Row<'r, occluders::Entry>>), PlanError> {
+    let name_of =
+        |text: &str| text.split([':', ' ', '.']).find(|p| !p.is_empty()).map(str::to_owned);
+    let is_occluder = |text: &&String| {
+        name_of(text).is_some_and(|name| occluders.iter().any(|o| o.info.name == name))
+    };
+    for text in names.iter().filter(|n| *n != "all") {
+        let name = name_of(text).unwrap_or_default();
+        known(&name, registry, occluders)?;
+    }
+    let split = |texts: &[String]| -> (Vec<String>, Vec<String>) {
+        texts.iter().cloned().partition(|t| is_occluder(&t))
+    };
+    let (of_occluders, of_structures) = split(names);
+    let (set_occluders, set_structures) = split(overrides);
+    let all = names.is_empty() || names.iter().any(|n| n == "all");
+    let structures = match of_structures.is_empty() && !all {
+        // a setting of a structure that is not measured is an error all the same
+        true if set_structures.is_empty() => Vec::new(),
+        true => return Err(rows::override_without_row(registry, &set_structures)),
+        false => rows::select(registry, &of_structures, &set_structures)?,
+    };
+    let asked: Vec<String> = match all {
+        true => std::iter::once("all".to_owned()).chain(of_occluders).collect(),
+        false => of_occluders,
+    };
+    let rows = match asked.is_empty() {
+        true if set_occluders.is_empty() => Vec::new(),
+        true => return Err(rows::override_without_row(occluders, &set_occluders)),
+        false => rows::select(occluders, &asked, &set_occluders)?,
+    };
+    Ok((structures, rows))
+}
+
+/// An error for a name that neither registry has.
+fn known(name: &str, registry: &[Entry], occluders: &[occluders::Entry]) -> Result<(), PlanError> {
+    let structures = registry.iter().map(|e| e.info().name);
+    let names: Vec<_> = structures.chain(occluders.iter().map(|e| e.info().name)).collect();
+    if names.contains(&name) {
+        return Ok(());
+    }
+    Err(PlanError::UnknownStructure {
+        hint: suggest::hint(name, names.iter().copied()),
+        name: name.to_owned(),
+        valid: names.join(", "),
+    })
+}

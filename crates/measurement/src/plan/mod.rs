@@ -1,0 +1,294 @@
+//! What a run will do, validated: scenes, rows, rays, rounds.
+//!
+//! A benchmark refuses rather than guesses: a name that is not there is an error that lists the
+//! names that are.
+
+pub mod error;
+pub mod measured_row;
+pub mod part;
+pub mod ray_overrides;
+pub mod rows;
+pub mod strides;
+
+use std::time::Duration;
+
+use accel_core::occluders;
+use accel_core::structures::Entry;
+
+use crate::plan::error::PlanError;
+use crate::plan::measured_row::MeasuredRow;
+use crate::plan::rows::Row;
+use crate::plan::strides::FixedStrides;
+use crate::rays::order::Orders;
+use crate::rounds::trial::BuildLimits;
+use crate::scenes::{KnownScene, SceneSource};
+use crate::settings::shard::PlannedPart;
+use crate::settings::suggest;
+use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings};
+use renderer::{RayKind, RaySettings, ShadowRays};
+
+/// The set that runs when no scene is named.
+pub const DEFAULT_SET: &str = "spd";
+/// The row that ratios are taken to when none is named.
+pub const DEFAULT_BASELINE: &str = "obvhs-cwbvh";
+/// The structures whose answers the others are compared with, best first; see
+/// [`crate::answers::reference`].
+const ANSWERS: [&str; 2] = ["obvhs-bvh2", "uniform-grid"];
+
+/// How many rounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rounds {
+    /// That many.
+    Fixed(usize),
+    /// As many as fit in the time, all scenes together, but at least so many.
+    Budget {
+        /// Time for the whole run.
+        total: Duration,
+        /// Smallest number of rounds.
+        at_least: usize,
+    },
+}
+
+/// What a pass over the rays may cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Seconds of a timed pass of a structure that is always sampled.
+    pub sampled_pass: f64,
+    /// Seconds of a timed pass of any other; slower ones are timed on a sample of the rays.
+    pub timed_pass: f64,
+    /// Seconds of a pass below which the whole image is rendered too.
+    pub render_pass: f64,
+    /// Seconds (of one thread) of checking a row; slower ones are checked on a sample.
+    pub checked_pass: f64,
+    /// Rays of a kind that the oracle answers, at most.
+    pub oracle_rays: usize,
+    /// Intersection tests of the oracle for a scene, at most (but 16 rays a kind at least).
+    pub oracle_tests: u64,
+}
+
+impl Limits {
+    /// Of a full run, or of a quick one.
+    pub fn new(quick: bool) -> Self {
+        if quick {
+            Self {
+                sampled_pass: 0.01,
+                timed_pass: 0.03,
+                render_pass: 0.03,
+                checked_pass: 0.3,
+                oracle_rays: 128,
+                oracle_tests: 50_000_000,
+            }
+        } else {
+            Self {
+                sampled_pass: 0.05,
+                timed_pass: 0.2,
+                render_pass: 0.4,
+                checked_pass: 8.0,
+                oracle_rays: 512,
+                oracle_tests: 400_000_000,
+            }
+        }
+    }
+}
+
+/// A validated run.
+#[derive(Debug)]
+pub struct Plan<'r> {
+    /// Scenes, in the order given, without duplicates.
+    pub scenes: Vec<Box<dyn KnownScene>>,
+    /// Rows of every scene's table.
+    pub rows: Vec<MeasuredRow<'r>>,
+    /// Index of the row that ratios are taken to.
+    pub baseline: usize,
+    /// Structures to compare answers with: the first that the oracle confirms.
+    pub answers: Vec<Row<'r>>,
+    /// Kinds of rays.
+    pub kinds: Vec<RayKind>,
+    /// In which orders rows are asked the rays.
+    pub orders: Orders,
+    /// Tables of each kind of ray are wanted, too.
+    pub by_kind: bool,
+    /// Rounds.
+    pub rounds: Rounds,
+    /// Threads that build and trace.
+    pub threads: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// How rays are produced.
+    pub settings: RaySettings,
+    /// Arithmetic.
+    pub precision: Precision,
+    /// What a pass may cost.
+    pub limits: Limits,
+    /// A first look only.
+    pub quick: bool,
+    /// Every how many-th ray rows are asked, where an earlier record says so.
+    pub strides: FixedStrides,
+    /// Where this is a part of a run: that part.
+    pub part: Option<PlannedPart>,
+    /// What a build may take, where each is tried in a process of its own first.
+    pub build_limits: Option<BuildLimits>,
+}
+
+impl<'r> Plan<'r> {
+    /// Validates what a run is asked for; all of it, whatever part the settings name.
+    ///
+    /// # Errors
+    /// [`PlanError`] naming what is valid.
+    pub fn new(
+        args: &RunSettings,
+        registry: &'r [Entry],
+        occluders: &'r [occluders::Entry],
+        scenes: &dyn SceneSource,
+    ) -> Result<Self, PlanError> {
+        let default = [DEFAULT_SET.to_owned()];
+        let names = if args.scenes.is_empty() { &default } else { args.scenes.as_slice() };
+        let mut ray_settings = RaySettings::default();
+        let overrides = ray_overrides::apply(&args.overrides, &mut ray_settings)?;
+        let (mut rows, occluding) =
+            measured_row::select(registry, occluders, &args.structures, &overrides)?;
+        let reference = args.measuring.reference.as_deref();
+        if rows.is_empty() && !occluding.is_empty() && reference.is_none() {
+            // an occluder is compared with a structure
+            rows.push(Row::parse(registry, DEFAULT_BASELINE)?);
+        }
+        let baseline = baseline(registry, &mut rows, reference)?;
+        let scenes = scenes.resolve(names)?;
+        let mut plan = Self::over(scenes, rows, baseline, &args.measuring, registry)?;
+        plan.settings.offset = ray_settings.offset;
+        plan.by_kind = args.by_kind;
+        if plan.kinds.iter().any(|k| k.is_occlusion()) {
+            plan.rows.extend(occluding.into_iter().map(MeasuredRow::Occluder));
+        } else if let Some(row) = occluding.first()
+            && !args.structures.is_empty()
+            && !args.structures.iter().any(|s| s == "all")
+        {
+            return Err(PlanError::NoRaysFor { structure: row.structure() });
+        }
+        Ok(plan)
+    }
+
+    /// A plan over those scenes and rows; ratios are taken to the row at the index `baseline`.
+    ///
+    /// # Errors
+    /// [`PlanError`] naming what is valid.
+    pub fn over(
+        scenes: Vec<Box<dyn KnownScene>>,
+        rows: Vec<Row<'r>>,
+        baseline: usize,
+        args: &MeasuringSettings,
+        registry: &'r [Entry],
+    ) -> Result<Self, PlanError> {
+        let kinds = kinds(&args.rays)?;
+        let at_least = if args.quick { 3 } else { 5 };
+        let rounds = match (args.rounds, args.time_budget) {
+            (Some(n), _) => Rounds::Fixed(n as usize),
+            (None, Some(total)) => Rounds::Budget { total, at_least },
+            (None, None) => Rounds::Fixed(at_least),
+        };
+        let size = args.size.unwrap_or(if args.quick { QUICK_SIZE } else { DEFAULT_SIZE });
+        let mut settings = RaySettings {
+            resolution: [size; 2],
+            diffuse: kinds.contains(&RayKind::Diffuse),
+            seed: args.seed,
+            ..RaySettings::default()
+        };
+        if args.lights == Lights::First {
+            settings.shadows = ShadowRays::FirstLight;
+            let goes_on = |kind: &RayKind| matches!(kind, RayKind::Reflected | RayKind::Refracted);
+            if !kinds.iter().any(goes_on) {
+                // nothing that is asked comes of what lies behind the first hit
+                settings.max_depth = 1;
+            }
+        }
+        let mut limits = Limits::new(args.quick);
+        if let Some(longest) = args.pass_limit {
+            limits.timed_pass = longest.as_secs_f64();
+            limits.checked_pass = limits.checked_pass.max(limits.timed_pass);
+        }
+        Ok(Self {
+            scenes,
+            answers: answers(registry)?,
+            rows: rows.into_iter().map(MeasuredRow::from).collect(),
+            baseline,
+            kinds,
+            orders: args.order,
+            by_kind: false,
+            rounds,
+            threads: usize::from(args.threads),
+            seed: args.seed,
+            settings,
+            precision: args.precision,
+            limits,
+            quick: args.quick,
+            strides: FixedStrides::default(),
+            part: None,
+            build_limits: None,
+        })
+    }
+}
+
+/// Width and height of the image of a full run.
+const DEFAULT_SIZE: u32 = 128;
+/// Width and height of the image of a quick run.
+const QUICK_SIZE: u32 = 48;
+
+/// Index of the row that ratios are taken to; a row that was asked for and is not there yet is
+/// added.
+///
+/// # Errors
+/// [`PlanError`] naming what is valid.
+pub fn baseline<'r>(
+    registry: &'r [Entry],
+    rows: &mut Vec<Row<'r>>,
+    reference: Option<&str>,
+) -> Result<usize, PlanError> {
+    let Some(name) = reference else {
+        let default = rows
+            .iter()
+            .position(|r| r.structure() == DEFAULT_BASELINE && r.settings().is_empty())
+            .or_else(|| rows.iter().position(|r| !r.is_sampled() && r.known_defect().is_none()));
+        return if rows.is_empty() { Err(PlanError::NoRows) } else { Ok(default.unwrap_or(0)) };
+    };
+    let wanted = Row::parse(registry, name)?;
+    let bare = !name.trim().contains([':', ' ']);
+    let found = rows.iter().position(|r| *r == wanted).or_else(|| {
+        // A structure's name alone means its only row, whatever its settings.
+        let mut own = rows.iter().enumerate().filter(|(_, r)| r.structure() == wanted.structure());
+        let only = own.next().map(|(i, _)| i);
+        only.filter(|_| bare && own.next().is_none())
+    });
+    Ok(found.unwrap_or_else(|| {
+        rows.push(wanted);
+        rows.len() - 1
+    }))
+}
+
+/// Defaults of all structures that may serve as the reference of answers, best first.
+fn answers<'r>(registry: &'r [Entry]) -> Result<Vec<Row<'r>>, PlanError> {
+    let rank = |e: &Entry| {
+        let listed = ANSWERS.iter().position(|n| *n == e.info.name);
+        (e.info.sampled, listed.unwrap_or(ANSWERS.len()))
+    };
+    let mut entries: Vec<&Entry> = registry.iter().collect();
+    entries.sort_by_key(|e| rank(e));
+    let rows = entries.into_iter().map(Row::defaults).collect::<Result<Vec<_>, _>>()?;
+    Ok(rows.into_iter().filter(|r| r.known_defect().is_none()).collect())
+}
+
+fn kinds(names: &[String]) -> Result<Vec<RayKind>, PlanError> {
+    let mut kinds = Vec::new();
+    for name in names {
+        let kind = RayKind::ALL.iter().find(|k| k.name() == name).ok_or_else(|| {
+            let valid = RayKind::ALL.map(|k| k.name());
+            PlanError::UnknownRays {
+                name: name.clone(),
+                hint: suggest::hint(name, valid),
+                valid: valid.join(", "),
+            }
+        })?;
+        kinds.push(*kind);
+    }
+    // In the order of the tables, without duplicates.
+    Ok(RayKind::ALL.into_iter().filter(|k| names.is_empty() || kinds.contains(k)).collect())
+}

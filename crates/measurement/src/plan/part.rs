@@ -1,0 +1,84 @@
+//! The part of a plan that one shard measures; see [`crate::settings::shard`].
+
+use std::collections::BTreeSet;
+
+use accel_core::occluders;
+use accel_core::structures::Entry;
+
+use crate::plan::Plan;
+use crate::plan::error::PlanError;
+use crate::plan::measured_row::MeasuredRow;
+use crate::scenes::SceneSource;
+use crate::settings::RunSettings;
+use crate::settings::shard::{Matrix, PlannedPart, Shard, ShardRecord};
+
+impl<'r> Plan<'r> {
+    /// [`Plan::new`], or the part of it that the settings name.
+    ///
+    /// # Errors
+    /// [`PlanError`] naming what is valid.
+    pub fn of_run(
+        settings: &RunSettings,
+        registry: &'r [Entry],
+        occluders: &'r [occluders::Entry],
+        scenes: &dyn SceneSource,
+    ) -> Result<Self, PlanError> {
+        let plan = Self::new(settings, registry, occluders, scenes)?;
+        match settings.shard {
+            Some(shard) => plan.part_of(shard),
+            None => Ok(plan),
+        }
+    }
+
+    /// The part of the plan that a shard measures.
+    ///
+    /// # Errors
+    /// [`PlanError::TooManyShards`], [`PlanError::SameName`].
+    pub fn part_of(mut self, shard: Shard) -> Result<Self, PlanError> {
+        let matrix =
+            Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.baseline };
+        if shard.count as usize > matrix.cells() {
+            return Err(PlanError::TooManyShards { shard, cells: matrix.cells() });
+        }
+        let record = ShardRecord {
+            index: shard.index,
+            count: shard.count,
+            scenes: self.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
+            rows: self.rows.iter().map(MeasuredRow::label).collect(),
+            reference: self.baseline,
+            rounds: format!("{:?}", self.rounds),
+        };
+        let mut names = BTreeSet::new();
+        if let Some(name) = record.scenes.iter().find(|name| !names.insert(*name)) {
+            return Err(PlanError::SameName { name: name.clone() });
+        }
+        let mut rows: Vec<Vec<usize>> =
+            (0..matrix.scenes).map(|scene| matrix.rows_of(shard, scene)).collect();
+        let mut of_scenes = rows.iter();
+        self.scenes.retain(|_| of_scenes.next().is_some_and(|rows| !rows.is_empty()));
+        rows.retain(|rows| !rows.is_empty());
+        self.part = Some(PlannedPart { record, rows });
+        Ok(self)
+    }
+
+    /// How many rows are measured in the scene at that place.
+    pub fn rows_in(&self, scene: usize) -> usize {
+        let part = self.part.as_ref().and_then(|part| part.rows.get(scene));
+        part.map_or(self.rows.len(), Vec::len)
+    }
+
+    /// The plan of the scene at that place alone, where it has not all rows.
+    pub fn of_scene(&self, scene: usize) -> Option<Plan<'r>> {
+        let places = self.part.as_ref()?.rows.get(scene)?;
+        Some(Plan {
+            scenes: Vec::new(),
+            rows: places.iter().filter_map(|&row| self.rows.get(row).cloned()).collect(),
+            baseline: places.iter().position(|&row| row == self.baseline).unwrap_or(0),
+            answers: self.answers.clone(),
+            kinds: self.kinds.clone(),
+            strides: self.strides.clone(),
+            part: None,
+            ..*self
+        })
+    }
+}

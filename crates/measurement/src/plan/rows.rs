@@ -1,0 +1,343 @@
+//! Which structures with which settings: the rows of the tables.
+
+use accel_core::params::{ParamError, ParamSpec, Params};
+use accel_core::primitives::chosen;
+use accel_core::structures::{Entry, StructureInfo};
+use accel_core::{occluders, region};
+
+use crate::plan::error::PlanError;
+use crate::settings::suggest;
+
+/// A line of a registry: of that of structures, or of that of occluders.
+pub trait Registered {
+    /// What it says of itself.
+    fn info(&self) -> &'static StructureInfo;
+
+    /// Parameters beside its own.
+    fn common(&self) -> &'static [ParamSpec] {
+        &[]
+    }
+}
+
+impl Registered for Entry {
+    fn info(&self) -> &'static StructureInfo {
+        self.info
+    }
+
+    /// The tests of primitives.
+    fn common(&self) -> &'static [ParamSpec] {
+        chosen::PARAMS
+    }
+}
+
+impl Registered for region::Entry {
+    fn info(&self) -> &'static StructureInfo {
+        self.info
+    }
+}
+
+impl Registered for occluders::Entry {
+    fn info(&self) -> &'static StructureInfo {
+        self.info
+    }
+}
+
+/// A structure (or occluder) with settings.
+pub struct Row<'r, E = Entry> {
+    /// The structure.
+    pub entry: &'r E,
+    /// Its settings.
+    pub params: Params,
+}
+
+impl<E> Clone for Row<'_, E> {
+    fn clone(&self) -> Self {
+        Self { entry: self.entry, params: self.params.clone() }
+    }
+}
+
+impl<E: Registered> std::fmt::Debug for Row<'_, E> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.label())
+    }
+}
+
+impl<E> PartialEq for Row<'_, E> {
+    fn eq(&self, other: &Self) -> bool {
+        self.params == other.params
+    }
+}
+
+impl<'r, E: Registered> Row<'r, E> {
+    /// The structure's name.
+    pub fn structure(&self) -> &'static str {
+        self.entry.info().name
+    }
+
+    /// What differs from the defaults; empty for the defaults.
+    pub fn settings(&self) -> String {
+        self.params.to_string()
+    }
+
+    /// Structure and settings.
+    pub fn label(&self) -> String {
+        format!("{} {}", self.structure(), self.settings()).trim_end().to_owned()
+    }
+
+    /// The defect that these settings keep on purpose, if any.
+    pub fn known_defect(&self) -> Option<&'static str> {
+        (self.entry.info().known_defect)(&self.params)
+            .or_else(|| chosen::known_defect(&self.params))
+    }
+
+    /// Only measured on a sample of the rays.
+    pub fn is_sampled(&self) -> bool {
+        self.entry.info().sampled
+    }
+
+    /// The structure's defaults.
+    ///
+    /// # Errors
+    /// [`PlanError::Param`] when the registry's own defaults are not valid.
+    pub fn defaults(entry: &'r E) -> Result<Self, PlanError> {
+        Self::with(entry, &[], &[])
+    }
+
+    /// The structure with these settings, later ones before earlier ones.
+    ///
+    /// # Errors
+    /// [`PlanError::Param`] naming what is valid.
+    pub fn of(entry: &'r E, settings: &[(&str, &str)]) -> Result<Self, PlanError> {
+        Self::with(entry, &[], settings)
+    }
+
+    fn with(
+        entry: &'r E,
+        overrides: &[Override<'r, '_, E>],
+        settings: &[(&str, &str)],
+    ) -> Result<Self, PlanError> {
+        let own = overrides.iter().filter(|o| std::ptr::eq(o.entry, entry));
+        let all = own.map(|o| (o.name, o.value)).chain(settings.iter().copied());
+        let info = entry.info();
+        let params = Params::with_common(info.name, info.params, entry.common(), all)
+            .map_err(|e| param_error(e, entry))?;
+        Ok(Self { entry, params })
+    }
+
+    /// Reads `uniform-grid:resolution=woo:density=1`; spaces serve as colons, so that labels of
+    /// tables can be given back.
+    ///
+    /// # Errors
+    /// [`PlanError`] naming what is valid.
+    pub fn parse(registry: &'r [E], text: &str) -> Result<Self, PlanError> {
+        Self::parse_over(registry, text, &[])
+    }
+
+    fn parse_over(
+        registry: &'r [E],
+        text: &str,
+        overrides: &[Override<'r, '_, E>],
+    ) -> Result<Self, PlanError> {
+        let (entry, settings) = parse_settings(registry, text)?;
+        Self::with(entry, overrides, &settings)
+    }
+}
+
+/// Settings as typed: names and values.
+pub type Assignments<'t> = Vec<(&'t str, &'t str)>;
+
+/// Reads `uniform-grid:resolution=woo:density=1`; the settings are not validated.
+///
+/// # Errors
+/// [`PlanError`] naming the structures there are, or the form.
+pub fn parse_settings<'r, 't, E: Registered>(
+    registry: &'r [E],
+    text: &'t str,
+) -> Result<(&'r E, Assignments<'t>), PlanError> {
+    let mut parts = text.split([':', ' ']).filter(|p| !p.is_empty());
+    let entry = find(registry, parts.next().unwrap_or_default())?;
+    let settings = parts.map(|p| assignment(p, text)).collect::<Result<Vec<_>, _>>()?;
+    Ok((entry, settings))
+}
+
+/// `--set structure.name=value`.
+struct Override<'r, 't, E> {
+    entry: &'r E,
+    name: &'t str,
+    value: &'t str,
+}
+
+/// The rows that `-s` and `--set` ask for, without duplicates. `-s` entries come first in
+/// precedence, then `--set`, then defaults; a structure that `--set` names is measured at the
+/// settings asked for only, not at its variants.
+///
+/// # Errors
+/// [`PlanError`] naming what is valid.
+pub fn select<'r, E: Registered>(
+    registry: &'r [E],
+    structures: &[String],
+    overrides: &[String],
+) -> Result<Vec<Row<'r, E>>, PlanError> {
+    let overrides = overrides
+        .iter()
+        .map(|text| parse_override(registry, text))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut rows = Vec::new();
+    let mut push = |row: Row<'r, E>| {
+        if !rows.contains(&row) {
+            rows.push(row);
+        }
+    };
+    let all = ["all".to_owned()];
+    for text in if structures.is_empty() { &all } else { structures } {
+        if text != "all" {
+            push(Row::parse_over(registry, text, &overrides)?);
+            continue;
+        }
+        for entry in registry {
+            if overrides.iter().any(|o| std::ptr::eq(o.entry, entry)) {
+                push(Row::with(entry, &overrides, &[])?);
+                continue;
+            }
+            for variant in entry.info().variants {
+                let settings = variant
+                    .split_whitespace()
+                    .map(|p| assignment(p, variant))
+                    .collect::<Result<Vec<_>, _>>()?;
+                push(Row::with(entry, &[], &settings)?);
+            }
+        }
+    }
+    for o in &overrides {
+        if !rows.iter().any(|row| std::ptr::eq(row.entry, o.entry)) {
+            return Err(PlanError::OverrideWithoutRow { structure: o.entry.info().name });
+        }
+    }
+    Ok(rows)
+}
+
+/// The error for `--set` of a structure that no row is of, or of none at all.
+pub fn override_without_row<E: Registered>(registry: &[E], overrides: &[String]) -> PlanError {
+    let Some(text) = overrides.first() else { return PlanError::NoRows };
+    match parse_override(registry, text) {
+        Ok(o) => PlanError::OverrideWithoutRow { structure: o.entry.info().name },
+        Err(error) => error,
+    }
+}
+
+fn parse_override<'r, 't, E: Registered>(
+    registry: &'r [E],
+    text: &'t str,
+) -> Result<Override<'r, 't, E>, PlanError> {
+    let malformed = || PlanError::Malformed {
+        text: text.to_owned(),
+        expected: "STRUCTURE.PARAM=VALUE, like uniform-grid.density=4",
+    };
+    let (path, value) = text.split_once('=').ok_or_else(malformed)?;
+    let (structure, name) = path.split_once('.').ok_or_else(malformed)?;
+    let over = Override { entry: find(registry, structure)?, name, value };
+    // Says at once what is wrong, even when -s overrides the value again.
+    Row::with(over.entry, &[], &[(name, value)])?;
+    Ok(over)
+}
+
+fn assignment<'t>(part: &'t str, whole: &str) -> Result<(&'t str, &'t str), PlanError> {
+    part.split_once('=').ok_or_else(|| PlanError::Malformed {
+        text: whole.to_owned(),
+        expected: "STRUCTURE:PARAM=VALUE:..., like uniform-grid:resolution=woo:density=1",
+    })
+}
+
+/// The entry of that name.
+///
+/// # Errors
+/// [`PlanError::UnknownStructure`].
+pub fn find<'r, E: Registered>(registry: &'r [E], name: &str) -> Result<&'r E, PlanError> {
+    registry.iter().find(|e| e.info().name == name).ok_or_else(|| {
+        let names: Vec<_> = registry.iter().map(|e| e.info().name).collect();
+        PlanError::UnknownStructure {
+            hint: suggest::hint(name, names.iter().copied()),
+            name: name.to_owned(),
+            valid: names.join(", "),
+        }
+    })
+}
+
+/// The parameter of that name.
+///
+/// # Errors
+/// [`PlanError::Param`] naming those there are.
+pub fn find_param(entry: &Entry, name: &str) -> Result<&'static ParamSpec, PlanError> {
+    let mut params = entry.info.params.iter().chain(entry.common());
+    params.clone().find(|p| p.name == name).ok_or_else(|| {
+        let valid = params.by_ref().map(|p| p.name).collect();
+        let structure = entry.info.name;
+        param_error(ParamError::Unknown { structure, name: name.to_owned(), valid }, entry)
+    })
+}
+
+fn param_error<E: Registered>(error: ParamError, entry: &E) -> PlanError {
+    let params = || entry.info().params.iter().chain(entry.common());
+    let hint = match &error {
+        ParamError::Unknown { name, .. } => suggest::hint(name, params().map(|p| p.name)),
+        ParamError::Invalid { .. } => String::new(),
+    };
+    PlanError::Param { error, hint }
+}
+
+#[cfg(test)]
+mod tests {
+    use accel_core::structures::REGISTRY;
+
+    use super::*;
+
+    fn labels(structures: &[&str], overrides: &[&str]) -> Result<Vec<String>, String> {
+        let owned = |v: &[&str]| v.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>();
+        select(REGISTRY, &owned(structures), &owned(overrides))
+            .map(|rows| rows.iter().map(Row::label).collect())
+            .map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn nothing_said_means_all_variants() {
+        let variants: usize = REGISTRY.iter().map(|e| e.info.variants.len()).sum();
+        assert_eq!(labels(&[], &[]).unwrap().len(), variants);
+        assert_eq!(labels(&["all", "uniform-grid"], &[]), labels(&[], &[]));
+    }
+
+    #[test]
+    fn settings_are_read_and_duplicates_dropped() {
+        let spec = "uniform-grid:resolution=woo:density=1";
+        let expected = vec!["uniform-grid resolution=woo density=1".to_owned()];
+        assert_eq!(labels(&[spec], &[]).unwrap(), expected);
+        assert_eq!(labels(&[spec, &expected[0]], &[]).unwrap(), expected);
+        assert_eq!(labels(&["uniform-grid:density=2"], &[]).unwrap(), ["uniform-grid"]);
+    }
+
+    #[test]
+    fn overrides_make_one_row_of_a_structure() {
+        let rows = labels(&[], &["uniform-grid.density=4"]).unwrap();
+        let grids: Vec<_> = rows.iter().filter(|r| r.starts_with("uniform-grid")).collect();
+        assert_eq!(grids, ["uniform-grid density=4"]);
+        assert_eq!(
+            labels(&["uniform-grid:resolution=woo"], &["uniform-grid.density=4"]).unwrap(),
+            ["uniform-grid resolution=woo density=4"]
+        );
+    }
+
+    #[test]
+    fn errors_suggest() {
+        let e = labels(&["unifrom-grid"], &[]).unwrap_err();
+        assert!(e.contains("did you mean 'uniform-grid'?") && e.contains("obvhs-bvh2"), "{e}");
+        let e = labels(&["uniform-grid:densty=1"], &[]).unwrap_err();
+        assert!(e.contains("did you mean 'density'?") && e.contains("max-cells"), "{e}");
+        let e = labels(&["uniform-grid:density"], &[]).unwrap_err();
+        assert!(e.contains("uniform-grid:resolution=woo"), "{e}");
+        let e = labels(&["brute-force"], &["uniform-grid.density=4"]).unwrap_err();
+        assert!(e.contains("uniform-grid"), "{e}");
+        for bad in ["density=4", "uniform-grid.density", "uniform-grid.density=x", "x.y=1", ""] {
+            assert!(labels(&[], &[bad]).is_err(), "{bad}");
+        }
+        assert!(labels(&[""], &[]).is_err());
+    }
+}

@@ -1,0 +1,61 @@
+//! Every how many-th ray a row is asked, as in an earlier record.
+//!
+//! A run thins the rays of slow rows by what a pilot costs, which differs from run to run. What is
+//! held against an earlier record must be asked that record's rays, or neither counters nor times
+//! could be compared.
+
+use std::collections::BTreeMap;
+
+use crate::rays::order::{distinct, kind_of};
+use crate::record::{Answered, RowRecord, RunRecord, SceneRecord};
+
+/// Strides by scene and label of the row; none but of the rows of a record.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FixedStrides(BTreeMap<(String, String), RowStrides>);
+
+/// The strides of a row in a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct RowStrides {
+    checked: Option<usize>,
+    timed: Option<usize>,
+}
+
+impl FixedStrides {
+    /// Those of a record; with `lightly`, one ray in that many more is checked.
+    pub fn of(record: &RunRecord, lightly: usize) -> Self {
+        let mut strides = BTreeMap::new();
+        for scene in &record.scenes {
+            for row in &scene.rows {
+                let checked = checked(scene, row).map(|stride| stride.saturating_mul(lightly));
+                let timed = row.verdict.is_timed().then_some(row.stride as usize);
+                let of_row = RowStrides { checked, timed };
+                strides.insert((scene.name.clone(), row.label()), of_row);
+            }
+        }
+        Self(strides)
+    }
+
+    /// Every how many-th ray is compared; none where the record does not say.
+    pub fn checked(&self, scene: &str, label: &str) -> Option<usize> {
+        self.of_row(scene, label)?.checked
+    }
+
+    /// Every how many-th ray is timed; none where the record does not say.
+    pub fn timed(&self, scene: &str, label: &str) -> Option<usize> {
+        self.of_row(scene, label)?.timed
+    }
+
+    fn of_row(&self, scene: &str, label: &str) -> Option<&RowStrides> {
+        self.0.get(&(scene.to_owned(), label.to_owned()))
+    }
+}
+
+/// The power of two that leaves so many rays as were counted.
+fn checked(scene: &SceneRecord, row: &RowRecord) -> Option<usize> {
+    let counted = row.work.as_ref()?.rays;
+    let is_asked = |name: &str| row.answers == Answered::AllRays || kind_of(name) == "shadow";
+    let all = || distinct(&scene.rays).filter(|(name, _)| is_asked(name)).map(|(_, n)| n);
+    let left = |stride: u64| all().map(|n| n.div_ceil(stride)).sum::<u64>();
+    let stride = (0..40).map(|power| 1u64 << power).find(|&stride| left(stride) == counted)?;
+    Some(stride as usize)
+}

@@ -1,0 +1,307 @@
+//! The rays that are replayed to every row, whole or thinned, with the answers expected of them.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use accel_core::occluders::nearest_light;
+use accel_core::structures::Buildable;
+use accel_core::tracer::Tracer;
+use accel_core::{Hit, Ray, Scalar};
+use glam::DVec3;
+use rayon::prelude::*;
+use renderer::{RayBatches, RayKind};
+
+use crate::rays::order::{RayOrder, batch_name};
+
+/// Rays that one thread traces at a time when there are several threads.
+pub const CHUNK: usize = 4096;
+
+/// What a structure said of a batch of rays.
+#[derive(Debug, Clone)]
+pub enum Answers<S: Scalar> {
+    /// Closest hits.
+    Hits(Vec<Hit<S>>),
+    /// Blocked or not.
+    Blocked(Vec<bool>),
+}
+
+impl<S: Scalar> Answers<S> {
+    /// Room for the answers of `n` rays.
+    pub fn new(kind: RayKind, n: usize) -> Self {
+        if kind.is_occlusion() {
+            Self::Blocked(vec![false; n])
+        } else {
+            Self::Hits(vec![Hit::NONE; n])
+        }
+    }
+
+    /// Indices of the rays that were answered differently. Closest hits must agree in the id and
+    /// in every bit of t: all structures use the same primitive tests and the same rule for ties.
+    pub fn differing<'a>(&'a self, other: &'a Self) -> Box<dyn Iterator<Item = usize> + 'a> {
+        match (self, other) {
+            (Self::Hits(a), Self::Hits(b)) => {
+                let differ = |(x, y): (&Hit<S>, &Hit<S>)| {
+                    x.id != y.id || x.t.to_f64().to_bits() != y.t.to_f64().to_bits()
+                };
+                indices(a.iter().zip(b).map(differ))
+            }
+            (Self::Blocked(a), Self::Blocked(b)) => indices(a.iter().zip(b).map(|(x, y)| x != y)),
+            (Self::Hits(a), Self::Blocked(_)) => Box::new(0..a.len()),
+            (Self::Blocked(a), Self::Hits(_)) => Box::new(0..a.len()),
+        }
+    }
+
+    /// The answer to ray `i`, in words.
+    pub fn describe(&self, i: usize) -> String {
+        match self {
+            Self::Hits(hits) => match hits.get(i) {
+                Some(hit) if hit.is_hit() => format!("primitive {} at t = {}", hit.id, hit.t),
+                _ => "no hit".into(),
+            },
+            Self::Blocked(blocked) => match blocked.get(i) {
+                Some(true) => "blocked".into(),
+                _ => "not blocked".into(),
+            },
+        }
+    }
+
+    /// Makes every answer another one, so that what is not written again shows: hits become one
+    /// that has no parameter, the others their opposites.
+    pub fn clear(&mut self) {
+        match self {
+            Self::Hits(hits) => hits.fill(Hit { t: S::from_f64(f64::NAN), id: 0 }),
+            Self::Blocked(blocked) => blocked.iter_mut().for_each(|b| *b = !*b),
+        }
+    }
+
+    /// Makes every answer one that is not expected, so that neither those of the row before nor
+    /// those that nobody writes pass for right ones.
+    pub fn poison(&mut self, expected: &Self) {
+        if let (Self::Blocked(blocked), Self::Blocked(expected)) = (&mut *self, expected) {
+            blocked.clone_from(expected);
+        }
+        self.clear();
+    }
+
+    /// Bytes that are equal where, and only where, no answer differs: id and bits of t, or blocked.
+    pub fn bytes(&self) -> Vec<u8> {
+        match self {
+            Self::Hits(hits) => {
+                let of = |hit: &Hit<S>| {
+                    let t = hit.t.to_f64().to_bits().to_le_bytes();
+                    t.into_iter().chain(hit.id.to_le_bytes())
+                };
+                hits.iter().flat_map(of).collect()
+            }
+            Self::Blocked(blocked) => blocked.iter().map(|&b| u8::from(b)).collect(),
+        }
+    }
+
+    /// The answers at those places, in that order.
+    pub fn picked(&self, places: impl Iterator<Item = usize>) -> Self {
+        match self {
+            Self::Hits(hits) => Self::Hits(places.filter_map(|i| hits.get(i).copied()).collect()),
+            Self::Blocked(all) => {
+                Self::Blocked(places.filter_map(|i| all.get(i).copied()).collect())
+            }
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Hits(hits) => hits.len(),
+            Self::Blocked(blocked) => blocked.len(),
+        }
+    }
+}
+
+fn indices<'a>(differ: impl Iterator<Item = bool> + 'a) -> Box<dyn Iterator<Item = usize> + 'a> {
+    Box::new(differ.enumerate().filter_map(|(i, d)| d.then_some(i)))
+}
+
+/// Rays of one kind and the answers expected.
+#[derive(Debug, Clone)]
+pub struct Batch<'a, S: Scalar> {
+    /// Kind.
+    pub kind: RayKind,
+    /// How they follow one another.
+    pub order: RayOrder,
+    /// Rays.
+    pub rays: Cow<'a, [Ray<S>]>,
+    /// The light that each shadow ray runs to; empty for other kinds.
+    pub lights: Vec<u32>,
+    /// The reference's answers.
+    pub expected: Answers<S>,
+}
+
+impl<S: Buildable> Batch<'_, S> {
+    /// What records call it.
+    pub fn name(&self) -> String {
+        batch_name(self.kind.name(), self.order)
+    }
+
+    /// The same rays, not copied.
+    pub fn borrowed(&self) -> Batch<'_, S> {
+        Batch {
+            kind: self.kind,
+            order: self.order,
+            rays: Cow::Borrowed(&self.rays),
+            lights: self.lights.clone(),
+            expected: self.expected.clone(),
+        }
+    }
+
+    /// The rays at those places.
+    pub fn window(&self, places: Range<usize>) -> Batch<'_, S> {
+        Batch {
+            kind: self.kind,
+            order: self.order,
+            rays: Cow::Borrowed(self.rays.get(places.clone()).unwrap_or_default()),
+            lights: self.lights.get(places.clone()).unwrap_or_default().to_vec(),
+            expected: self.expected.picked(places),
+        }
+    }
+
+    /// Every `stride`-th ray.
+    pub fn thinned(&self, stride: usize) -> Batch<'_, S> {
+        if stride == 1 {
+            return self.borrowed();
+        }
+        Batch {
+            kind: self.kind,
+            order: self.order,
+            rays: Cow::Owned(self.rays.iter().copied().step_by(stride).collect()),
+            lights: self.lights.iter().copied().step_by(stride).collect(),
+            expected: self.expected.picked((0..self.expected.len()).step_by(stride)),
+        }
+    }
+}
+
+/// Rays of all kinds of a run: every `stride`-th of the scene's.
+#[derive(Debug, Clone)]
+pub struct BatchSet<'a, S: Scalar> {
+    /// 1 for all rays.
+    pub stride: usize,
+    /// One batch a kind and order, kinds without rays left out.
+    pub batches: Vec<Batch<'a, S>>,
+}
+
+impl<'a, S: Buildable> BatchSet<'a, S> {
+    /// All rays that were answered, as the image has them, in a scene with lights at those places.
+    pub fn new(
+        rays: &'a RayBatches<S>,
+        answers: Vec<(RayKind, Answers<S>)>,
+        lights: &[DVec3],
+    ) -> Self {
+        let batch = |(kind, expected): (RayKind, _)| {
+            let rays = rays.rays(kind);
+            let to_lights = if kind.is_occlusion() { rays } else { &[] };
+            let lights = to_lights.iter().map(|ray| nearest_light(ray, lights)).collect();
+            Batch { kind, order: RayOrder::Scanline, rays: rays.into(), lights, expected }
+        };
+        Self { stride: 1, batches: answers.into_iter().map(batch).collect() }
+    }
+
+    /// Every `stride`-th ray of each kind.
+    pub fn thinned(&self, stride: usize) -> BatchSet<'_, S> {
+        BatchSet { stride, batches: self.batches.iter().map(|b| b.thinned(stride)).collect() }
+    }
+
+    /// The rays of some kinds.
+    pub fn restricted(&self, keep: impl Fn(RayKind) -> bool) -> BatchSet<'_, S> {
+        let kept = self.batches.iter().filter(|b| keep(b.kind));
+        BatchSet { stride: self.stride, batches: kept.map(Batch::borrowed).collect() }
+    }
+
+    /// Rays of all kinds together.
+    pub fn total(&self) -> usize {
+        self.batches.iter().map(|b| b.rays.len()).sum()
+    }
+
+    /// Rays of the longest batch.
+    pub fn longest(&self) -> usize {
+        self.batches.iter().map(|b| b.rays.len()).max().unwrap_or(0)
+    }
+
+    /// Room for the answers to all batches.
+    pub fn answers(&self) -> Vec<Answers<S>> {
+        self.batches.iter().map(|b| Answers::new(b.kind, b.rays.len())).collect()
+    }
+}
+
+/// The answers of `tracer` to all rays of the kinds, kinds without rays left out. Runs in the
+/// current rayon pool.
+pub fn answer<S: Buildable>(
+    rays: &RayBatches<S>,
+    kinds: &[RayKind],
+    tracer: &dyn Tracer<S>,
+) -> Vec<(RayKind, Answers<S>)> {
+    let with_rays = kinds.iter().filter(|kind| !rays.rays(**kind).is_empty());
+    let answered = with_rays.map(|&kind| {
+        let rays = rays.rays(kind);
+        let mut answers = Answers::new(kind, rays.len());
+        trace_chunked(tracer, rays, &mut answers);
+        (kind, answers)
+    });
+    answered.collect()
+}
+
+/// Traces a batch in one call.
+pub fn trace<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut Answers<S>) {
+    match answers {
+        Answers::Hits(hits) => tracer.closest_hits(rays, hits),
+        Answers::Blocked(blocked) => tracer.occlusions(rays, blocked),
+    }
+}
+
+/// Traces a batch in chunks over the current rayon pool.
+pub fn trace_chunked<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut Answers<S>) {
+    match answers {
+        Answers::Hits(hits) => rays
+            .par_chunks(CHUNK)
+            .zip(hits.par_chunks_mut(CHUNK))
+            .for_each(|(rays, hits)| tracer.closest_hits(rays, hits)),
+        Answers::Blocked(blocked) => rays
+            .par_chunks(CHUNK)
+            .zip(blocked.par_chunks_mut(CHUNK))
+            .for_each(|(rays, blocked)| tracer.occlusions(rays, blocked)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_differ_in_id_and_in_bits_of_t() {
+        let hits = |v: &[(f32, u32)]| {
+            Answers::Hits(v.iter().map(|&(t, id)| Hit { t, id }).collect::<Vec<_>>())
+        };
+        let a = hits(&[(1.0, 0), (1.0, 1), (2.0, 2)]);
+        let b = hits(&[(1.0, 0), (1.0, 2), (2.0_f32.next_up(), 2)]);
+        assert_eq!(a.differing(&b).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(a.bytes(), a.clone().bytes());
+        assert_ne!(a.bytes(), b.bytes());
+        assert_eq!(a.bytes()[..12], b.bytes()[..12]);
+        let p: Answers<f32> = Answers::Blocked(vec![true, false]);
+        let q = Answers::Blocked(vec![true, true]);
+        assert_eq!(p.differing(&q).collect::<Vec<_>>(), [1]);
+    }
+
+    #[test]
+    fn poisoned_answers_differ_from_every_answer() {
+        let hits = vec![Hit::NONE, Hit { t: -1.0, id: 0 }, Hit { t: 1.0, id: 3 }];
+        let a: Answers<f32> = Answers::Hits(hits);
+        let mut b = a.clone();
+        b.poison(&a);
+        assert_eq!(a.differing(&b).count(), 3);
+        let a: Answers<f32> = Answers::Blocked(vec![true, false, true]);
+        let mut b = a.clone();
+        b.poison(&a);
+        assert_eq!(a.differing(&b).count(), 3);
+        // two passes in which nobody writes differ
+        a.clone_into(&mut b);
+        b.clear();
+        assert_eq!(a.differing(&b).count(), 3);
+    }
+}

@@ -1,0 +1,5 @@
+//! The rays that are replayed to every row.
+
+pub mod batches;
+pub mod order;
+pub mod reordered;

@@ -1,0 +1,363 @@
+//! Joining the parts of a run that `--shard` made, as if one machine had made all of it.
+//!
+//! A part is checked before anything of it is used: all of them must be there, once, finished, of
+//! the same program, machine, settings and scenes; whatever is wrong with any of them is listed.
+//! Rows keep the ratios and rounds of the part that measured them. The reference row, which every
+//! part measured, is taken from the first part that has the scene; its counters must agree in all.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::journal::lines::compare;
+use crate::record::summary::summarize;
+use crate::record::{Machine, PartRecord, RowRecord, RunRecord, SceneRecord};
+use crate::settings::shard::ShardRecord;
+
+/// What is wrong with the parts.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MergeProblem {
+    /// It is the record of a whole run.
+    #[error("{}: not a part of a run: expected one of `rtbench run --shard I/N`", path.display())]
+    NotAPart {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// The run was broken off.
+    #[error("{}: part {shard} has {finished} of {scenes} scenes; finish it with `rtbench run \
+             --resume`", path.display())]
+    Unfinished {
+        /// The file or folder.
+        path: PathBuf,
+        /// Which part, like `2/8`.
+        shard: String,
+        /// Scenes that are finished.
+        finished: usize,
+        /// Scenes that it was to have.
+        scenes: usize,
+    },
+    /// A part is not there.
+    #[error("part {index}/{count} is missing")]
+    Missing {
+        /// Which, from 1.
+        index: u32,
+        /// Of how many.
+        count: u32,
+    },
+    /// A part is there twice.
+    #[error("part {shard} is there twice: {} and {}", first.display(), second.display())]
+    Doubled {
+        /// Which part, like `2/8`.
+        shard: String,
+        /// One file or folder.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
+    /// Two parts are not of the same run.
+    #[error("{}: {difference}, in {}", path.display(), first.display())]
+    Differs {
+        /// The file or folder.
+        path: PathBuf,
+        /// The one it differs from.
+        first: PathBuf,
+        /// What differs: `settings.seed: was 1, is 2`.
+        difference: String,
+    },
+    /// The results would be written over a part.
+    #[error("{}: one of the parts is there; write the whole to another folder", folder.display())]
+    Overwrites {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A part lacks rows that it should have, or has others.
+    #[error("{}: scene {scene}: expected the rows {expected}; it has {found}", path.display())]
+    Rows {
+        /// The file or folder.
+        path: PathBuf,
+        /// Scene.
+        scene: String,
+        /// Rows that the part was to measure.
+        expected: String,
+        /// Rows that it has.
+        found: String,
+    },
+}
+
+/// The parts cannot be joined.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the parts do not make one run:{}", listed(problems))]
+pub struct MergeError {
+    /// Everything that is wrong with them.
+    pub problems: Vec<MergeProblem>,
+}
+
+fn listed(problems: &[MergeProblem]) -> String {
+    problems.iter().map(|problem| format!("\n  {problem}")).collect()
+}
+
+/// A part and where it was read from.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// File or folder.
+    pub path: PathBuf,
+    /// What it holds.
+    pub record: RunRecord,
+}
+
+/// What parts of one run have in common.
+#[derive(Serialize)]
+struct Common<'a> {
+    tool: &'a crate::record::Tool,
+    compiler: &'a crate::record::Compiler,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    machine: Option<&'a Machine>,
+    settings: &'a crate::record::Settings,
+    count: u32,
+    scenes: &'a [String],
+    rows: &'a [String],
+    rounds: &'a str,
+}
+
+/// What parts that share a scene say of it alike.
+#[derive(Serialize)]
+struct CommonScene<'a> {
+    sha256: &'a str,
+    primitives: u64,
+    rays: &'a BTreeMap<String, u64>,
+    oracle: &'a crate::record::OracleRecord,
+    reference: Option<Counted<'a>>,
+}
+
+/// What no clock decides of a row.
+#[derive(Serialize)]
+struct Counted<'a> {
+    verdict: crate::record::Verdict,
+    shape: &'a Option<crate::record::ShapeRecord>,
+    work: &'a Option<crate::record::WorkRecord>,
+    answers_sha256: &'a Option<String>,
+}
+
+/// Joins parts, given in any order. `mixed` allows parts of different machines. The result has
+/// everything but a command line of its own.
+///
+/// # Errors
+/// [`MergeError`] with everything that is wrong with the parts.
+pub fn merge(parts: Vec<Part>, mixed: bool) -> Result<RunRecord, MergeError> {
+    let mut problems = Vec::new();
+    let mut sharded: Vec<(ShardRecord, Part)> = Vec::new();
+    for mut part in parts {
+        match part.record.shard.take() {
+            Some(shard) => sharded.push((shard, part)),
+            None => problems.push(MergeProblem::NotAPart { path: part.path }),
+        }
+    }
+    sharded.sort_by_key(|(shard, _)| shard.index);
+    complete(&sharded, &mut problems);
+    agree(&sharded, mixed, &mut problems);
+    for (shard, part) in &sharded {
+        has_its_rows(shard, part, &mut problems);
+    }
+    scenes_agree(&sharded, &mut problems);
+    match joined(sharded) {
+        Some(run) if problems.is_empty() => Ok(run),
+        _ => Err(MergeError { problems }),
+    }
+}
+
+/// Every part is there once.
+fn complete(parts: &[(ShardRecord, Part)], problems: &mut Vec<MergeProblem>) {
+    let Some((first, _)) = parts.first() else { return };
+    for index in 1..=first.count {
+        let mut same = parts.iter().filter(|(shard, _)| shard.index == index);
+        let Some((shard, one)) = same.next() else {
+            problems.push(MergeProblem::Missing { index, count: first.count });
+            continue;
+        };
+        for (_, other) in same {
+            problems.push(MergeProblem::Doubled {
+                shard: shard.shard().to_string(),
+                first: one.path.clone(),
+                second: other.path.clone(),
+            });
+        }
+    }
+}
+
+/// All parts are of the same program, machine, settings and table.
+fn agree(parts: &[(ShardRecord, Part)], mixed: bool, problems: &mut Vec<MergeProblem>) {
+    let common = |(shard, part): &(ShardRecord, Part)| {
+        let record = &part.record;
+        let common = Common {
+            tool: &record.tool,
+            compiler: &record.compiler,
+            machine: (!mixed).then_some(&record.machine),
+            settings: &record.settings,
+            count: shard.count,
+            scenes: &shard.scenes,
+            rows: &shard.rows,
+            rounds: &shard.rounds,
+        };
+        serde_json::to_value(common).unwrap_or(Value::Null)
+    };
+    let Some(first) = parts.first() else { return };
+    let expected = common(first);
+    for part in parts.iter().skip(1) {
+        differing(&expected, &common(part), "", (&first.1, &part.1), problems);
+    }
+}
+
+/// A problem for each field in which two values differ.
+fn differing(
+    expected: &Value,
+    found: &Value,
+    name: &str,
+    (first, part): (&Part, &Part),
+    problems: &mut Vec<MergeProblem>,
+) {
+    let mut differences = Vec::new();
+    compare(name, expected, found, &mut differences);
+    problems.extend(differences.into_iter().map(|difference| MergeProblem::Differs {
+        path: part.path.clone(),
+        first: first.path.clone(),
+        difference,
+    }));
+}
+
+/// A part is finished and has the rows that are its own, in order.
+fn has_its_rows(shard: &ShardRecord, part: &Part, problems: &mut Vec<MergeProblem>) {
+    if !part.record.complete {
+        problems.push(MergeProblem::Unfinished {
+            path: part.path.clone(),
+            shard: shard.shard().to_string(),
+            finished: part.record.scenes.len(),
+            scenes: part.record.planned.len(),
+        });
+        return;
+    }
+    for (i, name) in shard.scenes.iter().enumerate() {
+        let expected: Vec<&str> = shard
+            .matrix()
+            .rows_of(shard.shard(), i)
+            .into_iter()
+            .filter_map(|row| shard.rows.get(row).map(String::as_str))
+            .collect();
+        let scene = scene_at(shard, part, i);
+        let found: Vec<String> =
+            scene.map(|s| s.rows.iter().map(RowRecord::label).collect()).unwrap_or_default();
+        if found != expected {
+            let or_none = |rows: String| if rows.is_empty() { "none".to_owned() } else { rows };
+            problems.push(MergeProblem::Rows {
+                path: part.path.clone(),
+                scene: name.clone(),
+                expected: or_none(expected.join(", ")),
+                found: match scene {
+                    None if part.record.planned.contains(name) => "none: it failed".to_owned(),
+                    _ => or_none(found.join(", ")),
+                },
+            });
+        }
+    }
+}
+
+/// What a part has of the scene at a place of the whole run.
+fn scene_at<'a>(shard: &ShardRecord, part: &'a Part, place: usize) -> Option<&'a SceneRecord> {
+    let name = shard.scenes.get(place)?;
+    part.record.scenes.iter().find(|scene| scene.name == *name)
+}
+
+/// Parts that share a scene have the same one, and the same answers of the reference.
+fn scenes_agree(parts: &[(ShardRecord, Part)], problems: &mut Vec<MergeProblem>) {
+    let Some((whole, _)) = parts.first() else { return };
+    for place in 0..whole.scenes.len() {
+        let mut first: Option<(&Part, Value)> = None;
+        for (shard, part) in parts {
+            let Some(scene) = scene_at(shard, part, place) else { continue };
+            let found = serde_json::to_value(common_scene(scene)).unwrap_or(Value::Null);
+            match &first {
+                None => first = Some((part, found)),
+                Some((one, expected)) => {
+                    let name = format!("scene {}", scene.name);
+                    differing(expected, &found, &name, (one, part), problems);
+                }
+            }
+        }
+    }
+}
+
+fn common_scene(scene: &SceneRecord) -> CommonScene<'_> {
+    // a reference too slow for all rays is counted on as many as its time allows
+    let is_whole = |row: &&RowRecord| row.is_reference && row.checked_rays == scene.distinct_rays();
+    CommonScene {
+        sha256: &scene.sha256,
+        primitives: scene.primitives,
+        rays: &scene.rays,
+        oracle: &scene.oracle,
+        reference: scene.rows.iter().find(is_whole).map(|row| Counted {
+            verdict: row.verdict,
+            shape: &row.shape,
+            work: &row.work,
+            answers_sha256: &row.answers_sha256,
+        }),
+    }
+}
+
+/// The whole run of parts that fit, in their order; none of no parts.
+fn joined(parts: Vec<(ShardRecord, Part)>) -> Option<RunRecord> {
+    let origin = |(shard, part): &(ShardRecord, Part)| PartRecord {
+        index: shard.index,
+        command_line: part.record.command_line.clone(),
+        machine: part.record.machine.clone(),
+        started_unix_s: part.record.started_unix_s,
+    };
+    let origins: Vec<PartRecord> = parts.iter().map(origin).collect();
+    let mut parts = parts.into_iter();
+    let (whole, Part { record: mut run, .. }) = parts.next()?;
+    for (_, Part { record, .. }) in parts {
+        run.started_unix_s = run.started_unix_s.min(record.started_unix_s);
+        run.peak_rss_bytes = run.peak_rss_bytes.max(record.peak_rss_bytes);
+        run.machine = joined_machine(&run.machine, &record.machine);
+        let new = record.warnings.into_iter().filter(|warning| !run.warnings.contains(warning));
+        let new: Vec<_> = new.collect();
+        run.warnings.extend(new);
+        for scene in record.scenes {
+            match run.scenes.iter_mut().find(|s| s.name == scene.name) {
+                None => run.scenes.push(scene),
+                Some(known) => {
+                    known.peak_rss_bytes = known.peak_rss_bytes.max(scene.peak_rss_bytes);
+                    known.rows.extend(scene.rows.into_iter().filter(|row| !row.is_reference));
+                }
+            }
+        }
+    }
+    let place = |names: &[String], name: &str| names.iter().position(|n| n == name);
+    for scene in &mut run.scenes {
+        scene.rows.sort_by_cached_key(|row| place(&whole.rows, &row.label()));
+    }
+    run.scenes.sort_by_key(|scene| place(&whole.scenes, &scene.name));
+    run.summary = summarize(&run.scenes, run.settings.seed);
+    run.planned = whole.scenes.clone();
+    run.parts = origins;
+    Some(run)
+}
+
+/// A machine of which no more is said than is true of both.
+fn joined_machine(a: &Machine, b: &Machine) -> Machine {
+    let both = |a: &str, b: &str| match a.split("; ").any(|known| known == b) {
+        true => a.to_owned(),
+        false => format!("{a}; {b}"),
+    };
+    let mut machine = a.clone();
+    machine.cpu = match (&a.cpu, &b.cpu) {
+        (Some(a), Some(b)) => Some(both(a, b)),
+        (a, b) => a.clone().or_else(|| b.clone()),
+    };
+    machine.threads = a.threads.min(b.threads);
+    machine.memory_bytes = a.memory_bytes.min(b.memory_bytes);
+    machine.os = both(&a.os, &b.os);
+    machine.governor = a.governor.clone().filter(|_| a.governor == b.governor);
+    machine.boost = a.boost.filter(|_| a.boost == b.boost);
+    machine
+}

@@ -1,0 +1,197 @@
+//! What can be compared between rows of runs: one registry line a metric.
+//!
+//! Exact metrics are the same on every machine and in every run of the same program; measured ones
+//! have a sample a round.
+
+use crate::plan::error::PlanError;
+use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
+use crate::record::{RowRecord, Sample, SceneRecord, ShapeRecord, WorkRecord};
+use crate::settings::suggest::hint;
+
+/// A metric of a row.
+#[derive(Debug, Clone, Copy)]
+pub struct Metric {
+    /// As in CSV files and on the command line.
+    pub name: &'static str,
+    /// Unit of its values; empty for counts and ratios.
+    pub unit: &'static str,
+    /// What it is, for help and glossaries.
+    pub summary: &'static str,
+    /// More of it is worse. False of what is no cost in itself, only a share of another metric.
+    pub is_cost: bool,
+    /// How it is read off a row.
+    pub reading: Reading,
+}
+
+/// How a metric is read off a row.
+#[derive(Debug, Clone, Copy)]
+pub enum Reading {
+    /// Of what was built; no machine changes it.
+    Shape(fn(&ShapeRecord) -> u64),
+    /// Of the work of the rays that were counted, per ray; no machine changes it.
+    Work(fn(&WorkRecord) -> u64),
+    /// Of the builds of a row of a scene, a sample a round.
+    Build(fn(&SceneRecord, &RowRecord) -> Vec<f64>),
+    /// Of the rays that were timed, a sample a round.
+    Trace(fn(&RowRecord) -> Vec<f64>),
+    /// Of those of a kind and order: the ratio to the reference, a sample a round.
+    RatioOf(&'static str),
+}
+
+/// What a difference concerns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Concerns {
+    /// No figure can be compared.
+    Everything,
+    /// No times in seconds.
+    Seconds,
+    /// No ratios to the reference.
+    Ratios,
+    /// All figures can be compared; the difference may be why they differ.
+    Nothing,
+}
+
+impl Metric {
+    /// The same in every run of the same program.
+    pub fn is_exact(&self) -> bool {
+        matches!(self.reading, Reading::Shape(_) | Reading::Work(_))
+    }
+
+    /// It is taken to the reference of the same run.
+    pub fn is_to_reference(&self) -> bool {
+        // what is measured is seconds, or a ratio of them
+        !self.is_exact() && self.unit.is_empty()
+    }
+
+    /// Whether a difference of that kind between two runs keeps it from being compared.
+    pub fn is_concerned(&self, by: Concerns) -> bool {
+        match by {
+            Concerns::Everything => true,
+            Concerns::Seconds => self.unit == "s",
+            Concerns::Ratios => self.is_to_reference(),
+            Concerns::Nothing => false,
+        }
+    }
+
+    /// How many rays its values are over; none where they are not over rays. A slow row is asked a
+    /// sample, the size of which is found by timing.
+    pub fn rays(&self, row: &RowRecord) -> Option<u64> {
+        match self.reading {
+            Reading::Trace(_) => Some(row.rays),
+            Reading::Work(_) => Some(row.work.as_ref()?.rays),
+            Reading::RatioOf(kind) => row.rays_by_kind.get(kind).copied(),
+            Reading::Shape(_) | Reading::Build(_) => None,
+        }
+    }
+
+    /// Its value, where it is exact and the row has one.
+    pub fn exact(&self, row: &RowRecord) -> Option<f64> {
+        match self.reading {
+            Reading::Shape(read) => Some(read(row.shape.as_ref()?) as f64),
+            Reading::Work(read) => {
+                let work = row.work.as_ref()?;
+                Some(read(work) as f64 / work.rays.max(1) as f64)
+            }
+            Reading::Build(_) | Reading::Trace(_) | Reading::RatioOf(_) => None,
+        }
+    }
+
+    /// Its values in a row of a scene: none, one, or one a round.
+    pub fn values(&self, scene: &SceneRecord, row: &RowRecord) -> Vec<f64> {
+        match self.reading {
+            Reading::Shape(_) | Reading::Work(_) => self.exact(row).into_iter().collect(),
+            Reading::Build(read) => read(scene, row),
+            Reading::Trace(read) => read(row),
+            Reading::RatioOf(kind) => kind_ratios(row, kind),
+        }
+    }
+}
+
+/// The metric of that name.
+///
+/// # Errors
+/// [`PlanError::UnknownName`] with all names.
+pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
+    let names = || METRICS.iter().map(|m| m.name);
+    METRICS.iter().find(|m| m.name == name).ok_or_else(|| PlanError::UnknownName {
+        what: "metric",
+        name: name.into(),
+        hint: hint(name, names()),
+        valid: names().collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// All metrics, exact ones first.
+#[rustfmt::skip]
+pub static METRICS: &[Metric] = &[
+    cost("n_in", "", "inner cells", Reading::Shape(|shape| shape.n_in)),
+    cost("n_v", "", "elementary cells", Reading::Shape(|shape| shape.n_v)),
+    cost("n_ev", "", "empty elementary cells", Reading::Shape(|shape| shape.n_ev)),
+    cost("n_oiv", "", "references in cells", Reading::Shape(|shape| shape.n_oiv)),
+    cost("memory", "bytes", "bytes of the structure", Reading::Shape(|shape| shape.memory_bytes)),
+    cost("n_it", "", "intersection tests per ray", Reading::Work(|work| work.intersection_tests)),
+    cost("n_ts", "", "traversal steps per ray", Reading::Work(|work| work.traversal_steps)),
+    cost("n_ets", "", "elementary steps per ray", Reading::Work(|work| work.elementary_steps)),
+    cost("n_eets", "", "empty elementary steps per ray", Reading::Work(|work| work.empty_elementary_steps)),
+    Metric {
+        // what it cost is in n_it
+        is_cost: false,
+        ..cost("saved", "", "tests per ray that a mailbox spared", Reading::Work(|work| work.tests_saved))
+    },
+    cost("build", "s", "build time", Reading::Build(|_, row| row.samples.iter().map(|s| s.build_s).collect())),
+    cost("trace", "s", "trace time of all rays", Reading::Trace(|row| row.samples.iter().map(Sample::total_trace_s).collect())),
+    cost("build-ratio", "", "build time over the reference's of the same round", Reading::Build(build_ratios)),
+    cost("ratio", "", "trace time over the reference's of the same round", Reading::Trace(trace_ratios)),
+    cost("ratio-primary", "", "the same of primary rays", Reading::RatioOf("primary")),
+    cost("ratio-shadow", "", "the same of shadow rays", Reading::RatioOf("shadow")),
+    cost("ratio-reflected", "", "the same of reflected rays", Reading::RatioOf("reflected")),
+    cost("ratio-refracted", "", "the same of refracted rays", Reading::RatioOf("refracted")),
+    cost("ratio-diffuse", "", "the same of diffuse rays", Reading::RatioOf("diffuse")),
+    cost("ratio-primary-shuffled", "", "the same of primary rays in shuffled order", Reading::RatioOf("primary-shuffled")),
+    cost("ratio-shadow-shuffled", "", "the same of shadow rays in shuffled order", Reading::RatioOf("shadow-shuffled")),
+    cost("ratio-reflected-shuffled", "", "the same of reflected rays in shuffled order", Reading::RatioOf("reflected-shuffled")),
+    cost("ratio-refracted-shuffled", "", "the same of refracted rays in shuffled order", Reading::RatioOf("refracted-shuffled")),
+    cost("ratio-diffuse-shuffled", "", "the same of diffuse rays in shuffled order", Reading::RatioOf("diffuse-shuffled")),
+];
+
+const fn cost(
+    name: &'static str,
+    unit: &'static str,
+    summary: &'static str,
+    reading: Reading,
+) -> Metric {
+    Metric { name, unit, summary, is_cost: true, reading }
+}
+
+#[cfg(test)]
+mod tests {
+    use renderer::RayKind;
+
+    use super::*;
+    use crate::rays::order::{Orders, batch_name};
+
+    #[test]
+    fn metrics_are_found_by_name() {
+        for name in ["n_it", "n_ts", "n_ets", "n_eets", "saved", "trace", "ratio"] {
+            let reading = named(name).unwrap().reading;
+            assert!(matches!(reading, Reading::Work(_) | Reading::Trace(_)), "{name}: over rays");
+        }
+        let to_reference = METRICS.iter().filter(|m| m.is_to_reference()).map(|m| m.name);
+        let to_reference: Vec<_> = to_reference.collect();
+        assert_eq!(to_reference[..2], ["build-ratio", "ratio"]);
+        // every kind of ray in both orders
+        for kind in RayKind::ALL {
+            for &order in Orders::Both.orders() {
+                let name = batch_name(kind.name(), order);
+                let metric = named(&format!("ratio-{name}")).unwrap();
+                assert!(to_reference.contains(&metric.name));
+                assert!(matches!(metric.reading, Reading::RatioOf(read) if read == name));
+            }
+        }
+        let error = named("n_its").unwrap_err().to_string();
+        assert!(
+            error.contains("unknown metric 'n_its' (did you mean 'n_it'?); valid: n_in, "),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,51 @@
+//! Why a scene could not be measured.
+
+use accel_core::structures::BuildError;
+use renderer::GeometryError;
+
+use crate::scenes::LoadError;
+use crate::system::panics::Panicked;
+
+/// Why a scene could not be measured.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// It could not be loaded.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// Its geometry could not be made.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A structure could not be built where nothing can be done without it.
+    #[error("scene {scene}: {source}")]
+    Build {
+        /// Scene.
+        scene: String,
+        /// Why.
+        source: BuildError,
+    },
+    /// No structure could be built that gives the answers to compare with.
+    #[error("scene {scene}: no structure could be built to compare answers with: {reasons}")]
+    NoAnswers {
+        /// Scene.
+        scene: String,
+        /// What each candidate said.
+        reasons: String,
+    },
+    /// Threads could not be started.
+    #[error("cannot start {threads} threads: {source}")]
+    Threads {
+        /// How many.
+        threads: usize,
+        /// Why.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// Something panicked while it was measured: a defect of ours.
+    #[error("scene {scene}: {source}; this is a defect of rtbench")]
+    Panicked {
+        /// Scene.
+        scene: String,
+        /// What it said.
+        source: Panicked,
+    },
+}

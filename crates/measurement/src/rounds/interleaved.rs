@@ -1,0 +1,90 @@
+//! The loop of all timing: rounds, each of which visits every row once in a seeded order of its own
+//! (see [`crate::rounds::schedule`]). What drifts while it runs falls on all rows alike.
+
+use crate::rounds::schedule::round_order;
+use crate::system::clock::Clock;
+
+/// One visit of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Visit {
+    /// Round, from 0.
+    pub round: usize,
+    /// Position within the round, from 0.
+    pub position: usize,
+    /// The row.
+    pub row: usize,
+}
+
+/// Visits all rows, round by round, as long as `goes_on` says so of the round to come. Orders are
+/// those of the seed and of what is measured.
+pub fn interleaved(
+    rows: usize,
+    seed: u64,
+    what: &str,
+    mut goes_on: impl FnMut(usize) -> bool,
+    mut visit: impl FnMut(Visit),
+) {
+    let mut round = 0;
+    while goes_on(round) {
+        for (position, row) in round_order(seed, what, round, rows).into_iter().enumerate() {
+            visit(Visit { round, position, row });
+        }
+        round += 1;
+    }
+}
+
+/// Seconds of pieces of work, each in every round, as long as `goes_on` says so. Every piece is run
+/// once before, untimed: the first run finds neither memory nor caches.
+pub fn timed(
+    works: &mut [Box<dyn FnMut() + '_>],
+    seed: u64,
+    what: &str,
+    clock: &dyn Clock,
+    goes_on: impl FnMut(usize) -> bool,
+) -> Vec<Vec<f64>> {
+    works.iter_mut().for_each(|work| work());
+    let mut seconds = vec![Vec::new(); works.len()];
+    interleaved(works.len(), seed, what, goes_on, |Visit { row, .. }| {
+        if let (Some(work), Some(seconds)) = (works.get_mut(row), seconds.get_mut(row)) {
+            let start = clock.now();
+            work();
+            seconds.push(clock.seconds_since(start));
+        }
+    });
+    seconds
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::time::Duration;
+
+    use super::*;
+    use crate::system::clock::SteppingClock;
+
+    #[test]
+    fn every_round_visits_every_row_once_in_its_own_order() {
+        let mut visits = Vec::new();
+        interleaved(5, 7, "tetra", |round| round < 3, |visit| visits.push(visit));
+        assert_eq!(visits.len(), 15);
+        let of = |round| {
+            let rows = visits.iter().filter(|v| v.round == round).map(|v| v.row);
+            rows.collect::<Vec<_>>()
+        };
+        assert_eq!(of(1), round_order(7, "tetra", 1, 5));
+        assert_ne!(of(0), of(1));
+        assert!(visits.chunks(5).all(|c| c.iter().map(|v| v.position).eq(0..5)));
+    }
+
+    #[test]
+    fn work_is_run_once_more_than_it_is_timed() {
+        let clock = SteppingClock::new(Duration::from_millis(5));
+        let runs = RefCell::new([0, 0]);
+        let mut works: Vec<Box<dyn FnMut() + '_>> =
+            vec![Box::new(|| runs.borrow_mut()[0] += 1), Box::new(|| runs.borrow_mut()[1] += 1)];
+        let seconds = timed(&mut works, 1, "x", &clock, |round| round < 3);
+        drop(works);
+        assert_eq!(seconds, vec![vec![0.005; 3]; 2]);
+        assert_eq!(*runs.borrow(), [4, 4]);
+    }
+}

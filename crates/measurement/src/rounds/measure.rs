@@ -1,0 +1,251 @@
+//! Timing the rows of a scene: interleaved rounds, each row built and asked anew in each.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use accel_core::occluders::OccluderScalar;
+use accel_core::structures::Buildable;
+use renderer::{RayKind, render};
+
+use crate::answers::check::{Checked, stride_for};
+use crate::plan::measured_row::{Built, MeasuredRow};
+use crate::plan::{Plan, Rounds};
+use crate::rays::batches::{Answers, BatchSet};
+use crate::record::Sample;
+use crate::rounds::interleaved::{Visit, interleaved};
+use crate::rounds::schedule::round_order;
+use crate::rounds::scope::Scope;
+use crate::system::panics::{Panicked, caught};
+
+/// Most rounds that a time budget buys.
+const MOST_ROUNDS: usize = 10_000;
+
+/// What the rounds gave for a row.
+#[derive(Debug, Clone, Default)]
+pub struct Timed {
+    /// One a round.
+    pub samples: Vec<Sample>,
+    /// Every how many-th ray was timed.
+    pub stride: usize,
+    /// Most rays answered otherwise than expected in any timed pass.
+    pub mismatches: usize,
+    /// Seconds of the whole image.
+    pub render_s: Option<f64>,
+    /// It panicked in a round and was left out from there on.
+    pub panicked: Option<Panicked>,
+}
+
+/// A sample of the rays and room for the answers to them.
+struct Sheet<'a, S: Buildable> {
+    set: BatchSet<'a, S>,
+    answers: Vec<Answers<S>>,
+}
+
+/// Seconds by kind of ray and order.
+type Seconds = BTreeMap<String, f64>;
+
+/// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
+/// for rows that were not built. Ratios are taken to the row `baseline`. The result has one entry
+/// for each row too.
+pub fn measure<S: Buildable + OccluderScalar>(
+    scope: &Scope<'_, '_, S>,
+    checked: &[Option<Checked>],
+    baseline: usize,
+    deadline: Option<Duration>,
+) -> Vec<Timed> {
+    let plan = scope.plan;
+    let mut timed = vec![Timed::default(); plan.rows.len()];
+    let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
+    let rows: Vec<usize> = (0..plan.rows.len()).filter(|&r| strides[r].is_some()).collect();
+    let mut sheets: BTreeMap<usize, Sheet<'_, S>> = BTreeMap::new();
+    for stride in strides.iter().flatten() {
+        sheets.entry(*stride).or_insert_with(|| {
+            let set = scope.all.thinned(*stride);
+            Sheet { answers: set.answers(), set }
+        });
+    }
+    let at_least = match plan.rounds {
+        Rounds::Fixed(n) => n,
+        Rounds::Budget { at_least, .. } => at_least,
+    };
+    // the reference's seconds on each sample of rays, by round
+    let mut of_reference: Vec<BTreeMap<usize, Seconds>> = Vec::new();
+    let (seed, scene) = (plan.seed, &scope.stage.scene.name);
+    let goes_on = |round| round < at_least || goes_on(scope, round, deadline);
+    interleaved(rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
+        of_reference.resize_with(round + 1, BTreeMap::new);
+        let row = rows[row];
+        let Some(stride) = strides[row].filter(|_| timed[row].panicked.is_none()) else { return };
+        let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == baseline };
+        let seen = caught(|| asked.make(scope, &mut sheets, &mut of_reference[round]));
+        let out = &mut timed[row];
+        let seen = match seen {
+            Ok(Some(seen)) => seen,
+            Ok(None) => return,
+            Err(panicked) => {
+                out.panicked = Some(panicked);
+                return;
+            }
+        };
+        out.stride = stride;
+        out.mismatches = out.mismatches.max(seen.mismatches);
+        out.samples.push(Sample {
+            round: round as u32,
+            position: position as u32,
+            build_s: seen.build_s,
+            trace_s: seen.trace_s,
+            reference_trace_s: None,
+            reference_build_s: None,
+            reference_by_kind: BTreeMap::new(),
+        });
+        scope.progress.step(scope.clock.now());
+    });
+    for &row in &rows {
+        let of_row =
+            |round: u32| strides[row].and_then(|s| of_reference.get(round as usize)?.get(&s));
+        for sample in &mut timed[row].samples {
+            // over the kinds of rays that the row answers
+            let own = of_row(sample.round).map(|seconds| {
+                let own = seconds.iter().filter(|(kind, _)| sample.trace_s.contains_key(*kind));
+                own.map(|(kind, s)| (kind.clone(), *s)).collect::<Seconds>()
+            });
+            sample.reference_trace_s = own.as_ref().map(|seconds| seconds.values().sum());
+            sample.reference_by_kind = own.unwrap_or_default();
+        }
+    }
+    let rounds = of_reference.len();
+    drop(sheets);
+    let order = round_order(plan.seed, &scope.stage.scene.name, rounds, rows.len());
+    for i in order {
+        let row = rows[i];
+        let cheap = checked[row].as_ref().is_some_and(|c| {
+            let seconds = c.full_pass_s / plan.threads as f64;
+            seconds <= plan.limits.render_pass
+        });
+        if cheap && !plan.rows[row].is_sampled() && timed[row].panicked.is_none() {
+            match caught(|| render_once(scope, &plan.rows[row])) {
+                Ok(seconds) => timed[row].render_s = seconds,
+                Err(panicked) => timed[row].panicked = Some(panicked),
+            }
+        }
+        scope.progress.step(scope.clock.now());
+    }
+    timed
+}
+
+/// Every how many-th ray each row is timed on; none for rows that are not timed. No row is timed
+/// on more rays than the baseline, so that both can be timed on the same.
+fn strides(
+    plan: &Plan<'_>,
+    scene: &str,
+    checked: &[Option<Checked>],
+    baseline: usize,
+) -> Vec<Option<usize>> {
+    let own = |(row, checked): (&MeasuredRow<'_>, &Option<Checked>)| {
+        let checked = checked.as_ref().filter(|c| c.verdict.is_timed())?;
+        let limits = &plan.limits;
+        let cap = if row.is_sampled() { limits.sampled_pass } else { limits.timed_pass };
+        let by_cost = || stride_for(checked.full_pass_s / plan.threads as f64, cap);
+        Some(plan.strides.timed(scene, &row.label()).unwrap_or_else(by_cost))
+    };
+    let own: Vec<Option<usize>> = plan.rows.iter().zip(checked).map(own).collect();
+    let least = own.get(baseline).copied().flatten().unwrap_or(1);
+    own.into_iter().map(|stride| Some(stride?.max(least))).collect()
+}
+
+/// True while there is time for another round.
+fn goes_on<S: Buildable>(
+    scope: &Scope<'_, '_, S>,
+    rounds: usize,
+    deadline: Option<Duration>,
+) -> bool {
+    let Some(deadline) = deadline else { return false };
+    rounds < MOST_ROUNDS && scope.clock.now() < deadline
+}
+
+/// One row in one round.
+struct Asked<'a, 'r> {
+    row: &'a MeasuredRow<'r>,
+    stride: usize,
+    is_baseline: bool,
+}
+
+/// What a visit gave.
+struct Seen {
+    build_s: f64,
+    trace_s: Seconds,
+    mismatches: usize,
+}
+
+impl Asked<'_, '_> {
+    /// Builds the row and asks it. The baseline answers every other row's sample of rays as well,
+    /// so that ratios are taken over the same rays in the same round. None when the row, which
+    /// was built before, cannot be built again.
+    fn make<S: Buildable + OccluderScalar>(
+        &self,
+        scope: &Scope<'_, '_, S>,
+        sheets: &mut BTreeMap<usize, Sheet<'_, S>>,
+        of_reference: &mut BTreeMap<usize, Seconds>,
+    ) -> Option<Seen> {
+        let prims = scope.stage.geometry.prims();
+        scope.pools.measured.install(|| {
+            let start = scope.clock.now();
+            let built = self.row.build(prims, scope.lights).ok()?;
+            let build_s = scope.clock.seconds_since(start);
+            let sheet = sheets.get_mut(&self.stride)?;
+            let answers = |kind| self.row.answers(kind);
+            let (trace_s, mismatches) = sheet.ask(&built, answers, scope);
+            if self.is_baseline {
+                of_reference.insert(self.stride, trace_s.clone());
+                for (stride, sheet) in sheets.iter_mut().filter(|(s, _)| **s != self.stride) {
+                    of_reference.insert(*stride, sheet.ask(&built, answers, scope).0);
+                }
+            }
+            Some(Seen { build_s, trace_s, mismatches })
+        })
+    }
+}
+
+impl<S: Buildable> Sheet<'_, S> {
+    /// Times a row on the batches that it answers; with several threads in chunks over them. Also
+    /// how many of its answers are not the ones expected.
+    fn ask(
+        &mut self,
+        built: &Built<'_, S>,
+        is_asked: impl Fn(RayKind) -> bool,
+        scope: &Scope<'_, '_, S>,
+    ) -> (Seconds, usize) {
+        let mut mismatches = 0;
+        let mut seconds = Seconds::new();
+        let batches = self.set.batches.iter().zip(&mut self.answers);
+        for (batch, answers) in batches.filter(|(batch, _)| is_asked(batch.kind)) {
+            answers.poison(&batch.expected);
+            let start = scope.clock.now();
+            if scope.plan.threads > 1 {
+                built.trace_chunked(batch, answers);
+            } else {
+                built.trace(batch, answers);
+            }
+            seconds.insert(batch.name(), scope.clock.seconds_since(start));
+            if scope.is_confirmed {
+                mismatches += answers.differing(&batch.expected).count();
+            }
+        }
+        (seconds, mismatches)
+    }
+}
+
+/// Seconds of the whole image.
+fn render_once<S: Buildable>(scope: &Scope<'_, '_, S>, row: &MeasuredRow<'_>) -> Option<f64> {
+    // an occluder alone renders nothing
+    let MeasuredRow::Structure(row) = row else { return None };
+    let stage = scope.stage;
+    scope.pools.measured.install(|| {
+        let tracer = row.entry.build(stage.geometry.prims(), &row.params).ok()?;
+        let start = scope.clock.now();
+        let image = render(stage.scene, &*tracer, &scope.plan.settings);
+        let seconds = scope.clock.seconds_since(start);
+        std::hint::black_box(image);
+        Some(seconds)
+    })
+}

@@ -1,0 +1,303 @@
+//! One scene from loading to its record.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use accel_core::occluders::OccluderScalar;
+use accel_core::structures::{BuildError, Buildable};
+use glam::DVec3;
+use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
+use scene_loading::{Light, Scene};
+
+use crate::answers::check::{Checked, check};
+use crate::answers::oracle::Oracle;
+use crate::answers::reference::{Reference, Stage};
+use crate::plan::Plan;
+use crate::plan::measured_row::MeasuredRow;
+use crate::rays::batches::BatchSet;
+use crate::record::query::Query;
+use crate::record::ratios::{
+    builds_by_round, kind_ratios, ratios_of_builds, seconds_of, trace_ratios,
+};
+use crate::record::{Answered, Outliers, RowRecord, Sample, SceneRecord, Verdict};
+use crate::rounds::error::MeasureError;
+use crate::rounds::measure::{Timed, measure};
+use crate::rounds::scope::Scope;
+use crate::rounds::stand_in;
+use crate::rounds::trial::Outcome;
+use crate::scenes::LoadedScene;
+use crate::system::clock::Clock;
+use crate::system::panics::{Panicked, caught};
+use crate::system::pools::Pools;
+use crate::system::progress::Progress;
+use crate::system::world::World;
+use statistics::estimate::{estimate, median};
+
+/// What a scene is measured with.
+pub struct Equipment<'a> {
+    /// Threads.
+    pub pools: &'a Pools,
+    /// Time.
+    pub clock: &'a dyn Clock,
+    /// Memory.
+    pub world: &'a dyn World,
+    /// The bar.
+    pub progress: &'a Progress,
+    /// How the trial build of each row ended; empty where there were none.
+    pub trials: &'a [Outcome],
+}
+
+/// Measures all rows of the plan on a scene, in the precision `S`. With a time budget, rounds go
+/// on until `deadline`.
+///
+/// # Errors
+/// [`MeasureError`] when the scene has no usable geometry or no structure can be built over it.
+pub fn run_scene<S: Buildable + OccluderScalar>(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    equipment: &Equipment<'_>,
+    deadline: Option<Duration>,
+) -> Result<SceneRecord, MeasureError> {
+    equipment.world.reset_peak_rss();
+    let (progress, scene) = (equipment.progress, &loaded.scene);
+    progress.message(format!("{}: rays and oracle", scene.name));
+    let exact = Geometry::<f64>::of(scene)?;
+    let geometry = Geometry::<S>::of(scene)?;
+    let oracle = Oracle::new(&exact)
+        .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
+    let stage = Stage { scene, geometry: &geometry, oracle: &oracle };
+    let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
+    let lights = lights_asked(scene, &plan.settings);
+    let all = BatchSet::new(&rays, answers, &lights);
+    let all = all.in_orders(plan.orders, plan.seed, &scene.name);
+    let scope = Scope {
+        plan,
+        stage: &stage,
+        lights: &lights,
+        all: &all,
+        is_confirmed: judged.reference.is_some(),
+        pools: equipment.pools,
+        clock: equipment.clock,
+        progress,
+    };
+    let mut checked: Vec<Option<Checked>> = Vec::with_capacity(plan.rows.len());
+    let mut refused: Vec<Option<Refused>> = Vec::with_capacity(plan.rows.len());
+    for (i, row) in plan.rows.iter().enumerate() {
+        let refusal = match equipment.trials.get(i) {
+            Some(Outcome::OverLimit(reason)) => Some(Refused::Limit(reason.clone())),
+            Some(Outcome::Died(reason)) => Some(Refused::Death(reason.clone())),
+            Some(Outcome::Ended { .. }) | None => None,
+        };
+        if refusal.is_some() {
+            checked.push(None);
+            refused.push(refusal);
+            continue;
+        }
+        progress.message(format!("{}: checking {}", scene.name, row.label()));
+        let (known, why) = match caught(|| check(&scope, row)) {
+            Ok(Ok(known)) => (Some(known), None),
+            Ok(Err(error)) => (None, Some(Refused::Build(error))),
+            Err(panicked) => (None, Some(Refused::Panic(panicked))),
+        };
+        checked.push(known);
+        refused.push(why);
+        progress.step(equipment.clock.now());
+    }
+    progress.message(format!("{}: timing", scene.name));
+    let baseline = stand_in::baseline(plan, &checked);
+    let timed = measure(&scope, &checked, baseline, deadline);
+    let mut rows: Vec<RowRecord> = plan
+        .rows
+        .iter()
+        .zip(checked)
+        .zip(refused)
+        .zip(timed)
+        .map(|(((row, checked), refused), timed)| RowParts { row, checked, refused, timed })
+        .map(|parts| parts.record(&all, plan.seed))
+        .collect();
+    if let Some(reference) = rows.get_mut(baseline) {
+        reference.is_reference = true;
+    }
+    for (row, trial) in rows.iter_mut().zip(equipment.trials) {
+        if let Outcome::Ended { peak_bytes } = trial {
+            row.peak_build_bytes = *peak_bytes;
+        }
+    }
+    compare_with_baseline(&mut rows, baseline, plan.seed);
+    Ok(SceneRecord {
+        name: scene.name.clone(),
+        sha256: loaded.sha256.clone(),
+        source: loaded.source.clone(),
+        licence: loaded.licence.clone(),
+        primitives: geometry.len() as u64,
+        geometry_bytes: geometry.bytes() as u64,
+        warnings: scene.warnings.iter().map(ToString::to_string).collect(),
+        rays: by_kind(&all, |_| true),
+        oracle: judged,
+        rows,
+        peak_rss_bytes: equipment.world.peak_rss(),
+    })
+}
+
+/// Where the lights of a scene are; of those with an extent, their centres.
+pub fn light_positions(scene: &Scene) -> Vec<DVec3> {
+    scene.lights.iter().map(Light::position).collect()
+}
+
+/// Where the lights are that shadow rays run to: an occluder is built for these.
+pub fn lights_asked(scene: &Scene, settings: &RaySettings) -> Vec<DVec3> {
+    let mut lights = light_positions(scene);
+    if settings.shadows == ShadowRays::FirstLight {
+        lights.truncate(1);
+    }
+    lights
+}
+
+fn by_kind<S: Buildable>(
+    set: &BatchSet<'_, S>,
+    is_asked: impl Fn(RayKind) -> bool,
+) -> BTreeMap<String, u64> {
+    let asked = set.batches.iter().filter(|b| is_asked(b.kind));
+    asked.map(|b| (b.name(), b.rays.len() as u64)).collect()
+}
+
+/// Why there is nothing to show of a row.
+enum Refused {
+    Build(BuildError),
+    Panic(Panicked),
+    /// It took too much in its trial.
+    Limit(String),
+    /// Its trial ended the process.
+    Death(String),
+}
+
+/// What there is to record of a row.
+struct RowParts<'a, 'r> {
+    row: &'a MeasuredRow<'r>,
+    checked: Option<Checked>,
+    refused: Option<Refused>,
+    timed: Timed,
+}
+
+impl RowParts<'_, '_> {
+    fn record<S: Buildable>(self, all: &BatchSet<'_, S>, seed: u64) -> RowRecord {
+        let Self { row, checked, refused, timed } = self;
+        // one that panics once is not trusted any more
+        let refused = timed.panicked.map(Refused::Panic).or(refused);
+        let mut verdict = match (&refused, &checked) {
+            (Some(Refused::Panic(_) | Refused::Death(_)), _) => Verdict::Panicked,
+            (Some(Refused::Limit(_)), _) => Verdict::OverLimit,
+            (_, Some(checked)) => checked.verdict,
+            (_, None) => Verdict::NotBuilt,
+        };
+        let error = refused.map(|refused| match refused {
+            Refused::Build(error) => error.to_string(),
+            Refused::Panic(panicked) => panicked.to_string(),
+            Refused::Limit(reason) | Refused::Death(reason) => reason,
+        });
+        // Answers are compared in every round again: a structure may be wrong only sometimes.
+        let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
+        mismatches = mismatches.max(timed.mismatches as u64);
+        if verdict == Verdict::Ok && mismatches > 0 {
+            verdict = Verdict::Wrong;
+        }
+        let samples = if verdict.is_timed() { timed.samples } else { Vec::new() };
+        let stride = timed.stride.max(1);
+        let rays_by_kind: BTreeMap<String, u64> = if samples.is_empty() {
+            BTreeMap::new()
+        } else {
+            by_kind(all, |kind| row.answers(kind))
+                .into_iter()
+                .map(|(k, n)| (k, n.div_ceil(stride as u64)))
+                .collect()
+        };
+        let of = |f: fn(&Sample) -> f64| {
+            let values: Vec<f64> = samples.iter().map(f).collect();
+            estimate(&values, seed)
+        };
+        let rate = |(kind, rays): (&String, &u64)| {
+            let seconds: Vec<f64> =
+                samples.iter().filter_map(|s| s.trace_s.get(kind).copied()).collect();
+            let seconds = median(&seconds).filter(|s| *s > 0.0)?;
+            Some((kind.clone(), *rays as f64 / seconds / 1e6))
+        };
+        RowRecord {
+            shape: checked.as_ref().map(|c| c.shape.clone()),
+            work: checked.as_ref().map(|c| c.work.clone()),
+            checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
+            mismatches,
+            answers_sha256: checked.as_ref().map(|c| c.answers_sha256.clone()),
+            example: checked.as_ref().and_then(|c| c.example.clone()),
+            stride: stride as u64,
+            rays: rays_by_kind.values().sum(),
+            build_s: of(|s| s.build_s),
+            // an occluder in a scene without shadow rays has nothing to trace
+            trace_s: of(Sample::total_trace_s).filter(|_| !rays_by_kind.is_empty()),
+            mrays: rays_by_kind.iter().filter_map(rate).collect(),
+            rays_by_kind,
+            query: checked.as_ref().map(|c| c.query).unwrap_or_default(),
+            render_s: timed.render_s.filter(|_| verdict.is_timed()),
+            outliers: Outliers::of(&samples),
+            samples,
+            ..unmeasured(row, verdict, error)
+        }
+    }
+}
+
+/// The record of a row of which there is nothing but a verdict.
+pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>) -> RowRecord {
+    RowRecord {
+        structure: row.structure().into(),
+        settings: row.settings(),
+        is_reference: false,
+        answers: match row.is_occluder() {
+            true => Answered::ShadowRays,
+            false => Answered::AllRays,
+        },
+        verdict,
+        known_defect: row.known_defect().map(Into::into),
+        error,
+        shape: None,
+        work: None,
+        checked_rays: 0,
+        mismatches: 0,
+        answers_sha256: None,
+        example: None,
+        stride: 1,
+        rays: 0,
+        rays_by_kind: BTreeMap::new(),
+        build_s: None,
+        trace_s: None,
+        mrays: BTreeMap::new(),
+        query: Query::default(),
+        ratio: None,
+        ratio_by_kind: BTreeMap::new(),
+        build_ratio: None,
+        render_s: None,
+        samples: Vec::new(),
+        outliers: Outliers::default(),
+        peak_build_bytes: None,
+    }
+}
+
+/// Ratios to the baseline, round by round; none where the baseline was not timed.
+fn compare_with_baseline(rows: &mut [RowRecord], baseline: usize, seed: u64) {
+    let baseline: Vec<(u32, f64)> = match rows.get(baseline) {
+        Some(row) if row.verdict.is_timed() => builds_by_round(row).collect(),
+        _ => Vec::new(),
+    };
+    let is_timed = !baseline.is_empty();
+    for row in rows {
+        for sample in &mut row.samples {
+            sample.reference_trace_s = sample.reference_trace_s.filter(|_| is_timed);
+            sample.reference_build_s = seconds_of(sample.round, &baseline);
+            sample.reference_by_kind.retain(|_, _| is_timed);
+        }
+        let kinds = row.rays_by_kind.keys();
+        let ratios =
+            kinds.filter_map(|kind| Some((kind.clone(), estimate(&kind_ratios(row, kind), seed)?)));
+        row.ratio_by_kind = ratios.collect();
+        row.ratio = estimate(&trace_ratios(row), seed);
+        row.build_ratio = estimate(&ratios_of_builds(row, &[]), seed);
+    }
+}

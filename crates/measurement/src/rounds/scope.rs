@@ -1,0 +1,31 @@
+//! What the measurement of one scene works with.
+
+use accel_core::structures::Buildable;
+use glam::DVec3;
+
+use crate::answers::reference::Stage;
+use crate::plan::Plan;
+use crate::rays::batches::BatchSet;
+use crate::system::clock::Clock;
+use crate::system::pools::Pools;
+use crate::system::progress::Progress;
+
+/// Everything that the measurement of one scene works with.
+pub struct Scope<'a, 'r, S: Buildable> {
+    /// What to do.
+    pub plan: &'a Plan<'r>,
+    /// The scene.
+    pub stage: &'a Stage<'a, S>,
+    /// Where the lights of the scene are.
+    pub lights: &'a [DVec3],
+    /// All rays with the answers expected.
+    pub all: &'a BatchSet<'a, S>,
+    /// The oracle confirmed those answers.
+    pub is_confirmed: bool,
+    /// Threads.
+    pub pools: &'a Pools,
+    /// Time.
+    pub clock: &'a dyn Clock,
+    /// The bar.
+    pub progress: &'a Progress,
+}

@@ -1,0 +1,143 @@
+//! What a run is asked for, whoever asks: the command line, a file or an earlier record.
+
+pub mod choice;
+pub mod duration;
+pub mod quantity;
+pub mod shard;
+pub mod suggest;
+
+use std::time::Duration;
+
+use crate::rays::order::Orders;
+use crate::settings::choice::Choice;
+use crate::settings::shard::Shard;
+
+/// Which lights shadow rays run to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Lights {
+    /// From every hit, each that the hit faces.
+    #[default]
+    Each,
+    /// From every primary hit, the first: one shadow ray a hit.
+    First,
+}
+
+impl Choice for Lights {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Each, "each", "From every hit, each that the hit faces"),
+        (Self::First, "first", "From every primary hit, the first: one shadow ray a hit"),
+    ];
+}
+
+impl Lights {
+    /// As typed.
+    pub fn name(self) -> &'static str {
+        self.as_typed()
+    }
+}
+
+/// Arithmetic of primitives and rays.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Single.
+    #[default]
+    F32,
+    /// Double.
+    F64,
+}
+
+impl Choice for Precision {
+    const ALL: &'static [(Self, &'static str, &'static str)] =
+        &[(Self::F32, "f32", "Single"), (Self::F64, "f64", "Double")];
+}
+
+impl Precision {
+    /// As typed.
+    pub fn name(self) -> &'static str {
+        self.as_typed()
+    }
+}
+
+/// How to measure, whatever is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuringSettings {
+    /// Kinds of rays; none means all.
+    pub rays: Vec<String>,
+    /// The order in which rows are asked the rays.
+    pub order: Orders,
+    /// Which lights shadow rays run to.
+    pub lights: Lights,
+    /// Longest pass over the rays; none means that of a full run or of a quick one.
+    pub pass_limit: Option<Duration>,
+    /// Rounds.
+    pub rounds: Option<u32>,
+    /// Time for all rounds, all scenes together, where no rounds are said.
+    pub time_budget: Option<Duration>,
+    /// Small images and few rounds.
+    pub quick: bool,
+    /// Threads that build and trace.
+    pub threads: u16,
+    /// Seed of schedules, samples and intervals.
+    pub seed: u64,
+    /// The row that ratios are taken to; none means the default.
+    pub reference: Option<String>,
+    /// Arithmetic of primitives and rays.
+    pub precision: Precision,
+    /// Width and height of the image; none means that of a full run or of a quick one.
+    pub size: Option<u32>,
+}
+
+impl MeasuringSettings {
+    /// Most threads.
+    pub const MOST_THREADS: u16 = 1024;
+    /// Largest width and height of an image.
+    pub const LARGEST_SIZE: u32 = 8192;
+}
+
+impl Default for MeasuringSettings {
+    fn default() -> Self {
+        Self {
+            rays: Vec::new(),
+            order: Orders::default(),
+            lights: Lights::default(),
+            pass_limit: None,
+            rounds: None,
+            time_budget: None,
+            quick: false,
+            threads: 1,
+            seed: 1,
+            reference: None,
+            precision: Precision::default(),
+            size: None,
+        }
+    }
+}
+
+/// What a run measures, and how.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RunSettings {
+    /// Scenes, scene sets or scene files; none means the default set.
+    pub scenes: Vec<String>,
+    /// Structures and occluders, each with its settings if any; none means all.
+    pub structures: Vec<String>,
+    /// Overrides of defaults: `uniform-grid.density=4`.
+    pub overrides: Vec<String>,
+    /// How to measure.
+    pub measuring: MeasuringSettings,
+    /// The part of the table that is measured; none means all of it.
+    pub shard: Option<Shard>,
+    /// Tables of each kind of ray are wanted, too.
+    pub by_kind: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_found_by_what_is_typed() {
+        assert_eq!(Lights::typed("first"), Some(Lights::First));
+        assert_eq!(Precision::typed("f16"), None);
+        assert_eq!((Lights::Each.name(), Precision::F64.name()), ("each", "f64"));
+    }
+}

@@ -1,0 +1,131 @@
+//! What a command creates before its work is done, so that an unwritable path or a full disk is
+//! found at once; what is still empty when the command ends, because it was refused or failed, is
+//! taken back.
+
+use std::fs::{self, File, OpenOptions};
+use std::path::{Path, PathBuf};
+
+use crate::system::files::WriteError;
+
+/// Files and folders that were not there before. Dropped, it removes those that are still empty;
+/// what was there, empty or not, stays as it was.
+#[derive(Debug, Default)]
+pub struct Created {
+    files: Vec<PathBuf>,
+    /// Outer ones first.
+    folders: Vec<PathBuf>,
+}
+
+impl Created {
+    /// Opens a file for writing, and creates it where there is none. Its content stays.
+    ///
+    /// # Errors
+    /// [`WriteError`] naming the file.
+    pub fn file(&mut self, path: &Path) -> Result<File, WriteError> {
+        let error = |source| WriteError { path: path.to_owned(), source };
+        let was_there = path.exists();
+        let file = OpenOptions::new()
+            .create(true)
+            .write(true)
+            .truncate(false)
+            .open(path)
+            .map_err(error)?;
+        if !was_there {
+            // what a link points to, and whatever the working directory is by then
+            self.files.push(fs::canonicalize(path).map_err(error)?);
+        }
+        Ok(file)
+    }
+
+    /// Creates a folder and those that it lies in, where there are none.
+    ///
+    /// # Errors
+    /// [`WriteError`] naming the folder.
+    pub fn folder(&mut self, path: &Path) -> Result<(), WriteError> {
+        let missing: Vec<&Path> =
+            path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).collect();
+        let made = fs::create_dir_all(path);
+        // those that were made before one failed, too
+        let made_now = missing.into_iter().rev().filter_map(|p| fs::canonicalize(p).ok());
+        self.folders.extend(made_now);
+        made.map_err(|source| WriteError { path: path.to_owned(), source })
+    }
+
+    /// Nothing is taken back: what is empty is meant to be.
+    pub fn keep(&mut self) {
+        self.files.clear();
+        self.folders.clear();
+    }
+}
+
+impl Drop for Created {
+    fn drop(&mut self) {
+        for file in &self.files {
+            if fs::metadata(file).is_ok_and(|m| m.is_file() && m.len() == 0) {
+                let _ = fs::remove_file(file);
+            }
+        }
+        for folder in self.folders.iter().rev() {
+            // refused where something is in it
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// Creates the files that are named and written later.
+///
+/// # Errors
+/// [`WriteError`] naming the file.
+pub fn create<'p>(
+    paths: impl IntoIterator<Item = &'p Option<PathBuf>>,
+) -> Result<Created, WriteError> {
+    let mut created = Created::default();
+    for path in paths.into_iter().flatten() {
+        created.file(path)?;
+    }
+    Ok(created)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn only_what_is_new_and_empty_is_taken_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("old"), "text").unwrap();
+        fs::write(at("old and empty"), "").unwrap();
+        fs::create_dir(at("old folder")).unwrap();
+        let mut created = Created::default();
+        for name in ["old", "old and empty", "new"] {
+            created.file(&at(name)).unwrap();
+        }
+        created.file(&at("filled")).unwrap().write_all(b"text").unwrap();
+        for name in ["old folder", "new folder/inner", "filled folder/inner"] {
+            created.folder(&at(name)).unwrap();
+        }
+        fs::write(at("filled folder/file"), "text").unwrap();
+        assert!(at("new").exists() && at("new folder/inner").exists());
+        drop(created);
+        for name in ["old", "old and empty", "old folder", "filled", "filled folder/file"] {
+            assert!(at(name).exists(), "{name}");
+        }
+        for name in ["new", "new folder", "filled folder/inner"] {
+            assert!(!at(name).exists(), "{name}");
+        }
+        assert_eq!(fs::read_to_string(at("old")).unwrap(), "text");
+    }
+
+    #[test]
+    fn folders_that_were_made_before_one_could_not_be_are_taken_back() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("file"), "text").unwrap();
+        let mut created = Created::default();
+        assert!(created.folder(&folder.path().join("file/inner")).is_err());
+        assert!(created.file(&folder.path().join("none/file")).is_err());
+        drop(created);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,143 @@
+//! What the results were measured on and with.
+
+use std::fs;
+use std::sync::OnceLock;
+
+use crate::record::{Load, Machine, Ticks};
+
+/// SHA-256 of the program's file, where it can be read.
+pub fn program_sha256() -> Option<String> {
+    static HASH: OnceLock<Option<String>> = OnceLock::new();
+    let hash = || {
+        let program = fs::read(std::env::current_exe().ok()?).ok()?;
+        Some(scene_loading::source_hash::sha256_of_bytes(&program))
+    };
+    HASH.get_or_init(hash).clone()
+}
+
+/// Threads the process may use.
+pub fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// The machine, as far as /proc tells.
+pub fn machine() -> Machine {
+    let read = |path| fs::read_to_string(path).unwrap_or_default();
+    let release = read("/etc/os-release");
+    let distribution = value(&release, "PRETTY_NAME", '=').map(|v| v.trim_matches('"').to_owned());
+    let kernel = read("/proc/sys/kernel/osrelease");
+    let os = [Some(std::env::consts::OS.to_owned()), Some(kernel), distribution];
+    let os: Vec<_> = os.iter().flatten().map(|s| s.trim()).filter(|s| !s.is_empty()).collect();
+    Machine {
+        cpu: value(&read("/proc/cpuinfo"), "model name", ':'),
+        threads: threads(),
+        memory_bytes: kibibytes(&read("/proc/meminfo"), "MemTotal"),
+        os: os.join(", "),
+        governor: line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
+        boost: boost(),
+    }
+}
+
+/// Whether the clock may rise above its nominal rate: a file of its own, or Intel's, which says
+/// the opposite.
+fn boost() -> Option<bool> {
+    let of = |path: &str, on: &str| line(path).map(|state| state == on);
+    of("/sys/devices/system/cpu/cpufreq/boost", "1")
+        .or_else(|| of("/sys/devices/system/cpu/intel_pstate/no_turbo", "0"))
+}
+
+/// The only line of a file; none where the file is not there or is empty.
+fn line(path: &str) -> Option<String> {
+    let text = fs::read_to_string(path).ok()?;
+    Some(text.trim().to_owned()).filter(|line| !line.is_empty())
+}
+
+/// How busy the machine has been until now.
+pub fn load() -> Load {
+    let read = |path| fs::read_to_string(path).unwrap_or_default();
+    Load {
+        average: read("/proc/loadavg").split_whitespace().next().and_then(|x| x.parse().ok()),
+        ticks: ticks(&read("/proc/stat"), &read("/proc/self/stat")),
+        pages_swapped_in: value(&read("/proc/vmstat"), "pswpin", ' ').and_then(|n| n.parse().ok()),
+        swapped_bytes: kibibytes(&read("/proc/self/status"), "VmSwap"),
+    }
+}
+
+/// Processor time from the texts of /proc/stat and /proc/self/stat (proc(5)).
+fn ticks(all: &str, own: &str) -> Option<Ticks> {
+    let numbers = |text: &str| -> Vec<u64> {
+        text.split_whitespace().map_while(|n| n.parse().ok()).collect()
+    };
+    // user, nice, system, idle, iowait, irq, softirq, steal; guests are in user and nice already
+    let times = numbers(all.lines().find_map(|line| line.strip_prefix("cpu "))?);
+    let (idle, waiting) = (times.get(3)?, times.get(4)?);
+    let all_ticks: u64 = times.iter().take(8).sum();
+    let is_processor = |line: &&str| {
+        let number = line.strip_prefix("cpu").and_then(|rest| rest.split(' ').next());
+        number.is_some_and(|n| n.parse::<u32>().is_ok())
+    };
+    // the program's name, in parentheses, may hold anything; user and system time are the 12th and
+    // 13th field behind it
+    let (_, own) = own.rsplit_once(')')?;
+    let mut own = own.split_whitespace().skip(11);
+    let mut next = || own.next()?.parse::<u64>().ok();
+    Some(Ticks {
+        processors: all.lines().filter(is_processor).count() as u64,
+        all: all_ticks,
+        busy: all_ticks - idle - waiting,
+        own: next()? + next()?,
+    })
+}
+
+/// Largest resident set of the process since its start or [`reset_peak_rss`], bytes.
+pub fn peak_rss() -> Option<u64> {
+    kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM")
+}
+
+/// Resident set of a process now, by its number or `self`, bytes.
+pub fn resident(process: &str) -> Option<u64> {
+    kibibytes(&fs::read_to_string(format!("/proc/{process}/status")).ok()?, "VmRSS")
+}
+
+/// Begins a new peak where the system lets us, and says whether it did; else the peak goes on from
+/// the start.
+pub fn reset_peak_rss() -> bool {
+    fs::write("/proc/self/clear_refs", "5").is_ok()
+}
+
+/// The text after `key` and the separator on the first line that begins with them.
+pub fn value(text: &str, key: &str, separator: char) -> Option<String> {
+    let mut lines = text.lines().filter_map(|line| line.split_once(separator));
+    let (_, value) = lines.find(|(k, _)| k.trim() == key)?;
+    Some(value.trim().to_owned())
+}
+
+/// The bytes of a line in kB of a file of /proc.
+pub fn kibibytes(text: &str, key: &str) -> Option<u64> {
+    let value = value(text, key, ':')?;
+    value.strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_of_proc_files() {
+        let text = "model name\t: A CPU: fast\nVmHWM:\t    2 kB\nBad: x kB\n";
+        assert_eq!(value(text, "model name", ':').as_deref(), Some("A CPU: fast"));
+        assert_eq!(kibibytes(text, "VmHWM"), Some(2048));
+        assert_eq!((kibibytes(text, "Bad"), kibibytes(text, "None")), (None, None));
+    }
+
+    #[test]
+    fn processor_time_of_proc_files() {
+        let all = "cpu  40 2 10 100 5 0 1 3 7 0\ncpu0 20 1 5 50 2 0 1 3 7 0\ncpu1 20 1 5 50 3 0 0 0\n\
+                   intr 5\n";
+        let own = "7 (a ) name) R 1 1 1 0 -1 4 101 0 0 0 21 4 9 9 20 0\n";
+        let expected = Ticks { processors: 2, all: 161, busy: 56, own: 25 };
+        assert_eq!(ticks(all, own), Some(expected));
+        assert_eq!(ticks("", own), None);
+        assert_eq!(ticks(all, "7 (name) R 1"), None);
+    }
+}

@@ -1,0 +1,13 @@
+//! The outside world: clock, machine, threads, processes, signals, files.
+
+pub mod child_process;
+pub mod clock;
+pub mod created;
+pub mod files;
+pub mod interrupt;
+pub mod machine;
+pub mod panics;
+pub mod pools;
+pub mod pressure;
+pub mod progress;
+pub mod world;

@@ -1,0 +1,164 @@
+//! What results say of the world around a run: the date, the machine, the compiler, and what else
+//! kept the machine busy. Injected like the clock, so that all that is printed can be tested.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::record::{Compiler, Load, Machine, Tool};
+use crate::rounds::trial::{Outcome, TrialBuild};
+use crate::system::machine;
+
+/// The world as far as results repeat it.
+pub trait World: Sync {
+    /// Seconds since 1970.
+    fn unix_seconds(&self) -> u64;
+    /// The program.
+    fn tool(&self) -> Tool;
+    /// What it was compiled with.
+    fn compiler(&self) -> Compiler;
+    /// What it runs on.
+    fn machine(&self) -> Machine;
+    /// SHA-256 of the program's file, where it can be read.
+    fn program_sha256(&self) -> Option<String>;
+    /// Largest resident set since the start or [`World::reset_peak_rss`], bytes.
+    fn peak_rss(&self) -> Option<u64>;
+    /// Begins a new peak where the system lets us.
+    fn reset_peak_rss(&self);
+    /// Builds a row in a process of its own.
+    fn trial_build(&self, trial: &TrialBuild) -> Outcome;
+    /// How busy the machine has been until now.
+    fn load(&self) -> Load;
+    /// The folder that has the system's `proc` and `sys`.
+    fn system_root(&self) -> PathBuf;
+}
+
+/// The world that the process finds.
+#[derive(Debug, Clone)]
+pub struct SystemWorld {
+    /// The program.
+    pub tool: Tool,
+    /// What it was compiled with.
+    pub compiler: Compiler,
+}
+
+impl World for SystemWorld {
+    fn unix_seconds(&self) -> u64 {
+        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
+    }
+
+    fn tool(&self) -> Tool {
+        self.tool.clone()
+    }
+
+    fn compiler(&self) -> Compiler {
+        self.compiler.clone()
+    }
+
+    fn machine(&self) -> Machine {
+        machine::machine()
+    }
+
+    fn program_sha256(&self) -> Option<String> {
+        machine::program_sha256()
+    }
+
+    fn peak_rss(&self) -> Option<u64> {
+        machine::peak_rss()
+    }
+
+    fn reset_peak_rss(&self) {
+        let _ = machine::reset_peak_rss();
+    }
+
+    fn trial_build(&self, trial: &TrialBuild) -> Outcome {
+        trial.run()
+    }
+
+    fn load(&self) -> Load {
+        machine::load()
+    }
+
+    fn system_root(&self) -> PathBuf {
+        "/".into()
+    }
+}
+
+/// A world that is the same everywhere, for tests of what is printed.
+#[derive(Debug)]
+pub struct FixedWorld {
+    /// What is said of the machine.
+    pub machine: Machine,
+    /// What it was compiled with.
+    pub compiler: Compiler,
+    /// What the loads are, one reading after another; the last one stays.
+    pub loads: Mutex<VecDeque<Load>>,
+    /// How trial builds end.
+    pub trials: fn(&TrialBuild) -> Outcome,
+}
+
+impl Default for FixedWorld {
+    fn default() -> Self {
+        Self {
+            machine: Machine {
+                cpu: Some("Test CPU".into()),
+                threads: 2,
+                memory_bytes: Some(4 << 30),
+                os: "linux".into(),
+                governor: None,
+                boost: None,
+            },
+            compiler: Compiler {
+                rustc: Some("rustc 1.90.0".into()),
+                target: Some("x86_64-unknown-linux-gnu".into()),
+                target_features: vec!["avx2".into(), "fma".into()],
+                profile: Some("release".into()),
+                opt_level: Some("3".into()),
+            },
+            loads: Mutex::default(),
+            trials: |_| Outcome::Ended { peak_bytes: Some(1 << 20) },
+        }
+    }
+}
+
+impl World for FixedWorld {
+    fn unix_seconds(&self) -> u64 {
+        1_767_225_600
+    }
+
+    fn tool(&self) -> Tool {
+        Tool { name: "rtbench".into(), version: "0.0.0".into(), git_revision: Some("0".repeat(40)) }
+    }
+
+    fn compiler(&self) -> Compiler {
+        self.compiler.clone()
+    }
+
+    fn machine(&self) -> Machine {
+        self.machine.clone()
+    }
+
+    fn program_sha256(&self) -> Option<String> {
+        Some("0".repeat(64))
+    }
+
+    fn peak_rss(&self) -> Option<u64> {
+        Some(64 << 20)
+    }
+
+    fn reset_peak_rss(&self) {}
+
+    fn trial_build(&self, trial: &TrialBuild) -> Outcome {
+        (self.trials)(trial)
+    }
+
+    fn load(&self) -> Load {
+        let mut loads = self.loads.lock().unwrap_or_else(PoisonError::into_inner);
+        if loads.len() > 1 { loads.pop_front() } else { loads.front().copied() }.unwrap_or_default()
+    }
+
+    fn system_root(&self) -> PathBuf {
+        "/nowhere".into()
+    }
+}

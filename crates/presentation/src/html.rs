@@ -1,0 +1,133 @@
+//! Markup that is always well-formed: elements close in the order in which they were opened, and all
+//! text is escaped. What comes out is HTML that an XML parser reads, too.
+
+use crate::svg_plot::xml::escaped;
+
+/// An attribute.
+pub type Attribute<'a> = (&'a str, &'a str);
+
+/// Markup so far.
+#[derive(Debug, Default)]
+pub struct Html {
+    out: String,
+    open: Vec<&'static str>,
+}
+
+impl Html {
+    /// Begins an element.
+    pub fn open(&mut self, name: &'static str, attributes: &[Attribute<'_>]) {
+        self.tag(name, attributes);
+        self.out.push('>');
+        self.open.push(name);
+    }
+
+    /// Ends the element begun last.
+    pub fn close(&mut self) {
+        if let Some(name) = self.open.pop() {
+            self.out.push_str("</");
+            self.out.push_str(name);
+            self.out.push_str(">\n");
+        }
+    }
+
+    /// An element that holds nothing, such as an image.
+    pub fn void(&mut self, name: &'static str, attributes: &[Attribute<'_>]) {
+        self.tag(name, attributes);
+        self.out.push_str("/>\n");
+    }
+
+    /// Text.
+    pub fn text(&mut self, text: &str) {
+        self.out.push_str(&escaped(text));
+    }
+
+    /// An element that holds text alone.
+    pub fn element(&mut self, name: &'static str, attributes: &[Attribute<'_>], text: &str) {
+        self.tag(name, attributes);
+        self.out.push('>');
+        self.text(text);
+        self.out.push_str("</");
+        self.out.push_str(name);
+        self.out.push('>');
+    }
+
+    /// A box that scrolls by itself where what it holds is wider than the page.
+    pub fn open_scroll(&mut self, label: &str) {
+        let attributes =
+            [("class", "scroll"), ("tabindex", "0"), ("role", "region"), ("aria-label", label)];
+        self.open("div", &attributes);
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) {
+        self.element("p", &[], text);
+        self.out.push('\n');
+    }
+
+    /// A list of texts; nothing where there are none.
+    pub fn list(&mut self, items: impl IntoIterator<Item = String>) {
+        let mut items = items.into_iter().peekable();
+        if items.peek().is_none() {
+            return;
+        }
+        self.open("ul", &[]);
+        for item in items {
+            self.element("li", &[], &item);
+        }
+        self.close();
+    }
+
+    /// Markup of our own making, such as a plot: must be well-formed.
+    pub fn markup(&mut self, markup: &str) {
+        self.out.push_str(markup);
+    }
+
+    /// Everything, all elements closed.
+    pub fn finish(mut self) -> String {
+        while !self.open.is_empty() {
+            self.close();
+        }
+        self.out
+    }
+
+    fn tag(&mut self, name: &str, attributes: &[Attribute<'_>]) {
+        self.out.push('<');
+        self.out.push_str(name);
+        for (name, value) in attributes {
+            self.out.push(' ');
+            self.out.push_str(name);
+            self.out.push_str("=\"");
+            self.out.push_str(&escaped(value));
+            self.out.push('"');
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_escaped_and_elements_close() {
+        let mut html = Html::default();
+        html.open("div", &[("title", "\"<&>'")]);
+        html.open("p", &[]);
+        html.text("</div><script>alert(1)</script>\u{0}");
+        let text = html.finish();
+        let tree = roxmltree::Document::parse(&text).expect("well-formed");
+        let div = tree.root_element();
+        assert_eq!(div.attribute("title"), Some("\"<&>'"));
+        assert_eq!(div.descendants().filter(|n| n.is_element()).count(), 2);
+        assert_eq!(
+            div.first_child().unwrap().text(),
+            Some("</div><script>alert(1)</script>\u{fffd}")
+        );
+    }
+
+    #[test]
+    fn lists_of_nothing_are_nothing() {
+        let mut html = Html::default();
+        html.list(Vec::new());
+        assert_eq!(html.finish(), "");
+    }
+}

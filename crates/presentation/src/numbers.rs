@@ -1,0 +1,75 @@
+//! Numbers as people read them.
+
+use statistics::estimate::Estimate;
+
+/// Three significant digits without an exponent where that stays short.
+pub fn short(x: f64) -> String {
+    let magnitude = x.abs();
+    match magnitude {
+        _ if !x.is_finite() => "-".into(),
+        0.0 => "0".into(),
+        m if m >= 99.95 => format!("{x:.0}"),
+        m if m >= 9.995 => format!("{x:.1}"),
+        m if m >= 0.0995 => format!("{x:.2}"),
+        m if m >= 0.000_995 => format!("{x:.4}"),
+        _ => format!("{x:.1e}"),
+    }
+}
+
+/// Seconds as milliseconds.
+pub fn milliseconds(seconds: f64) -> String {
+    short(seconds * 1e3)
+}
+
+/// Bytes as mebibytes.
+pub fn mebibytes(bytes: u64) -> String {
+    short(bytes as f64 / f64::from(1 << 20))
+}
+
+/// A ratio with its interval; `=` where the interval holds 1: no difference was measured.
+pub fn ratio(estimate: &Estimate) -> String {
+    let mark = if estimate.holds(1.0) { " =" } else { "  " };
+    let Estimate { median, low, high } = *estimate;
+    if median < 0.0995 {
+        return format!("{} [{}, {}]{mark}", short(median), short(low), short(high));
+    }
+    format!("{median:.2} [{low:.2}, {high:.2}]{mark}")
+}
+
+/// Voxels an axis.
+pub fn resolution(voxels: [u32; 3]) -> String {
+    voxels.map(|n| n.to_string()).join("x")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_numbers() {
+        for (x, text) in [
+            (0.0, "0"),
+            (1234.6, "1235"),
+            (99.96, "100"),
+            (12.34, "12.3"),
+            (1.234, "1.23"),
+            (0.1234, "0.12"),
+            (0.01234, "0.0123"),
+            (1.2e-5, "1.2e-5"),
+            (f64::NAN, "-"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+        assert_eq!(milliseconds(0.0123), "12.3");
+        assert_eq!(mebibytes(3 << 19), "1.50");
+    }
+
+    #[test]
+    fn ratios_say_when_there_is_no_difference() {
+        let e = Estimate { median: 1.02, low: 0.98, high: 1.05 };
+        assert_eq!(ratio(&e), "1.02 [0.98, 1.05] =");
+        assert_eq!(ratio(&Estimate { low: 1.01, ..e }), "1.02 [1.01, 1.05]  ");
+        let small = Estimate { median: 0.02, low: 0.019, high: 0.12 };
+        assert_eq!(ratio(&small), "0.0200 [0.0190, 0.12]  ");
+    }
+}

@@ -1,0 +1,17 @@
+//! The frame of a figure.
+
+use crate::svg_plot::palette::PAPER;
+use crate::svg_plot::plot::WIDTH;
+use crate::svg_plot::xml;
+
+/// A picture of that height, and what it is for those who cannot see it.
+pub fn document(body: &str, height: f64, alternative: &str) -> String {
+    let height = f64::max(height, 1.0);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH:.0}\" height=\"{height:.0}\" \
+         viewBox=\"0 0 {WIDTH:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" \
+         role=\"img\" aria-label=\"{}\">\n<rect width=\"100%\" height=\"100%\" \
+         fill=\"{PAPER}\"/>\n{body}</svg>\n",
+        xml::escaped(alternative)
+    )
+}

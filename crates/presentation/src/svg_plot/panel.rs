@@ -1,0 +1,235 @@
+//! One panel: frame, ticks, curves, marks with their flags, legend.
+
+use crate::svg_plot::axis::Fitted;
+use crate::svg_plot::flags::spread;
+use crate::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES, style_of};
+use crate::svg_plot::pen::{BOLD_LETTER, Font, LETTER, PLAIN, Pen};
+use crate::svg_plot::plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
+
+/// Room left of the frame, below it, and its height.
+const LEFT: f64 = 78.0;
+const BOTTOM: f64 = 86.0;
+const HEIGHT: f64 = 380.0;
+/// Room above the flags: title and subtitle.
+const HEAD: f64 = 62.0;
+/// Distance of the flags' labels along the frame.
+const FLAG_GAP: f64 = 18.0;
+/// Height of a line of the legend.
+const LEGEND_STEP: f64 = 18.0;
+/// Height of the bend between a flag's line and its label.
+const BEND: f64 = 14.0;
+
+/// A drawn panel.
+pub struct Drawn {
+    /// SVG elements.
+    pub elements: String,
+    /// Height, in pixels.
+    pub height: f64,
+}
+
+/// Draws a panel with its upper left corner at the origin.
+pub fn draw(plot: &Plot) -> Drawn {
+    let mut canvas = Canvas::new(plot);
+    canvas.head(plot);
+    canvas.grid(plot);
+    canvas.levels(plot);
+    canvas.flags(plot);
+    canvas.series(plot);
+    canvas.marks(plot);
+    let more = canvas.legend(plot);
+    Drawn { height: canvas.bottom + BOTTOM + more, elements: canvas.pen.out }
+}
+
+/// The frame's place and axes, and what is drawn so far.
+struct Canvas {
+    pen: Pen,
+    x: Fitted,
+    y: Fitted,
+    top: f64,
+    right: f64,
+    bottom: f64,
+}
+
+impl Canvas {
+    fn new(plot: &Plot) -> Self {
+        let points = || {
+            let series = plot.series.iter().flat_map(|s| &s.points);
+            series.chain(plot.marks.iter().map(|m| &m.point))
+        };
+        let heights = points().flat_map(|p| [p.y, p.low, p.high]);
+        let levels = plot.levels.iter().map(|l| l.y);
+        // Flags lean over by half a right angle, so they need as much room to the right as above.
+        let length = |m: &Mark| {
+            let letter = if m.ring == Ring::Best { BOLD_LETTER } else { LETTER };
+            m.label.chars().count() as f64 * letter
+        };
+        let longest = plot.marks.iter().map(length).fold(0.0, f64::max);
+        let flag = longest * std::f64::consts::FRAC_1_SQRT_2;
+        let top = HEAD + if longest == 0.0 { 0.0 } else { flag + BEND + 8.0 };
+        Self {
+            pen: Pen::default(),
+            x: Fitted::new(&plot.x.scale, points().map(|p| p.x)),
+            y: Fitted::new(&plot.y.scale, heights.chain(levels)),
+            top,
+            right: WIDTH - f64::max(34.0, flag + 12.0).min(WIDTH / 3.0),
+            bottom: top + HEIGHT,
+        }
+    }
+
+    /// Where a number lies on the picture, from the left.
+    fn across(&self, x: f64) -> Option<f64> {
+        Some(LEFT + self.x.place(x)? * (self.right - LEFT))
+    }
+
+    /// Where a number lies on the picture, from above.
+    fn down(&self, y: f64) -> Option<f64> {
+        Some(self.bottom - self.y.place(y)? * HEIGHT)
+    }
+
+    /// The end of an error bar, which ends at the frame at the latest.
+    fn down_within(&self, y: f64) -> f64 {
+        self.bottom - self.y.nearest_place(y) * HEIGHT
+    }
+
+    fn place(&self, point: &Point) -> Option<(f64, f64)> {
+        Some((self.across(point.x)?, self.down(point.y)?))
+    }
+
+    fn head(&mut self, plot: &Plot) {
+        self.pen.text(LEFT, 28.0, Font { size: 17.0, is_bold: true, ..PLAIN }, &plot.title);
+        self.pen.text(LEFT, 47.0, Font { color: GREY, ..PLAIN }, &plot.subtitle);
+    }
+
+    fn grid(&mut self, plot: &Plot) {
+        let (top, right, bottom) = (self.top, self.right, self.bottom);
+        for tick in self.x.ticks.clone() {
+            let Some(x) = self.across(tick.at) else { continue };
+            if let Some(label) = &tick.label {
+                if !matches!(plot.x.scale, Scale::Words(_)) {
+                    self.pen.path(&[(x, top), (x, bottom)], GRID, 1.0, "");
+                }
+                self.pen.text(x, bottom + 20.0, Font { anchor: "middle", ..PLAIN }, label);
+            }
+            let length = if tick.label.is_some() { 6.0 } else { 3.0 };
+            self.pen.path(&[(x, bottom), (x, bottom + length)], INK, 1.0, "");
+        }
+        for tick in self.y.ticks.clone() {
+            let Some(y) = self.down(tick.at) else { continue };
+            if let Some(label) = &tick.label {
+                self.pen.path(&[(LEFT, y), (right, y)], GRID, 1.0, "");
+                self.pen.text(LEFT - 10.0, y + 4.0, Font { anchor: "end", ..PLAIN }, label);
+            }
+            let length = if tick.label.is_some() { 6.0 } else { 3.0 };
+            self.pen.path(&[(LEFT - length, y), (LEFT, y)], INK, 1.0, "");
+        }
+        self.pen.path(&[(LEFT, top), (LEFT, bottom), (right, bottom)], INK, 1.0, "");
+        let (middle, centre) = ((LEFT + right) / 2.0, (top + bottom) / 2.0);
+        let axis = Font { size: 13.0, anchor: "middle", ..PLAIN };
+        self.pen.text(middle, bottom + 44.0, axis, &plot.x.label);
+        self.pen.text(24.0, centre, Font { turned: -90.0, ..axis }, &plot.y.label);
+    }
+
+    fn levels(&mut self, plot: &Plot) {
+        for level in &plot.levels {
+            let Some(y) = self.down(level.y) else { continue };
+            self.pen.path(&[(LEFT, y), (self.right, y)], GREY, 1.0, " stroke-dasharray=\"6 4\"");
+            let font = Font { size: 11.0, color: GREY, ..PLAIN };
+            self.pen.text(LEFT + 8.0, y - 5.0, font, &level.label);
+        }
+    }
+
+    /// A line from each mark up to its label above the frame.
+    fn flags(&mut self, plot: &Plot) {
+        let mut flags: Vec<(f64, f64, &Mark)> = plot
+            .marks
+            .iter()
+            .filter(|mark| !mark.label.is_empty())
+            .filter_map(|mark| self.place(&mark.point).map(|(x, y)| (x, y, mark)))
+            .collect();
+        flags.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let wanted: Vec<f64> = flags.iter().map(|(x, _, _)| *x).collect();
+        let places = spread(&wanted, FLAG_GAP, LEFT, self.right);
+        for ((x, y, mark), place) in flags.into_iter().zip(places) {
+            let color = color_of(mark);
+            let line = [(x, y), (x, self.top), (place, self.top - BEND)];
+            self.pen.path(&line, color, 0.8, " stroke-opacity=\"0.55\"");
+            let font = Font { color, is_bold: mark.ring == Ring::Best, turned: -45.0, ..PLAIN };
+            self.pen.text(place + 4.0, self.top - BEND - 3.0, font, &mark.label);
+        }
+    }
+
+    fn series(&mut self, plot: &Plot) {
+        for (i, series) in plot.series.iter().enumerate() {
+            let (color, dashes) = style_of(i);
+            let places: Vec<(f64, f64)> =
+                series.points.iter().filter_map(|p| self.place(p)).collect();
+            if series.is_joined && places.len() > 1 {
+                self.pen.path(&places, color, 1.8, dashes);
+            }
+            for point in &series.points {
+                self.error_bar(point, color);
+            }
+            for (x, y) in places {
+                self.pen.circle(x, y, color);
+            }
+        }
+    }
+
+    fn error_bar(&mut self, point: &Point, color: &str) {
+        let Some((x, _)) = self.place(point) else { return };
+        if point.low == point.high {
+            return;
+        }
+        let (low, high) = (self.down_within(point.low), self.down_within(point.high));
+        self.pen.path(&[(x, low), (x, high)], color, 1.2, "");
+        for y in [low, high] {
+            self.pen.path(&[(x - 4.0, y), (x + 4.0, y)], color, 1.2, "");
+        }
+    }
+
+    fn marks(&mut self, plot: &Plot) {
+        for mark in &plot.marks {
+            let Some((x, y)) = self.place(&mark.point) else { continue };
+            if !mark.is_in_series {
+                self.error_bar(&mark.point, MARK);
+                self.pen.diamond(x, y, MARK);
+            }
+            self.pen.ring(x, y, mark.ring);
+        }
+    }
+
+    /// The names of the series, in as many lines as they need; returns the height of those beyond
+    /// the first.
+    fn legend(&mut self, plot: &Plot) -> f64 {
+        let first = self.bottom + 68.0;
+        let (left, mut y) = (LEFT + 6.0, first);
+        let mut x = left;
+        for (i, series) in plot.series.iter().enumerate() {
+            let (color, dashes) = style_of(i);
+            let width = series.name.chars().count() as f64 * LETTER;
+            if x > left && x + 12.0 + width > WIDTH {
+                (x, y) = (left, y + LEGEND_STEP);
+            }
+            if series.is_joined && !dashes.is_empty() {
+                self.pen.path(&[(x - 14.0, y - 4.0), (x + 10.0, y - 4.0)], color, 1.8, dashes);
+            }
+            self.pen.circle(x, y - 4.0, color);
+            self.pen.text(x + 12.0, y, PLAIN, &series.name);
+            x += 44.0 + width;
+        }
+        let is_drawn = |m: &Mark| !m.is_in_series && self.place(&m.point).is_some();
+        if plot.marks.iter().any(is_drawn) {
+            self.pen.diamond(x, y - 4.0, MARK);
+            self.pen.text(x + 12.0, y, PLAIN, &plot.marks_name);
+        }
+        y - first
+    }
+}
+
+fn color_of(mark: &Mark) -> &'static str {
+    match mark.ring {
+        Ring::Best => BEST,
+        _ if mark.is_in_series => SERIES[0],
+        _ => MARK,
+    }
+}

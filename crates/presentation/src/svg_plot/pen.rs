@@ -1,0 +1,97 @@
+//! What panels and charts are drawn with: text, lines, points.
+
+use std::fmt::Write;
+
+use crate::svg_plot::palette::{BEST, INK};
+use crate::svg_plot::plot::Ring;
+use crate::svg_plot::xml::escaped;
+
+/// Width of a letter of a label, about.
+pub const LETTER: f64 = 6.4;
+/// The same of a bold one.
+pub const BOLD_LETTER: f64 = 7.4;
+
+/// How text stands at its place.
+#[derive(Clone, Copy)]
+pub struct Font {
+    /// Height, in pixels.
+    pub size: f64,
+    /// `start`, `middle` or `end`.
+    pub anchor: &'static str,
+    /// Colour.
+    pub color: &'static str,
+    /// Bold.
+    pub is_bold: bool,
+    /// Degrees, clockwise.
+    pub turned: f64,
+}
+
+/// The usual text.
+pub const PLAIN: Font =
+    Font { size: 12.0, anchor: "start", color: INK, is_bold: false, turned: 0.0 };
+
+/// What is drawn so far.
+#[derive(Default)]
+pub struct Pen {
+    /// SVG elements.
+    pub out: String,
+}
+
+impl Pen {
+    /// Text at a place.
+    pub fn text(&mut self, x: f64, y: f64, font: Font, text: &str) {
+        let Font { size, anchor, color, is_bold, turned } = font;
+        let weight = if is_bold { " font-weight=\"bold\"" } else { "" };
+        let turn = match turned {
+            0.0 => String::new(),
+            degrees => format!(" transform=\"rotate({degrees} {x:.1} {y:.1})\""),
+        };
+        let _ = writeln!(
+            self.out,
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\" \
+             fill=\"{color}\"{weight}{turn}>{}</text>",
+            escaped(text)
+        );
+    }
+
+    /// Straight lines from point to point; `more` are further attributes.
+    pub fn path(&mut self, points: &[(f64, f64)], color: &str, width: f64, more: &str) {
+        let places: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let _ = writeln!(
+            self.out,
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"\
+             {more}/>",
+            places.join(" ")
+        );
+    }
+
+    /// The point of a series.
+    pub fn circle(&mut self, x: f64, y: f64, color: &str) {
+        let _ =
+            writeln!(self.out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{color}\"/>");
+    }
+
+    /// A point that belongs to no series.
+    pub fn diamond(&mut self, x: f64, y: f64, color: &str) {
+        let _ = writeln!(
+            self.out,
+            "<path d=\"M{x:.1} {:.1}l5.5 5.5l-5.5 5.5l-5.5 -5.5z\" fill=\"{color}\"/>",
+            y - 5.5
+        );
+    }
+
+    /// A ring around a point.
+    pub fn ring(&mut self, x: f64, y: f64, ring: Ring) {
+        let style = match ring {
+            Ring::None => return,
+            Ring::Best => "stroke-width=\"2\"",
+            Ring::AsGood => "stroke-width=\"1.2\" stroke-dasharray=\"3 2\"",
+        };
+        let left = x - 8.0;
+        let _ = writeln!(
+            self.out,
+            "<path d=\"M{left:.1} {y:.1}a8 8 0 1 0 16 0a8 8 0 1 0 -16 0z\" fill=\"none\" \
+             stroke=\"{BEST}\" {style}/>"
+        );
+    }
+}

@@ -1,0 +1,104 @@
+//! What is plotted.
+
+/// Width of a figure, in pixels.
+pub const WIDTH: f64 = 900.0;
+
+/// A panel of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    /// Above it, large.
+    pub title: String,
+    /// Below the title, small.
+    pub subtitle: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Curves.
+    pub series: Vec<Series>,
+    /// Points with labels.
+    pub marks: Vec<Mark>,
+    /// What marks that belong to no series are, for the legend.
+    pub marks_name: String,
+    /// Horizontal lines to compare with.
+    pub levels: Vec<Level>,
+}
+
+/// An axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What it shows, with its unit.
+    pub label: String,
+    /// How it shows it.
+    pub scale: Scale,
+}
+
+/// How an axis maps numbers to places. Its ends follow from what is plotted.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scale {
+    /// Equal differences, equal lengths.
+    Linear,
+    /// The same, from zero.
+    FromZero,
+    /// Equal ratios, equal lengths; what is not above zero has no place.
+    Log,
+    /// Words at 0, 1, 2...
+    Words(Vec<String>),
+}
+
+/// A curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// For the legend.
+    pub name: String,
+    /// Its points, in the order in which they are joined.
+    pub points: Vec<Point>,
+    /// Lines between the points.
+    pub is_joined: bool,
+}
+
+/// A point with an error bar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Place on the horizontal axis.
+    pub x: f64,
+    /// Place on the vertical axis.
+    pub y: f64,
+    /// Lower end of the error bar.
+    pub low: f64,
+    /// Upper end of the error bar.
+    pub high: f64,
+}
+
+/// A point that is pointed out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// The point.
+    pub point: Point,
+    /// The label; may be empty.
+    pub label: String,
+    /// The ring around it.
+    pub ring: Ring,
+    /// The point is one of a series and drawn with it.
+    pub is_in_series: bool,
+}
+
+/// A ring around a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ring {
+    /// None.
+    None,
+    /// Full: the best.
+    Best,
+    /// Dashed: as good as the best.
+    AsGood,
+}
+
+/// A horizontal line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Place on the vertical axis.
+    pub y: f64,
+    /// The label.
+    pub label: String,
+}

@@ -1,0 +1,132 @@
+//! The stages that an image is traced by. Each takes a whole wave of rays or hits at one dynamic
+//! call; which ones there are is decided once, before the first ray ([`crate::effects::plan`]).
+
+use std::ops::Range;
+
+use glam::DVec3;
+use scene_loading::Rgb;
+
+use super::counts::RayCounts;
+use crate::rays::RayKind;
+use crate::shading::surface::SurfacePoint;
+
+/// What a path remembers from its eye ray on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Origin {
+    /// Pixel within the row.
+    pub column: u32,
+    /// Number of the sample within the pixel: index into its sample patterns.
+    pub sample: u32,
+    /// Already one of several rays of a rough mirror.
+    pub fanned: bool,
+    /// When it is, from 0 to the exposure.
+    pub time: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EyeRay {
+    pub from: DVec3,
+    /// Its unit direction.
+    pub direction: DVec3,
+    /// What it is a part of.
+    pub origin: Origin,
+    /// Its share of the pixel.
+    pub share: f64,
+}
+
+/// A hit made ready for shading.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceHit<'a> {
+    pub point: SurfacePoint<'a>,
+    pub id: u32,
+    /// Direction of the ray that hit.
+    pub incoming: DVec3,
+    /// What the light found here contributes to the pixel.
+    pub weight: Rgb,
+    /// Its eye ray.
+    pub origin: Origin,
+}
+
+/// A question to a light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShadowRay {
+    /// Index of the hit it starts at, within those given.
+    pub hit: u32,
+    /// The point of the light that it asks, world units.
+    pub target: DVec3,
+    /// What arrives at the pixel if nothing is in the way.
+    pub light: Rgb,
+}
+
+/// A ray that a hit sends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scattered {
+    /// Index of the hit it starts at, within the wave.
+    pub hit: u32,
+    /// Reflected or refracted.
+    pub kind: RayKind,
+    /// Unit direction.
+    pub direction: DVec3,
+    /// What the light found by it contributes to the pixel.
+    pub weight: Rgb,
+    /// Its eye ray.
+    pub origin: Origin,
+}
+
+/// Where a wave is: row of the image, and depth (1 for hits of eye rays).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WavePosition {
+    pub y: u32,
+    pub depth: u32,
+}
+
+/// Makes the rays of pixels.
+pub trait EyeStage: Send + Sync {
+    fn rays_per_pixel(&self) -> u32;
+    /// The rays of some columns of row `y`, column by column.
+    fn rays(&self, y: u32, columns: Range<u32>, out: &mut Vec<EyeRay>, counts: &mut RayCounts);
+}
+
+/// Corrects what hits look like.
+pub trait HitStage: Send + Sync {
+    /// Changes the hits of a wave.
+    fn apply(&self, hits: &mut [SurfaceHit<'_>]);
+}
+
+pub trait LightStage: Send + Sync {
+    /// Shadow rays per hit, at most.
+    fn rays_per_hit(&self) -> usize;
+    /// The shadow rays of some hits.
+    fn shadow_rays(
+        &self,
+        place: WavePosition,
+        hits: &[SurfaceHit<'_>],
+        out: &mut Vec<ShadowRay>,
+        counts: &mut RayCounts,
+    );
+}
+
+pub trait ScatterStage: Send + Sync {
+    /// The reflected and refracted rays of a wave.
+    fn scatter(
+        &self,
+        place: WavePosition,
+        hits: &[SurfaceHit<'_>],
+        out: &mut Vec<Scattered>,
+        counts: &mut RayCounts,
+    );
+}
+
+/// The stages of an image; what is `None` or empty is not there.
+pub struct Stages<'a> {
+    /// Rays from the eye.
+    pub eye: Box<dyn EyeStage>,
+    /// Rays that an eye ray may become at once: bounds the size of waves.
+    pub fan_out: u32,
+    /// Corrections of hits, in order.
+    pub hits: Vec<Box<dyn HitStage + 'a>>,
+    /// Light, if there is any.
+    pub lights: Option<Box<dyn LightStage>>,
+    /// Reflection and refraction, if anything does either.
+    pub scatter: Option<Box<dyn ScatterStage>>,
+}

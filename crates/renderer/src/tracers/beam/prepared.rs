@@ -1,0 +1,60 @@
+//! A scene made ready for beams.
+
+use glam::DVec3;
+use scene_loading::{Rgb, Scene};
+
+use super::faces::Faces;
+use super::refusal::refusal;
+use super::settings::Settings;
+use crate::camera::{EyeRays, Sampling};
+use crate::effects::lights;
+use crate::shading::surface::Surfaces;
+use crate::tracers::drawing::{Frame, Structures};
+use crate::tracers::info::Refusal;
+
+/// A scene made ready for beams.
+pub struct Prepared<'a> {
+    pub scene: &'a Scene,
+    pub over: Structures<'a>,
+    pub settings: Settings,
+    pub frame: Frame,
+    pub eye: EyeRays,
+    pub faces: Faces,
+    pub surfaces: Surfaces<'a>,
+    pub lights: Vec<(DVec3, Rgb)>,
+    /// Largest coordinate, world units.
+    pub magnitude: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// Refuses what beams cannot do.
+    ///
+    /// # Errors
+    /// [`Refusal`] naming what the scene has.
+    pub fn new(
+        scene: &'a Scene,
+        frame: Frame,
+        settings: &Settings,
+        over: Structures<'a>,
+    ) -> Result<Self, Refusal> {
+        refusal(scene)?;
+        let bounds = scene.bounds();
+        let eye = scene.camera.from.abs().max_element();
+        let magnitude = if bounds.is_empty() {
+            eye.max(1.0)
+        } else {
+            bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
+        };
+        Ok(Self {
+            scene,
+            over,
+            settings: Settings { tile: settings.tile.max(1), ..*settings },
+            frame,
+            eye: EyeRays::new(&scene.camera, frame.resolution, Sampling::PixelCentres),
+            faces: Faces::of(scene),
+            surfaces: Surfaces::new(scene, false),
+            lights: lights(scene),
+            magnitude,
+        })
+    }
+}

@@ -1,0 +1,91 @@
+//! A scene made ready for cones, and how a cone leaves its surfaces.
+
+use glam::DVec3;
+use scene_loading::{Rgb, Scene};
+
+use super::circular_cone::Cone;
+use super::coverage::Left;
+use super::forms::Forms;
+use super::settings::Settings;
+use super::widening::LEAST_COSINE;
+use crate::effects::{ImageColors, SurfaceHit, lights};
+use crate::shading::leaving::{Leaving, OffsetRule};
+use crate::shading::surface::Surfaces;
+use crate::tracers::drawing::Structures;
+
+/// A surface that is seen in less than this share of a cone is not shaded.
+pub(super) const UNSEEN: f64 = 1e-6;
+
+/// What a flat surface's neighbours in its plane may be off it by rounding, in epsilons of its
+/// largest coordinate.
+const PLANE_SLACK: f64 = 64.0 * f64::EPSILON;
+
+/// A scene made ready for cones.
+pub struct Caster<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) surfaces: Surfaces<'a>,
+    pub(super) forms: Forms,
+    pub(super) leaving: Leaving,
+    /// Centre, colour and radius.
+    pub(super) lights: Vec<(DVec3, Rgb, f64)>,
+    pub(super) textures: ImageColors<'a>,
+    pub(super) bounds: [DVec3; 2],
+    pub(super) max_depth: u32,
+    pub(super) settings: Settings,
+    pub(super) over: Structures<'a>,
+}
+
+/// What a bundle will contribute, and where in the tree it is.
+#[derive(Clone, Copy)]
+pub(super) struct Path {
+    /// What it contributes, by colour.
+    pub weight: Rgb,
+    /// 1 for those from the eye.
+    pub depth: u32,
+    /// How often it was cut.
+    pub level: u32,
+}
+
+impl<'a> Caster<'a> {
+    pub fn new(scene: &'a Scene, settings: Settings, max_depth: u32, over: Structures<'a>) -> Self {
+        let bounds = scene.bounds();
+        let radii = scene.lights.iter().map(|light| light.radius());
+        Self {
+            scene,
+            surfaces: Surfaces::new(scene, false),
+            forms: Forms::new(scene),
+            // this rule asks for no magnitude
+            leaving: Leaving::new(OffsetRule::default(), 0.0),
+            lights: lights(scene).into_iter().zip(radii).map(|((p, c), r)| (p, c, r)).collect(),
+            textures: ImageColors::new(scene),
+            bounds: [bounds.min, bounds.max],
+            max_depth,
+            settings,
+            over,
+        }
+    }
+
+    /// The surface that a bundle leaves along a direction.
+    pub(super) fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Left {
+        let foot = hit.point.foot;
+        let inwards = direction.dot(foot.normal) < 0.0;
+        // within a convex body, all of it is on the inner side of the surface
+        let is_one_sided = self.forms.is_flat(hit.id) || self.forms.is_ball(hit.id) && inwards;
+        let plane = is_one_sided.then(|| {
+            let normal = if inwards { -foot.normal } else { foot.normal };
+            (normal, normal.dot(foot.position) + PLANE_SLACK * foot.magnitude)
+        });
+        Left { id: hit.id, inwards, plane }
+    }
+
+    /// The cone that leaves a flat surface begins where its edge does, before its middle.
+    pub(super) fn begun(&self, mut cone: Cone, left: &Left) -> Cone {
+        if let Some((normal, _)) = left.plane.filter(|_| self.forms.is_flat(left.id)) {
+            let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
+            let slope = (1.0 - cosine * cosine).sqrt() / cosine;
+            // the edge recedes from the axis as the cone spreads
+            cone.begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
+        }
+        cone
+    }
+}

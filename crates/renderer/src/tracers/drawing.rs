@@ -1,0 +1,36 @@
+//! What tracers without samples draw with, and what they give.
+
+use accel_core::region::{Gatherer, Work};
+use accel_core::tracer::Tracer;
+
+use crate::film::Image;
+
+/// The structures over a scene's primitives, in f64; ids are the positions in
+/// [`Scene::primitives`].
+#[derive(Clone, Copy)]
+pub struct Structures<'a> {
+    /// Answers rays.
+    pub rays: &'a dyn Tracer<f64>,
+    /// Answers beams and cones.
+    pub shafts: &'a dyn Gatherer,
+}
+
+/// How large an image is, and how deep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+    /// Eye rays have depth 1; nothing is sent on from this depth.
+    pub max_depth: u32,
+}
+
+/// An image by cones or beams.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The image.
+    pub image: Image,
+    /// What its candidate queries cost.
+    pub work: Work,
+    /// What else was counted, in the tracer's own words: `shadow beams`.
+    pub counts: Vec<(&'static str, u64)>,
+}

@@ -1,0 +1,110 @@
+//! The work of an image: what its rays cost the structure, in all or by pixel.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use accel_core::counters::WorkCounters;
+use accel_core::structures::{Buildable, Shape};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::{Hit, Ray};
+use rayon::prelude::*;
+use scene_loading::Scene;
+
+use super::whitted::Whitted;
+use crate::effects::EffectPlan;
+
+/// A tracer that counts whatever it is asked for. Slower than the one it asks.
+pub struct Counted<'a, S: Buildable> {
+    tracer: &'a dyn Tracer<S>,
+    total: Mutex<WorkCounters>,
+}
+
+impl<'a, S: Buildable> Counted<'a, S> {
+    /// Counts from 0.
+    pub fn new(tracer: &'a dyn Tracer<S>) -> Self {
+        Self { tracer, total: Mutex::default() }
+    }
+
+    /// What was counted so far.
+    pub fn total(&self) -> WorkCounters {
+        *self.total.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn add(&self, work: WorkCounters) -> WorkCounters {
+        *self.total.lock().unwrap_or_else(PoisonError::into_inner) += work;
+        work
+    }
+}
+
+impl<S: Buildable> Tracer<S> for Counted<'_, S> {
+    fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        self.count_closest_hits(rays, hits);
+    }
+
+    fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        let mut answers = vec![ShadowCount::default(); rays.len()];
+        self.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
+        for (blocked, answer) in blocked.iter_mut().zip(&answers) {
+            *blocked = answer.blocked;
+        }
+    }
+
+    fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
+        self.add(self.tracer.count_closest_hits(rays, hits))
+    }
+
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+    ) -> WorkCounters {
+        self.add(self.tracer.count_occlusions(rays, rule, answers))
+    }
+
+    fn shape(&self) -> Shape {
+        self.tracer.shape()
+    }
+}
+
+/// What each pixel of an image took, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelWork {
+    /// Pixels of the image.
+    pub resolution: [u32; 2],
+    /// Ray-primitive intersection tests.
+    pub tests: Vec<f64>,
+    /// Traversal steps.
+    pub steps: Vec<f64>,
+    /// Nanoseconds, from a pass of its own that does not count.
+    pub nanoseconds: Vec<f64>,
+}
+
+/// Traces pixel by pixel, in the current rayon pool; `now` is read before and after each.
+pub fn pixel_work<S: Buildable>(
+    scene: &Scene,
+    tracer: &dyn Tracer<S>,
+    plan: &EffectPlan,
+    now: &(dyn Fn() -> Duration + Sync),
+) -> PixelWork {
+    let whitted = Whitted::planned(scene, plan);
+    let (width, height) = (whitted.columns(), whitted.rows());
+    let one = |y: u32, x: u32| {
+        let counted = Counted::new(tracer);
+        whitted.trace_columns(&counted, y, x..x + 1);
+        let work = counted.total();
+        let start = now();
+        whitted.trace_columns(tracer, y, x..x + 1);
+        let time = now().saturating_sub(start);
+        (work.intersection_tests as f64, work.traversal_steps as f64, time.as_nanos() as f64)
+    };
+    let rows: Vec<Vec<(f64, f64, f64)>> =
+        (0..height).into_par_iter().map(|y| (0..width).map(|x| one(y, x)).collect()).collect();
+    let pixels = rows.concat();
+    PixelWork {
+        resolution: [width, height],
+        tests: pixels.iter().map(|p| p.0).collect(),
+        steps: pixels.iter().map(|p| p.1).collect(),
+        nanoseconds: pixels.iter().map(|p| p.2).collect(),
+    }
+}

@@ -1,0 +1,42 @@
+//! `rtbench list`.
+
+use clap::{Args, ValueEnum};
+
+/// `rtbench list`.
+#[derive(Debug, Clone, Args)]
+pub struct ListArgs {
+    /// What to list
+    #[arg(value_enum)]
+    pub what: Listed,
+    /// As text or as JSON
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+}
+
+/// What can be listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Listed {
+    /// Structures with their parameters
+    Structures,
+    /// Occluders, which answer shadow rays, with their parameters
+    Occluders,
+    /// Tracers, which make images, with what each assumes and refuses
+    Tracers,
+    /// Scenes by name
+    Scenes,
+    /// Sets of scenes
+    Sets,
+    /// Kinds of rays
+    Rays,
+    /// Axes of accuracy
+    Axes,
+}
+
+/// How to print a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For reading
+    Text,
+    /// For programs
+    Json,
+}

@@ -1,0 +1,122 @@
+//! Runs that can be gone on with: their journals, and what is left of them.
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+
+use measurement::journal::lines::{Line, Manifest, Recovered};
+use measurement::journal::{Journal, JournalError};
+use measurement::plan::Plan;
+use measurement::record::RunRecord;
+use measurement::system::interrupt::{self, Mark, Unfinished};
+use scene_loading::source_names::name_of_path;
+
+use crate::commands::measuring::Kept;
+use crate::context::Context;
+use crate::error::Error;
+
+/// Begins the journal of a run in its folder, which is there.
+///
+/// # Errors
+/// Those of [`Journal::begin`].
+pub fn journal_in(
+    context: &Context<'_>,
+    folder: &Path,
+    plan: &Plan<'_>,
+    record: &RunRecord,
+    arguments: &[OsString],
+) -> Result<Journal, Error> {
+    let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
+    Ok(Journal::begin(folder, manifest(context, plan, record, arguments))?)
+}
+
+/// A run that was begun in a folder, and what it left there.
+pub struct Begun<'f> {
+    /// The folder.
+    pub folder: &'f Path,
+    /// Its journal.
+    pub journal: Journal,
+    /// What the journal holds.
+    pub found: Recovered,
+}
+
+/// What is left to do of a run that was begun, and its record, which goes on with `record`.
+///
+/// # Errors
+/// [`JournalError::Differs`] where the plan is not that of the run.
+pub fn go_on(
+    context: &mut Context<'_>,
+    begun: Begun<'_>,
+    plan: &Plan<'_>,
+    mut record: RunRecord,
+) -> Result<(Kept, RunRecord), Error> {
+    let Begun { folder, journal, found } = begun;
+    let Recovered { manifest: was, finished, died_in, .. } = found;
+    let mut differences = was.differences(&manifest(context, plan, &record, Vec::new()));
+    for (&i, scene) in &finished {
+        // one without a row within its limits was never loaded
+        let Some(known) = plan.scenes.get(i).filter(|_| !scene.sha256.is_empty()) else { continue };
+        let sha256 = known.load()?.sha256;
+        if sha256 != scene.sha256 {
+            let name = known.name();
+            differences.push(format!("scene {name}: sha256 was {}, is {sha256}", scene.sha256));
+        }
+    }
+    if !differences.is_empty() {
+        let (folder, differences) = (folder.to_owned(), differences.join("; "));
+        return Err(JournalError::Differs { folder, differences }.into());
+    }
+    if let Some(known) = died_in.and_then(|i| plan.scenes.get(i)) {
+        let name = known.name();
+        context.warn(format_args!(
+            "the run ended in scene {name} without a word: killed, or out of memory; trying again"
+        ));
+    }
+    (record.command_line, record.started_unix_s) = (was.command_line, was.started_unix_s);
+    let count = Arc::new(AtomicUsize::new(finished.len()));
+    Ok((Kept { journal: Some(journal), finished, count }, record))
+}
+
+/// From here on a signal marks the run's journal and ends the process.
+///
+/// # Errors
+/// [`Error::Signals`], the journal's.
+pub fn watch(kept: &Kept, folder: Option<&Path>, scenes: usize) -> Result<(), Error> {
+    let journal = match (&kept.journal, folder) {
+        (Some(journal), Some(folder)) => {
+            Some((journal.handle()?, mark_line as Mark, folder.to_owned()))
+        }
+        _ => None,
+    };
+    let finished = Arc::clone(&kept.count);
+    interrupt::watch(Unfinished { journal, scenes, finished }).map_err(Error::Signals)
+}
+
+/// The last line of a journal whose run a signal ended.
+fn mark_line(signal: i32) -> Option<String> {
+    serde_json::to_string(&Line::Interrupted(signal)).ok()
+}
+
+/// What the run is, for its journal.
+fn manifest(
+    context: &Context<'_>,
+    plan: &Plan<'_>,
+    record: &RunRecord,
+    arguments: Vec<String>,
+) -> Manifest {
+    Manifest {
+        schema_version: record.schema_version,
+        tool: record.tool.clone(),
+        program_sha256: context.world.program_sha256(),
+        compiler: record.compiler.clone(),
+        machine: record.machine.clone(),
+        settings: record.settings.clone(),
+        rounds: format!("{:?}", plan.rounds),
+        scenes: record.planned.clone(),
+        rows: plan.rows.iter().map(|row| row.label()).collect(),
+        arguments,
+        command_line: record.command_line.clone(),
+        started_unix_s: record.started_unix_s,
+    }
+}

@@ -1,0 +1,60 @@
+//! The files that `rtbench run` writes: one line a format.
+
+use std::path::PathBuf;
+
+use measurement::record::RunRecord;
+use presentation::format_error::FormatError;
+use presentation::json;
+use studies::run::{csv, markdown};
+
+use crate::args::ExportArgs;
+use crate::exports::outputs::{OutputError, Outputs};
+use crate::exports::{bencher, github_action_benchmark};
+
+/// A format that the record of a run is written in.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exporter {
+    /// Where the command line wants it.
+    pub path: fn(&ExportArgs) -> Option<&PathBuf>,
+    /// The file's name in the folder of `-o`, if it is written there.
+    pub in_folder: Option<&'static str>,
+    /// The text of what is finished so far.
+    pub to_string: fn(&RunRecord) -> Result<String, FormatError>,
+}
+
+/// All formats.
+static EXPORTERS: [Exporter; 6] = [
+    exporter(|args| args.export_csv.as_ref(), Some("results.csv"), csv::to_string),
+    exporter(|args| args.export_markdown.as_ref(), Some("results.md"), markdown::exported),
+    exporter(|args| args.export_json.as_ref(), Some("results.json"), json::written),
+    exporter(|args| args.export_github_smaller.as_ref(), None, github_action_benchmark::smaller),
+    exporter(|args| args.export_github_bigger.as_ref(), None, github_action_benchmark::bigger),
+    exporter(|args| args.export_bencher.as_ref(), None, bencher::to_string),
+];
+
+const fn exporter(
+    path: fn(&ExportArgs) -> Option<&PathBuf>,
+    in_folder: Option<&'static str>,
+    to_string: fn(&RunRecord) -> Result<String, FormatError>,
+) -> Exporter {
+    Exporter { path, in_folder, to_string }
+}
+
+/// Creates the files that the command line of a run names.
+///
+/// # Errors
+/// [`OutputError::Write`] naming the file or folder, [`OutputError::OneStdout`].
+pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
+    let mut outputs = Outputs::default();
+    if let Some(folder) = &args.output {
+        outputs.folder(folder)?;
+        for exporter in &EXPORTERS {
+            let path = exporter.in_folder.map(|name| folder.join(name));
+            outputs.add(path.as_ref(), exporter.to_string)?;
+        }
+    }
+    for exporter in &EXPORTERS {
+        outputs.add((exporter.path)(args), exporter.to_string)?;
+    }
+    Ok(outputs)
+}

@@ -1,0 +1,42 @@
+//! What is compared.
+
+use measurement::record::metrics::Metric;
+use measurement::record::{RowRecord, RunRecord, SceneRecord};
+use regex_lite::Regex;
+
+/// What to compare, and what to show of it.
+#[derive(Debug)]
+pub struct Choice {
+    /// The metrics.
+    pub metrics: Vec<&'static Metric>,
+    /// Exact metrics that are equal are shown, not only counted.
+    pub shows_equal: bool,
+    /// Finds what is compared.
+    pub filter: Option<Regex>,
+    /// Percent that are shown from.
+    pub threshold: Option<f64>,
+    /// What cannot be compared is compared.
+    pub is_forced: bool,
+}
+
+impl Choice {
+    /// Whether the filter, if there is one, finds a metric of a row.
+    pub fn finds(&self, scene: &str, label: &str, metric: &str) -> bool {
+        let found = |filter: &Regex| filter.is_match(&format!("{scene}/{label}/{metric}"));
+        self.filter.as_ref().is_none_or(found)
+    }
+}
+
+/// A run with the name it is given in tables.
+#[derive(Debug, Clone, Copy)]
+pub struct Named<'r> {
+    /// `A`, `B`, ...
+    pub letter: &'r str,
+    /// Where it was read from.
+    pub path: &'r str,
+    /// The run.
+    pub run: &'r RunRecord,
+}
+
+/// Two scenes, two rows.
+pub type Pair<'r> = ([&'r SceneRecord; 2], [&'r RowRecord; 2]);

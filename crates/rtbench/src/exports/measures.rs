@@ -1,0 +1,78 @@
+//! What services that keep time series want of a run: a flat list of named numbers.
+//!
+//! Rows whose times may not be shown (wrong, not built, panicked) are left out of it, counters and
+//! all; `run` ends with exit code 4 or 1 for them.
+
+use measurement::record::metrics::{METRICS, Reading};
+use measurement::record::{RowRecord, RunRecord};
+use statistics::estimate::estimate;
+
+/// A number of a row of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measure {
+    /// Scene and row: `teapot: uniform-grid density=1`.
+    pub row: String,
+    /// As in [`METRICS`]; of rates `mrays-primary` and so on.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The value; of what was measured, the median.
+    pub value: f64,
+    /// The ends of the 95% interval, of what was measured.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// Times, ratios and counters: the metrics of every timed row. Smaller is better.
+pub fn costs(run: &RunRecord) -> Vec<Measure> {
+    let mut measures = Vec::new();
+    for scene in &run.scenes {
+        for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
+            // rates have the kinds of rays
+            let of_all = METRICS.iter().filter(|m| !matches!(m.reading, Reading::RatioOf(_)));
+            for metric in of_all {
+                let values = metric.values(scene, row);
+                let Some(found) = estimate(&values, run.settings.seed) else { continue };
+                let is_exact = metric.is_exact();
+                measures.push(Measure {
+                    row: name_of(&scene.name, row),
+                    name: metric.name.to_owned(),
+                    unit: match metric.unit {
+                        "" if is_exact => "count",
+                        "" => "ratio",
+                        unit => unit,
+                    },
+                    value: found.median,
+                    interval: (!is_exact).then_some([found.low, found.high]),
+                });
+            }
+        }
+    }
+    measures
+}
+
+/// Millions of rays a second by kind, of every timed row. Bigger is better.
+pub fn rates(run: &RunRecord) -> Vec<Measure> {
+    let mut measures = Vec::new();
+    for scene in &run.scenes {
+        for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
+            for (kind, &rays) in &row.rays_by_kind {
+                let seconds = row.samples.iter().filter_map(|s| s.trace_s.get(kind).copied());
+                let found = estimate(&seconds.collect::<Vec<_>>(), run.settings.seed);
+                let Some(found) = found.filter(|seconds| seconds.low > 0.0) else { continue };
+                let rate = |seconds: f64| rays as f64 / seconds / 1e6;
+                measures.push(Measure {
+                    row: name_of(&scene.name, row),
+                    name: format!("mrays-{kind}"),
+                    unit: "Mrays/s",
+                    value: rate(found.median),
+                    interval: Some([rate(found.high), rate(found.low)]),
+                });
+            }
+        }
+    }
+    measures
+}
+
+fn name_of(scene: &str, row: &RowRecord) -> String {
+    format!("{scene}: {}", row.label())
+}

@@ -1,0 +1,6 @@
+//! Results as files, and in the formats of services that keep time series.
+
+pub mod bencher;
+pub mod github_action_benchmark;
+pub mod measures;
+pub mod outputs;

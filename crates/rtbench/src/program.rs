@@ -1,0 +1,42 @@
+//! What this program is and was compiled with, as `build.rs` saw it.
+
+use measurement::record::{Compiler, Tool};
+use measurement::system::world::SystemWorld;
+
+/// The program.
+pub fn tool() -> Tool {
+    Tool {
+        name: env!("CARGO_PKG_NAME").into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        git_revision: option_env!("RTBENCH_GIT_REVISION").map(Into::into),
+    }
+}
+
+/// The compiler, as `build.rs` saw it.
+pub fn compiler() -> Compiler {
+    let features = option_env!("RTBENCH_TARGET_FEATURES").unwrap_or_default();
+    Compiler {
+        rustc: option_env!("RTBENCH_RUSTC").map(Into::into),
+        target: option_env!("RTBENCH_TARGET").map(Into::into),
+        target_features: features.split(',').filter(|f| !f.is_empty()).map(Into::into).collect(),
+        profile: option_env!("RTBENCH_PROFILE").map(Into::into),
+        opt_level: option_env!("RTBENCH_OPT_LEVEL").map(Into::into),
+    }
+}
+
+/// The world that this program finds.
+pub fn world() -> SystemWorld {
+    SystemWorld { tool: tool(), compiler: compiler() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn build_facts_are_recorded() {
+        let compiler = compiler();
+        assert!(compiler.rustc.is_some_and(|v| v.starts_with("rustc ")));
+        assert!(compiler.target.is_some());
+    }
+}

@@ -1,0 +1,235 @@
+//! `rtbench accuracy`: errors are real where variants are cheap, none where they are the reference,
+//! and what cannot be is refused.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::common::{Ended, planted, run_with};
+use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::{
+    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, obvhs_bvh2,
+};
+use accel_core::{Ray, Scalar};
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
+
+fn run(arguments: &str) -> Ended {
+    run_with(REGISTRY, &Installed, &SystemClock::default(), arguments)
+}
+
+/// A row of the CSV, by column.
+type Row = BTreeMap<String, String>;
+
+fn rows(folder: &Path) -> Vec<Row> {
+    let mut reader = csv::Reader::from_path(folder.join("accuracy.csv")).unwrap();
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let row = |record: csv::StringRecord| {
+        header.iter().cloned().zip(record.iter().map(str::to_owned)).collect()
+    };
+    reader.records().map(|r| row(r.unwrap())).collect()
+}
+
+fn number(row: &Row, column: &str) -> f64 {
+    row[column].parse().unwrap()
+}
+
+fn error_of(rows: &[Row], axis: &str, variant: &str) -> f64 {
+    let row = rows.iter().find(|r| r["axis"] == axis && r["variant"] == variant);
+    number(row.unwrap_or_else(|| panic!("{axis}: no {variant}")), "error")
+}
+
+#[test]
+fn errors_are_real_and_references_have_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = format!(
+        "accuracy triangle-test voxel-walk ray-offset mailbox cell-insertion box-test --scene \
+         pavilion --quick --rounds 3 --trials 4000 -o {}",
+        folder.path().display()
+    );
+    let ended = run(&arguments);
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    let rows = rows(folder.path());
+    for (axis, cheap, reference) in [
+        ("triangle-test", "moeller-trumbore", "watertight"),
+        ("triangle-test", "moeller-trumbore", "f64"),
+        ("voxel-walk", "accumulate", "f64"),
+        ("ray-offset", "none", "error-bound"),
+        ("ray-offset", "fixed", "error-bound"),
+        ("ray-offset", "none", "probed"),
+        ("cell-insertion", "exact", "padded-exact"),
+        ("box-test", "plain", "f64"),
+    ] {
+        assert!(error_of(&rows, axis, cheap) > 0.0, "{axis}: {cheap}");
+        assert_eq!(error_of(&rows, axis, reference), 0.0, "{axis}: {reference}");
+    }
+    assert!(rows.iter().filter(|r| r["axis"] == "mailbox").all(|r| number(r, "error") == 0.0));
+    for axis in ["triangle-test", "voxel-walk", "ray-offset", "mailbox", "cell-insertion"] {
+        let of_axis = || rows.iter().filter(|r| r["axis"] == axis);
+        assert!(of_axis().count() >= 3, "{axis}");
+        assert!(of_axis().any(|r| number(r, "ratio_to_cheapest") == 1.0), "{axis}");
+        let svg = std::fs::read_to_string(folder.path().join(format!("{axis}.svg"))).unwrap();
+        roxmltree::Document::parse(&svg).unwrap();
+    }
+    for file in ["summary.md", "accuracy.md", "accuracy.json", "leak.png", "acne.png"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn offsets_are_held_against_the_smallest_and_their_harm_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = format!(
+        "accuracy smallest-offset refracted-shift shadow-terminator --scene teapot:3 --quick \
+         --rounds 3 --trials 4000 -o {}",
+        folder.path().display()
+    );
+    let ended = run(&arguments);
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    let rows = rows(folder.path());
+    let also = |axis: &str, variant: &str, name: &str| -> f64 {
+        let row = rows.iter().find(|r| r["axis"] == axis && r["variant"] == variant).unwrap();
+        let of_name = row["also"].split("; ").find_map(|a| a.strip_prefix(name)?.strip_prefix('='));
+        of_name.unwrap().parse().unwrap()
+    };
+    // no offset is below the smallest, one of 0.01 and one of 256 ulps far beyond
+    assert!(error_of(&rows, "smallest-offset", "none") > 1e5);
+    assert_eq!(error_of(&rows, "smallest-offset", "probed"), 0.0);
+    let median = |variant| also("smallest-offset", variant, "times the smallest, median");
+    assert!(median("none") < 1.0 && 1.0 < median("probed"));
+    assert!(median("probed") < median("ulp-wise"), "{}", median("ulp-wise"));
+    let moved = |variant| also("refracted-shift", variant, "10^-9 diagonals, median");
+    assert!(error_of(&rows, "refracted-shift", "none") > 1e5);
+    assert_eq!(error_of(&rows, "refracted-shift", "probed"), 0.0);
+    assert!(0.0 < moved("probed") && moved("probed") < moved("ulp-wise"));
+    // a coarse mesh blocks some of what its shading says is lit, under any rule
+    assert!(error_of(&rows, "shadow-terminator", "probed") > 0.0);
+    assert!(also("shadow-terminator", "none", "by the facet itself in 10^6") > 1e5);
+    assert_eq!(also("shadow-terminator", "probed", "by the facet itself in 10^6"), 0.0);
+    assert_eq!(also("shadow-terminator", "probed", "unlike the default in 10^6"), 0.0);
+    let ended = run("accuracy shadow-terminator --scene balls:1 --quick --rounds 3");
+    assert_eq!(ended.code, 1);
+    assert!(ended.err.contains("smooth surface"), "{}", ended.err);
+}
+
+#[test]
+fn spheres_precision_and_light_buffer_on_a_scene_of_spheres() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = format!(
+        "accuracy sphere-test precision light-buffer --scene balls:2 --quick --rounds 3 --trials \
+         4000 -o {}",
+        folder.path().display()
+    );
+    let ended = run(&arguments);
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    let rows = rows(folder.path());
+    assert!(error_of(&rows, "sphere-test", "naive") > 0.0);
+    assert_eq!(error_of(&rows, "sphere-test", "rearranged"), 0.0);
+    assert_eq!(error_of(&rows, "sphere-test", "f64"), 0.0);
+    assert_eq!(error_of(&rows, "precision", "f64"), 0.0);
+    assert_eq!(error_of(&rows, "light-buffer", "64^2"), 0.0);
+}
+
+#[test]
+fn sampled_effects_state_the_error_of_their_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = format!(
+        "accuracy soft-shadows effect-gating --scene balls:1 --quick --rounds 3 -o {}",
+        folder.path().display()
+    );
+    let ended = run(&arguments);
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    let rows = rows(folder.path());
+    let soft: Vec<&Row> = rows.iter().filter(|r| r["axis"] == "soft-shadows").collect();
+    assert!(soft.len() >= 3);
+    for row in &soft {
+        let (error, own) = (number(row, "error"), number(row, "reference_error"));
+        assert!(own > 0.0);
+        assert_eq!(row["below_reference"] == "true", error < 10.0 * own, "{row:?}");
+    }
+    assert!(number(soft[0], "error") > 2.0 * number(soft[soft.len() - 1], "error"));
+    let gating = rows.iter().filter(|r| r["axis"] == "effect-gating");
+    assert!(gating.clone().count() == 3 && gating.clone().all(|r| number(r, "error") == 0.0));
+}
+
+/// A list that answers every so many-th ray with a miss, whichever that is: its answers while it is
+/// timed are not those that were judged.
+pub struct Fickle<S> {
+    ids: Vec<u32>,
+    scalar: std::marker::PhantomData<S>,
+}
+
+static WALKS: AtomicU32 = AtomicU32::new(0);
+
+impl<S: Scalar> Structure<S> for Fickle<S> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        let ids = (0..prims.len() as u32).collect();
+        Ok(Self { ids, scalar: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        // a prime: no number of rays makes it the same one in each pass
+        if !WALKS.fetch_add(1, Ordering::Relaxed).is_multiple_of(101) {
+            let _ = sink.test(&self.ids);
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+static FICKLE: StructureInfo = StructureInfo {
+    params: accel_core::structures::uniform_grid::INFO.params,
+    ..planted("uniform-grid", "a liar in the place of a grid")
+};
+
+static PLANTED: &[Entry] = &[
+    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
+    accel_core::entry!(crate::accuracy::Fickle, FICKLE),
+];
+
+#[test]
+fn a_variant_that_answers_otherwise_while_it_is_timed_is_found_out() {
+    let arguments = "accuracy mailbox --scene balls:1 --quick --rounds 3";
+    let ended = run_with(PLANTED, &Installed, &SystemClock::default(), arguments);
+    assert_eq!(ended.code, 1, "{}", ended.out);
+    assert!(
+        ended.out.contains("FAULT") && ended.out.contains("while it is timed"),
+        "{}",
+        ended.out
+    );
+}
+
+#[test]
+fn axes_are_listed() {
+    let ended = run("list axes");
+    assert_eq!(ended.code, 0);
+    assert!(ended.out.lines().count() >= 18 && ended.out.contains("voxel-walk  "), "{}", ended.out);
+}
+
+#[test]
+fn unknown_axes_and_unfit_scenes_are_errors() {
+    let ended = run("accuracy voxelwalk");
+    assert_eq!(ended.code, 2);
+    assert!(ended.err.contains("did you mean 'voxel-walk'?"), "{}", ended.err);
+    let ended = run("accuracy triangle-test --scene balls:1 --quick --rounds 3");
+    assert_eq!(ended.code, 1);
+    assert!(ended.err.contains("surrounded by triangles"), "{}", ended.err);
+}
+
+#[test]
+fn variants_are_rows_of_a_run_and_their_wrong_hits_known() {
+    let ended = run(
+        "run teapot:3 --quick --rays primary -s obvhs-bvh2,obvhs-bvh2:triangle-test=watertight,\
+         obvhs-bvh2:triangle-test=pluecker,uniform-grid:traversal=f64,\
+         uniform-grid:insertion=padded-exact",
+    );
+    // another t in the last bits is known, not wrong
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    let ended = run("run balls:1 --quick -s obvhs-bvh2 --set rays.offset=nonsense");
+    assert_eq!(ended.code, 2);
+    assert!(ended.err.contains("error-bound"), "{}", ended.err);
+}

@@ -1,0 +1,229 @@
+//! Each rung on records with a planted fault.
+
+use measurement::callgrind::CountedRow;
+use measurement::record::{RunRecord, Verdict};
+use rtbench::gate::against::PairedRow;
+use rtbench::gate::report::Report;
+use rtbench::gate::thresholds::Thresholds;
+use rtbench::gate::{
+    Evidence, Finding, Instructions, Outcome, Times, comparable, judge, wall_clock,
+};
+
+use super::planted::{REFERENCE, ROW, record, row, timed};
+
+fn of(base: &RunRecord, now: &RunRecord, instructions: Instructions<'_>) -> Vec<Finding> {
+    let thresholds = &Thresholds::default();
+    judge(&Evidence {
+        thresholds,
+        base,
+        now,
+        instructions,
+        times: Times::InRun { cpu_pressure: None },
+    })
+}
+
+/// What a rung says of a quantity of [`ROW`].
+fn outcome(findings: &[Finding], rung: &str, quantity: &str) -> Outcome {
+    let found = |f: &&Finding| f.rung == rung && f.quantity == quantity && f.row == ROW;
+    findings.iter().find(found).map(|f| f.outcome).unwrap()
+}
+
+/// The outcome of a quantity after a fault was planted in [`ROW`].
+fn after(fault: impl Fn(&mut RunRecord), rung: &str, quantity: &str) -> Outcome {
+    let mut now = record();
+    fault(&mut now);
+    outcome(&of(&record(), &now, Instructions::NotAsked), rung, quantity)
+}
+
+#[test]
+fn a_record_held_against_itself_is_unchanged() {
+    let record = timed(15, 2.0, 0.1, 1);
+    let findings = of(&record, &record, Instructions::NotAsked);
+    assert!(findings.len() > 20 && findings.iter().all(|f| f.outcome == Outcome::Unchanged));
+    assert_eq!(Report::worst(&findings), Outcome::Unchanged);
+}
+
+#[test]
+fn other_answers_and_wrong_ones_are_found() {
+    let answers = |fault: fn(&mut RunRecord)| after(fault, "answers", "answers");
+    assert_eq!(answers(|_| ()), Outcome::Unchanged);
+    let other = answers(|r| row(r, ROW).answers_sha256 = Some("0".repeat(64)));
+    assert_eq!(other, Outcome::Regression);
+    assert_eq!(answers(|r| row(r, ROW).answers_sha256 = None), Outcome::NotJudged);
+    assert_eq!(answers(|r| row(r, ROW).checked_rays += 1), Outcome::NotJudged);
+    assert_eq!(answers(|r| row(r, ROW).verdict = Verdict::Wrong), Outcome::WrongHits);
+    for verdict in [Verdict::Panicked, Verdict::NotBuilt] {
+        let mut now = record();
+        row(&mut now, ROW).verdict = verdict;
+        let findings = of(&record(), &now, Instructions::NotAsked);
+        assert_eq!(outcome(&findings, "answers", "answers"), Outcome::Regression);
+    }
+}
+
+#[test]
+fn counters_have_no_tolerance() {
+    let tests = |by: i64| {
+        let fault = |r: &mut RunRecord| {
+            let work = row(r, ROW).work.as_mut().unwrap();
+            work.intersection_tests = work.intersection_tests.checked_add_signed(by).unwrap();
+        };
+        after(fault, "counters", "n_it")
+    };
+    assert_eq!(tests(0), Outcome::Unchanged);
+    assert_eq!(tests(1), Outcome::Regression);
+    assert_eq!(tests(-1), Outcome::Improved);
+    let memory =
+        after(|r| row(r, ROW).shape.as_mut().unwrap().memory_bytes += 1, "counters", "memory");
+    assert_eq!(memory, Outcome::Regression);
+    let other_rays = after(|r| row(r, ROW).work.as_mut().unwrap().rays += 1, "counters", "n_it");
+    assert_eq!(other_rays, Outcome::NotJudged);
+    let saved = after(|r| row(r, ROW).work.as_mut().unwrap().tests_saved += 1, "counters", "saved");
+    assert_eq!(saved, Outcome::NotJudged);
+}
+
+fn counted(trace: u64) -> Vec<CountedRow> {
+    let row = |structure: &str, trace| CountedRow {
+        scene: "tetra:2".into(),
+        structure: structure.into(),
+        settings: String::new(),
+        rays: 1000,
+        build: Some(50_000),
+        trace: Some(trace),
+    };
+    vec![row(ROW, trace), row(REFERENCE, 1_000_000)]
+}
+
+#[test]
+fn one_percent_more_instructions_is_a_regression() {
+    let record = record();
+    let base = counted(1_000_000);
+    let trace = |now: &[CountedRow]| {
+        let findings = of(&record, &record, Instructions::Counted { base: &base, now });
+        let reference = |f: &&Finding| f.rung == "instructions" && f.row == REFERENCE;
+        assert!(findings.iter().filter(reference).all(|f| f.outcome == Outcome::Unchanged));
+        outcome(&findings, "instructions", "trace")
+    };
+    assert_eq!(trace(&counted(1_030_000)), Outcome::Regression);
+    assert_eq!(trace(&counted(1_010_001)), Outcome::Regression);
+    assert_eq!(trace(&counted(1_009_000)), Outcome::Unchanged);
+    assert_eq!(trace(&counted(950_000)), Outcome::Improved);
+    let mut other = counted(1_030_000);
+    other[0].rays += 1;
+    assert_eq!(trace(&other), Outcome::NotJudged);
+    assert_eq!(trace(&counted(1_000_000)[1..]), Outcome::NotJudged);
+    let findings = of(&record, &record, Instructions::Missing("no valgrind"));
+    assert_eq!(Report::worst(&findings), Outcome::Inconclusive);
+}
+
+/// What becomes of the trace time of [`ROW`].
+fn time(base: &RunRecord, now: &RunRecord) -> Outcome {
+    outcome(&of(base, now, Instructions::NotAsked), "times", "trace")
+}
+
+#[test]
+fn times_regress_where_the_interval_and_the_test_say_so() {
+    let base = timed(15, 2.0, 0.05, 1);
+    assert_eq!(time(&base, &timed(15, 2.6, 0.05, 2)), Outcome::Regression);
+    assert_eq!(time(&base, &timed(15, 1.0, 0.05, 2)), Outcome::Improved);
+    assert_eq!(time(&base, &timed(15, 2.0, 0.05, 2)), Outcome::Unchanged);
+    // 30% with noise of the same size: it may be
+    assert_eq!(time(&base, &timed(15, 2.2, 0.4, 2)), Outcome::Inconclusive);
+    // four rounds against four cannot be significant
+    assert_eq!(time(&timed(4, 2.0, 0.01, 1), &timed(4, 2.6, 0.01, 2)), Outcome::Inconclusive);
+    assert_eq!(time(&timed(2, 2.0, 0.01, 1), &timed(2, 2.6, 0.01, 2)), Outcome::NotJudged);
+    let mut short = timed(15, 2.6, 0.05, 2);
+    for sample in &mut row(&mut short, ROW).samples {
+        sample.trace_s.values_mut().for_each(|s| *s *= 1e-3);
+    }
+    assert_eq!(time(&base, &short), Outcome::NotJudged);
+}
+
+#[test]
+fn ratios_within_a_run_prove_nothing_on_a_busy_machine() {
+    let (base, thresholds) = (timed(15, 2.0, 0.05, 1), &Thresholds::default());
+    let of = |times: f64, share: f64| {
+        let now = &timed(15, times, 0.05, 2);
+        let times = Times::InRun { cpu_pressure: Some(share) };
+        let instructions = Instructions::NotAsked;
+        let findings = judge(&Evidence { thresholds, base: &base, now, instructions, times });
+        outcome(&findings, "times", "trace")
+    };
+    assert_eq!([of(2.6, 0.1), of(2.6, 0.5)], [Outcome::Regression, Outcome::Inconclusive]);
+    assert_eq!([of(1.0, 0.1), of(1.0, 0.5)], [Outcome::Improved, Outcome::NotJudged]);
+    assert_eq!([of(2.0, 0.1), of(2.0, 0.5)], [Outcome::Unchanged; 2]);
+}
+
+#[test]
+fn the_reference_has_no_ratio_to_itself() {
+    let record = timed(15, 2.0, 0.05, 1);
+    let findings = of(&record, &record, Instructions::NotAsked);
+    assert!(!findings.iter().any(|f| f.rung == "times" && f.row == REFERENCE));
+}
+
+/// Pairs of times of [`ROW`], new over old `times`, both halved or doubled by what disturbs them.
+fn pairs(n: usize, times: f64) -> PairedRow {
+    let disturbed = |i: usize| 0.01 * [0.5, 1.0, 2.0][i % 3];
+    let jitter = |i: usize| [0.97, 1.0, 1.04, 0.99][i % 4];
+    let seconds = |i: usize| [disturbed(i), times * jitter(i) * disturbed(i)];
+    let pairs: Vec<_> = (0..n).map(seconds).collect();
+    let (scene, structure) = ("tetra:2".into(), ROW.into());
+    PairedRow { scene, structure, settings: String::new(), build: pairs.clone(), trace: pairs }
+}
+
+fn paired(pairs: &[PairedRow]) -> Vec<Finding> {
+    let (record, thresholds) = (&record(), &Thresholds::default());
+    let times = Times::Paired(pairs);
+    let instructions = Instructions::NotAsked;
+    judge(&Evidence { thresholds, base: record, now: record, instructions, times })
+}
+
+#[test]
+fn pairs_cancel_what_disturbs_both() {
+    let of = |n, times| outcome(&paired(&[pairs(n, times)]), "times", "trace");
+    assert_eq!(of(15, 1.3), Outcome::Regression);
+    assert_eq!(of(15, 1.0), Outcome::Unchanged);
+    assert_eq!(of(15, 0.5), Outcome::Improved);
+    assert_eq!(of(3, 1.3), Outcome::Inconclusive);
+    assert_eq!(outcome(&paired(&[]), "times", "trace"), Outcome::NotJudged);
+}
+
+#[test]
+fn a_regression_of_times_must_be_seen_twice() {
+    let confirmed = |second: f64| {
+        let mut findings = paired(&[pairs(15, 1.3)]);
+        wall_clock::confirm(&mut findings, &paired(&[pairs(15, second)]));
+        outcome(&findings, "times", "trace")
+    };
+    assert_eq!(confirmed(1.3), Outcome::Regression);
+    assert_eq!(confirmed(1.0), Outcome::Inconclusive);
+}
+
+#[test]
+fn each_difference_that_forbids_comparing_is_named() {
+    type Fault = fn(&mut RunRecord);
+    let faults: [(&str, Fault); 9] = [
+        ("threads: 1, then 2", |r| r.settings.threads = 2),
+        ("precision", |r| r.settings.precision = "f64".into()),
+        ("resolution", |r| r.settings.resolution = [8; 2]),
+        ("seed", |r| r.settings.seed += 1),
+        ("target: x86_64", |r| r.compiler.target = Some("other".into())),
+        ("target features", |r| r.compiler.target_features.push("more".into())),
+        ("opt-level", |r| r.compiler.opt_level = Some("0".into())),
+        ("scene tetra:2: sha256", |r| r.scenes[0].sha256 = "0".repeat(64)),
+        ("scene tetra:2: rays", |r| *r.scenes[0].rays.get_mut("primary").unwrap() += 1),
+    ];
+    assert_eq!(comparable::refusals(&record(), &record()), Vec::<String>::new());
+    let mut all = record();
+    for (said, fault) in &faults {
+        let mut now = record();
+        fault(&mut now);
+        fault(&mut all);
+        let reasons = comparable::refusals(&record(), &now);
+        assert!(reasons.len() == 1 && reasons[0].contains(said), "{said}: {reasons:?}");
+    }
+    assert_eq!(comparable::refusals(&record(), &all).len(), faults.len());
+    let mut elsewhere = record();
+    elsewhere.machine.cpu = Some("another".into());
+    assert_eq!(comparable::refusals(&record(), &elsewhere), Vec::<String>::new());
+    assert!(comparable::remarks(&record(), &elsewhere)[0].contains("Another machine"));
+}

@@ -1,0 +1,234 @@
+//! Exit codes and messages.
+
+use accel_core::primitives::chosen;
+use std::io::{self, Write};
+use std::process::{Command, Stdio};
+
+use crate::common::{Folder, PLANTED, run};
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
+
+#[test]
+fn unknown_names_are_usage_errors_that_say_what_is_valid() {
+    for (arguments, said) in [
+        ("run tetra:2 -s unifrom-grid", "did you mean 'uniform-grid'?"),
+        ("run tetra:2 -s nothing", "obvhs-cwbvh"),
+        ("run tetra:2 -s uniform-grid:densty=1", "did you mean 'density'?"),
+        ("run tetra:2 -s uniform-grid:density=many", "expected a number from"),
+        ("run tetra:2 --set uniform-grid.densty=1", "did you mean 'density'?"),
+        ("run tetra:2 --set density=1", "uniform-grid.density=4"),
+        ("run tetra:2 -s brute-force --set uniform-grid.density=1", "does not measure"),
+        ("run tetra:2 --rays primery", "did you mean 'primary'?"),
+        ("run tetra:2 --reference obvhs", "unknown structure 'obvhs'"),
+        ("run tetrra", "tetra"),
+        ("run balls:99", "sizes are whole numbers from 1 to"),
+        ("run tetra:2 --rounds 0", "--rounds"),
+        ("run tetra:2 --rounds 5 --time-budget 5s", "--time-budget"),
+        ("run tetra:2 --time-budget soon", "500ms"),
+        ("run tetra:2 -j 0", "--threads"),
+        ("run tetra:2 --size 0", "--size"),
+        ("run tetra:2 --color green", "auto"),
+        ("walk", "unrecognized subcommand"),
+        ("list everything", "structures"),
+        ("render spd -o /dev/null", "one scene"),
+        ("render tetra:2 -o /dev/null -s nothing", "unknown structure"),
+        ("scenes info tetrra", "tetra"),
+        ("", "Usage"),
+    ] {
+        let ended = run(arguments);
+        assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);
+        assert!(ended.err.contains(said), "{arguments}: {}", ended.err);
+        assert_eq!(ended.out, "", "{arguments}");
+    }
+}
+
+#[test]
+fn help_and_version_are_results() {
+    for arguments in ["--help", "run --help", "--version", "list --help"] {
+        let ended = run(arguments);
+        assert_eq!((ended.code, ended.err.as_str()), (0, ""), "{arguments}");
+        assert!(ended.out.contains("rtbench"), "{arguments}");
+    }
+}
+
+#[test]
+fn an_unwritable_path_is_found_before_measuring() {
+    let folder = Folder::new();
+    for option in ["--export-csv", "--export-json", "--export-markdown", "-o"] {
+        let file = format!("{}/file", folder.path());
+        std::fs::write(&file, "").unwrap();
+        let path = format!("{file}/below");
+        // No scene this large could be measured in the time a test has.
+        let ended = run(&format!("run balls:7 {option} {path}"));
+        assert_eq!(ended.code, 1, "{option}: {}", ended.err);
+        assert!(ended.err.contains(&path) && ended.err.contains("cannot write"), "{}", ended.err);
+        let png = run(&format!("render balls:7 -o {path}"));
+        assert_eq!(png.code, 1, "{}", png.err);
+    }
+}
+
+/// Each is refused, before or after its outputs are opened: what was not there still is not, and what
+/// was is as it was.
+#[test]
+fn what_is_refused_leaves_no_file_and_harms_none() {
+    let folder = Folder::new();
+    let at = |name: &str| format!("{}/{name}", folder.path());
+    std::fs::write(at("broken.nff"), "v\nfrom 1 2 three\n").unwrap();
+    std::fs::write(at("file"), "").unwrap();
+    let names = || {
+        let entries = std::fs::read_dir(folder.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    for (arguments, is_folder) in [
+        ("render tetra:2 --shadows light -o OUT.png", false),
+        ("render tetra:2 -s light-buffer -o OUT.png", false),
+        ("render tetra:2 -s uniform-grid:density=0 -o OUT.png", false),
+        ("render tetrra -o OUT.png", false),
+        ("render DIR/broken.nff -o OUT.png", false),
+        ("render effect-all --glossy-samples 65536 --shadow-samples 65536 -o OUT.png", false),
+        ("run tetra:2 -o OUT --export-csv DIR/file/below", true),
+        ("run tetra:2 --export-csv OUT.csv --export-json DIR/file/below", false),
+        ("run tetra:2 -s unifrom-grid --export-csv OUT.csv", false),
+        ("scale balls -o OUT --export-json DIR/file/below", true),
+        (
+            "sweep tetra:2 -s uniform-grid -p density --values 1,2 --export-csv OUT.csv \
+             --export-svg DIR/file/below",
+            false,
+        ),
+        ("check tetra:2 --baseline none --export-csv OUT.csv", false),
+        ("verify --cases G1 --export-csv OUT.csv --export-json DIR/file/below", false),
+        ("compare-tracers DIR/broken.nff -o OUT", true),
+        ("reproduce havran1999 --scenes blals --export-csv OUT.csv", false),
+    ] {
+        let spelled = |out: &str| arguments.replace("OUT", &at(out)).replace("DIR", &folder.path());
+        let before = names();
+        let ended = run(&spelled("new"));
+        assert!([1, 2].contains(&ended.code), "{arguments}: {}", ended.err);
+        assert_eq!(names(), before, "{arguments}: {}", ended.err);
+        if !is_folder {
+            for name in ["old.png", "old.csv"] {
+                std::fs::write(at(name), "what was there").unwrap();
+            }
+            assert!([1, 2].contains(&run(&spelled("old")).code), "{arguments}");
+            for name in ["old.png", "old.csv"] {
+                assert_eq!(folder.text(name), "what was there", "{arguments}");
+                std::fs::remove_file(at(name)).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn lists_come_from_the_registries() {
+    let text = run("list structures");
+    assert_eq!(text.code, 0);
+    let json: serde_json::Value =
+        serde_json::from_str(&run("list structures --format json").out).unwrap();
+    for (entry, listed) in PLANTED.iter().zip(json.as_array().unwrap()) {
+        assert_eq!(listed["name"], entry.info.name);
+        let params = entry.info.params.len() + chosen::PARAMS.len();
+        assert_eq!(listed["params"].as_array().unwrap().len(), params);
+        assert!(text.out.contains(entry.info.summary) && text.out.contains(entry.info.paper));
+        for p in entry.info.params {
+            assert!(text.out.contains(&format!("{} = {}", p.name, p.default)), "{}", p.name);
+        }
+    }
+    assert!(run("list rays").out.contains("diffuse"));
+    assert!(run("list scenes").out.contains("teapot"));
+    assert_eq!(run("list sets --format json").code, 0);
+}
+
+#[test]
+fn scenes_can_be_inspected_and_checked() {
+    let info = run("scenes info tetra:2");
+    assert_eq!(info.code, 0);
+    assert!(info.out.contains("primitives  16"), "{}", info.out);
+    let checked = run("scenes validate tetra:2 balls:1");
+    assert_eq!(checked.code, 0);
+    assert!(checked.out.contains("tetra:2: ok"), "{}", checked.out);
+    assert_eq!(run("scenes fetch tetra:2").code, 0);
+}
+
+#[test]
+fn render_writes_a_png() {
+    let folder = Folder::new();
+    let png = format!("{}/tetra.png", folder.path());
+    for structure in ["", "-s uniform-grid:density=1"] {
+        let ended = run(&format!("render tetra:2 --size 16 -j 1 -o {png} {structure}"));
+        assert_eq!((ended.code, ended.out.as_str()), (0, ""), "{}", ended.err);
+        assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+    }
+}
+
+#[test]
+fn colors_only_when_asked_for() {
+    let arguments = "run tetra:2 --quick --rounds 1 -s obvhs-cwbvh,dropper";
+    assert!(!run(arguments).out.contains('\x1b'));
+    assert!(run(&format!("{arguments} --color always")).out.contains("\x1b[31m"));
+}
+
+#[test]
+fn quiet_runs_say_nothing_but_results() {
+    let ended = run("run tetra:2 -q --quick --rounds 1 -s obvhs-cwbvh");
+    assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+    assert!(ended.out.contains("All scenes"));
+}
+
+/// An output whose reader has gone.
+struct Closed;
+
+impl Write for Closed {
+    fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+        Err(io::ErrorKind::BrokenPipe.into())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
+    for (arguments, expected, said) in [
+        ("list structures", 0, ""),
+        ("--help", 0, ""),
+        ("run tetra:2 --quick -s obvhs-cwbvh", 1, "error: standard output was closed before"),
+    ] {
+        let mut err = Vec::new();
+        let mut context = Context {
+            registry: PLANTED,
+            occluders: accel_core::occluders::REGISTRY,
+            scenes: &Installed,
+            clock: &SystemClock::default(),
+            world: &rtbench::program::world(),
+            out: &mut Closed,
+            err: &mut err,
+            command_line: Vec::new(),
+            terminal: Terminal::default(),
+            verbosity: Verbosity::Normal,
+            environment: Environment::default(),
+        };
+        let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
+        assert_eq!(rtbench::run(&mut context, arguments), expected);
+        let err = String::from_utf8_lossy(&err);
+        assert!(err.starts_with(said) && err.is_empty() == said.is_empty(), "{err}");
+    }
+}
+
+#[test]
+fn the_program_survives_closed_pipes() {
+    for arguments in [&["list", "structures"][..], &["--help"], &["list", "rays", "--bogus"]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_rtbench"))
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let ended = child.wait_with_output().unwrap();
+        assert!(matches!(ended.status.code(), Some(0 | 2)), "{ended:?}");
+        assert!(!String::from_utf8_lossy(&ended.stderr).contains("panicked"), "{ended:?}");
+    }
+}

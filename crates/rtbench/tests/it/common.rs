@@ -1,0 +1,190 @@
+//! A run without a process: captured outputs, a registry and a clock of the test's choice.
+#![allow(dead_code)]
+
+use std::time::Duration;
+
+use accel_core::Ray;
+use accel_core::Scalar;
+use accel_core::occluders;
+use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::{
+    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, no_defect, obvhs_bvh2,
+    obvhs_cwbvh, uniform_grid,
+};
+use measurement::record::{RowRecord, RunRecord};
+use measurement::scenes::{Installed, SceneSource};
+use measurement::system::clock::{Clock, SteppingClock, SystemClock};
+use measurement::system::world::{FixedWorld, World};
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
+
+/// Brute force that forgets the first primitive, which the camera sees in the scenes of these
+/// tests: the wrong structure that must be found out. (One that no ray meets could not be.)
+pub struct Dropper<S> {
+    ids: Vec<u32>,
+    scalar: std::marker::PhantomData<S>,
+}
+
+impl<S: Scalar> Structure<S> for Dropper<S> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        let ids = (1..prims.len() as u32).collect();
+        Ok(Self { ids, scalar: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        sink.elementary_step(false);
+        let _ = sink.test(&self.ids);
+    }
+
+    fn shape(&self) -> Shape {
+        Shape { cells: 1, references: self.ids.len() as u64, ..Shape::default() }
+    }
+}
+
+/// What a structure made for a test says of itself.
+pub const fn planted(name: &'static str, summary: &'static str) -> StructureInfo {
+    StructureInfo {
+        name,
+        summary,
+        paper: "none",
+        deviations: "none",
+        params: &[],
+        variants: &[""],
+        also_tested: &[],
+        known_defect: no_defect,
+        sampled: false,
+    }
+}
+
+const INFO: StructureInfo = planted("dropper", "forgets a primitive");
+static DROPPER: StructureInfo = INFO;
+static SHIPPED: StructureInfo =
+    StructureInfo { known_defect: |_| Some("forgets on purpose"), ..INFO };
+
+/// The real structures and the wrong one.
+pub static PLANTED: &[Entry] = &[
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
+    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(crate::common::Dropper, DROPPER),
+];
+
+/// The wrong one, its defect declared.
+pub static DECLARED: &[Entry] = &[
+    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(crate::common::Dropper, SHIPPED),
+];
+
+/// The wrong one first, and brute force.
+pub static WRONG_FIRST: &[Entry] = &[
+    accel_core::entry!(crate::common::Dropper, DROPPER),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+];
+
+/// Nothing but the wrong one.
+pub static WRONG_ONLY: &[Entry] = &[accel_core::entry!(crate::common::Dropper, DROPPER)];
+
+/// What a run left behind.
+pub struct Ended {
+    pub code: u8,
+    pub out: String,
+    pub err: String,
+}
+
+/// Runs `rtbench` with the arguments, split at spaces, over that registry.
+pub fn run_with(
+    registry: &[Entry],
+    scenes: &dyn SceneSource,
+    clock: &dyn Clock,
+    arguments: &str,
+) -> Ended {
+    run_over(registry, occluders::REGISTRY, scenes, clock, arguments)
+}
+
+/// The same with occluders of the test's choice.
+pub fn run_over(
+    registry: &[Entry],
+    occluders: &[occluders::Entry],
+    scenes: &dyn SceneSource,
+    clock: &dyn Clock,
+    arguments: &str,
+) -> Ended {
+    let world = FixedWorld::default();
+    run_in_world(registry, occluders, scenes, clock, &world, arguments)
+}
+
+/// The same in a world of the test's choice.
+pub fn run_in_world(
+    registry: &[Entry],
+    occluders: &[occluders::Entry],
+    scenes: &dyn SceneSource,
+    clock: &dyn Clock,
+    world: &dyn World,
+    arguments: &str,
+) -> Ended {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let mut context = Context {
+        registry,
+        occluders,
+        scenes,
+        clock,
+        world,
+        out: &mut out,
+        err: &mut err,
+        command_line: vec!["rtbench".into()],
+        terminal: Terminal { columns: Some(100), ..Terminal::default() },
+        verbosity: Verbosity::Normal,
+        environment: Environment::default(),
+    };
+    let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
+    let code = rtbench::run(&mut context, arguments);
+    let text = |bytes| String::from_utf8(bytes).expect("outputs are UTF-8");
+    Ended { code, out: text(out), err: text(err) }
+}
+
+/// The same over the real registry (with the wrong structure beside it) and a real clock.
+pub fn run(arguments: &str) -> Ended {
+    run_with(PLANTED, &Installed, &SystemClock::default(), arguments)
+}
+
+/// The same with a clock on which every interval is a millisecond.
+pub fn run_stepping(arguments: &str) -> Ended {
+    let clock = SteppingClock::new(Duration::from_millis(1));
+    run_with(PLANTED, &Installed, &clock, arguments)
+}
+
+/// A folder for outputs, and the record that a run left there.
+pub struct Folder(tempfile::TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    pub fn path(&self) -> String {
+        self.0.path().to_str().expect("a path in UTF-8").to_owned()
+    }
+
+    pub fn text(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.path().join(name)).expect("an output file")
+    }
+
+    pub fn record(&self) -> RunRecord {
+        serde_json::from_str(&self.text("results.json")).expect("JSON that parses back")
+    }
+
+    pub fn csv(&self) -> Vec<std::collections::HashMap<String, String>> {
+        csv::Reader::from_reader(self.text("results.csv").as_bytes())
+            .deserialize()
+            .collect::<Result<_, _>>()
+            .expect("CSV that parses back")
+    }
+}
+
+/// The row of that label in the only scene.
+pub fn row<'a>(record: &'a RunRecord, label: &str) -> &'a RowRecord {
+    let rows = &record.scenes.first().expect("a scene").rows;
+    rows.iter().find(|r| r.label() == label).expect("the row")
+}

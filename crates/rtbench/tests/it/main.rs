@@ -1,0 +1,23 @@
+//! Tests of the command from outside, in one program: it is linked once.
+
+mod accuracy;
+mod adoption;
+mod check;
+mod command_line;
+mod common;
+mod compare_tracers;
+mod effects;
+mod hard_cases;
+mod house;
+mod occluders;
+mod report;
+mod results;
+mod resuming;
+mod scale;
+mod snapshots;
+mod speed;
+mod sweep;
+mod verdicts;
+mod verify;
+mod verify_oracles;
+mod verify_planted;

@@ -1,0 +1,185 @@
+//! Runs that are broken off and resumed, without a process: the clock goes on by the same step each
+//! time it is read, so that two runs have the same times.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use accel_core::occluders;
+use accel_core::structures::{Entry, REGISTRY};
+use measurement::journal::lines::{Recovered, read};
+use measurement::journal::{Journal, NAME};
+use measurement::record::RunRecord;
+use measurement::scenes::Installed;
+use measurement::system::clock::SteppingClock;
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
+
+/// Runs the program over that registry: exit code, standard output, standard error.
+pub fn run_in(
+    registry: &[Entry],
+    arguments: impl IntoIterator<Item = OsString>,
+) -> (u8, String, String) {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let mut context = Context {
+        registry,
+        occluders: occluders::REGISTRY,
+        scenes: &Installed,
+        clock: &SteppingClock::new(Duration::from_millis(1)),
+        world: &rtbench::program::world(),
+        out: &mut out,
+        err: &mut err,
+        command_line: vec!["rtbench".into()],
+        terminal: Terminal::default(),
+        verbosity: Verbosity::Normal,
+        environment: Environment::default(),
+    };
+    let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
+    let code = rtbench::run(&mut context, arguments);
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (code, text(out), text(err))
+}
+
+/// The same over the real registry, with arguments split at spaces.
+pub fn run(arguments: &str) -> (u8, String, String) {
+    run_in(REGISTRY, arguments.split_whitespace().map(Into::into))
+}
+
+/// The program as a process, with its output folder.
+pub fn begun(arguments: &str, folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rtbench"));
+    command.args(arguments.split_whitespace()).arg("-o").arg(folder);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+pub fn show(path: &Path) -> String {
+    path.display().to_string()
+}
+
+pub fn journal(folder: &Path) -> Recovered {
+    read(&std::fs::read(folder.join(NAME)).unwrap()).unwrap()
+}
+
+pub fn csv(folder: &Path) -> String {
+    std::fs::read_to_string(folder.join("results.csv")).unwrap()
+}
+
+pub fn record(folder: &Path) -> RunRecord {
+    let text = std::fs::read_to_string(folder.join("results.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// What no clock decides of the rows of a run: by scene and row, counters and verdicts.
+pub fn outputs(folder: &Path) -> BTreeMap<(String, String), String> {
+    let record = record(folder);
+    let mut rows = BTreeMap::new();
+    for scene in record.scenes {
+        for row in scene.rows {
+            let said = format!("{:?} {:?} {:?}", row.verdict, row.work, row.shape);
+            let before = rows.insert((scene.name.clone(), row.label()), said);
+            assert!(before.is_none(), "a row is there twice");
+        }
+    }
+    rows
+}
+
+const ARGUMENTS: &str = "run tetra:1 tetra:2 balls:1 --size 8 --rounds 2 --seed 7 \
+                         -s uniform-grid:density=1,light-buffer,obvhs-cwbvh";
+
+/// A run in a new folder.
+fn finished(arguments: &str) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, out, err) = run(&format!("{arguments} -o {}", show(folder.path())));
+    assert_eq!(code, 0, "{err}");
+    (folder, out)
+}
+
+/// Leaves the first lines of a journal, and the beginning of the next.
+fn tear(folder: &Path, lines: usize) {
+    let text = std::fs::read_to_string(folder.join(NAME)).unwrap();
+    let mut kept: String = text.split_inclusive('\n').take(lines).collect();
+    let next = text.split_inclusive('\n').nth(lines).unwrap_or_default();
+    kept.push_str(&next[..next.len() / 2]);
+    std::fs::write(folder.join(NAME), kept).unwrap();
+}
+
+/// Breaks a run off behind each line of its journal, in the middle of the next.
+pub fn same_table() {
+    let (whole, expected) = finished(ARGUMENTS);
+    // a manifest, two lines a scene, the end
+    for lines in 1..8 {
+        let (folder, _) = finished(ARGUMENTS);
+        tear(folder.path(), lines);
+        for output in ["results.csv", "results.md", "results.json"] {
+            std::fs::remove_file(folder.path().join(output)).unwrap();
+        }
+        let (code, out, err) = run(&format!("run --resume {}", show(folder.path())));
+        assert_eq!(code, 0, "{lines}: {err}");
+        assert_eq!(out, expected, "{lines}");
+        assert_eq!(csv(folder.path()), csv(whole.path()), "{lines}");
+        let rows = |folder: &Path| {
+            let scenes = record(folder).scenes;
+            scenes.into_iter().flat_map(|scene| scene.rows).collect::<Vec<_>>()
+        };
+        assert_eq!(rows(folder.path()), rows(whole.path()), "{lines}");
+        let found = journal(folder.path());
+        assert!(found.is_complete && found.finished.len() == 3);
+        // scenes that were finished were not begun again
+        let text = std::fs::read_to_string(folder.path().join(NAME)).unwrap();
+        let begun = text.lines().filter(|line| line.starts_with("{\"scene\":")).count();
+        assert_eq!(begun, if lines % 2 == 0 { 4 } else { 3 }, "{lines}");
+    }
+}
+
+/// Everything that must not be resumed, or begun over an unfinished run.
+pub fn refusals() {
+    let obj = tempfile::tempdir().unwrap();
+    let path = obj.path().join("a.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let arguments = format!("run {} tetra:1 --quick --size 8 -s obvhs-cwbvh", show(&path));
+    let (folder, _) = finished(&arguments);
+    let here = show(folder.path());
+    tear(folder.path(), 3);
+    let whole = std::fs::read_to_string(folder.path().join(NAME)).unwrap();
+    let refused = |said: &[&str]| {
+        let (code, out, err) = run(&format!("run --resume {here}"));
+        assert_eq!((code, out.as_str()), (1, ""), "{err}");
+        assert!(said.iter().all(|part| err.contains(part)), "{err}");
+    };
+    // settings, program, scenes: each is named
+    for (from, to, said) in [
+        ("\"seed\":1", "\"seed\":2", "settings.seed: was 2, is 1"),
+        ("\"program_sha256\":\"", "\"program_sha256\":\"0", "program_sha256: was"),
+        ("\"cpu\":", "\"cpu\":null,\"x\":", "machine.cpu"),
+        ("\"tetra:1\",\"--quick\"", "\"tetra:2\",\"--quick\"", "scenes: was"),
+        ("\"rounds\":\"Fixed", "\"rounds\":\"Fitted", "rounds: was"),
+    ] {
+        assert!(whole.contains(from), "{from}: {whole}");
+        std::fs::write(folder.path().join(NAME), whole.replacen(from, to, 1)).unwrap();
+        refused(&["this would not be the same run", said]);
+    }
+    std::fs::write(folder.path().join(NAME), whole.replacen("{\"scene\"", "{\"scone\"", 1))
+        .unwrap();
+    refused(&["line 2", "scone"]);
+    std::fs::write(folder.path().join(NAME), &whole).unwrap();
+    std::fs::write(&path, "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    refused(&["scene a: sha256 was"]);
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    // another run begun over it, a run beside it, other arguments, no run at all
+    let (code, _, err) = run(&format!("{arguments} -o {here}"));
+    assert!(code == 1 && err.contains("1 of 2 scenes finished; go on with"), "{err}");
+    let (held, _) = Journal::resume(folder.path()).unwrap();
+    refused(&["another run writes here"]);
+    drop(held);
+    let (code, _, err) = run(&format!("run --resume {here} tetra:2"));
+    assert!(code == 2 && err.contains("--resume"), "{err}");
+    let (code, _, err) = run(&format!("run --resume {}", show(obj.path())));
+    assert!(code == 1 && err.contains("no run was begun here"), "{err}");
+    // and after all that it can be finished, and begun anew
+    let (code, _, err) = run(&format!("run --resume {here}"));
+    assert_eq!(code, 0, "{err}");
+    let (code, _, err) = run(&format!("{arguments} -o {here}"));
+    assert_eq!(code, 0, "{err}");
+}

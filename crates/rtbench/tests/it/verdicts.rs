@@ -1,0 +1,194 @@
+//! A wrong structure must be found out, must not show a time, and must end the run with 4.
+
+use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::{
+    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, uniform_grid,
+};
+use accel_core::{Hit, Ray, Scalar};
+use measurement::record::{Verdict, Warning};
+use measurement::scenes::Installed;
+use measurement::system::clock::SystemClock;
+
+use crate::common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, planted, row, run_with};
+
+fn run(registry: &[Entry], arguments: &str) -> crate::common::Ended {
+    run_with(registry, &Installed, &SystemClock::default(), arguments)
+}
+
+#[test]
+fn a_structure_that_drops_a_primitive_is_wrong_and_has_no_times() {
+    let folder = Folder::new();
+    let arguments = "run tetra:2 --quick -s obvhs-cwbvh,dropper,brute-force -o";
+    let ended = run(PLANTED, &format!("{arguments} {}", folder.path()));
+    assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
+    let line = ended.out.lines().find(|l| l.starts_with("dropper")).unwrap();
+    assert_eq!(line.matches("wrong").count(), 5, "four times and the verdict: {line}");
+    let record = folder.record();
+    let wrong = row(&record, "dropper");
+    assert_eq!(wrong.verdict, Verdict::Wrong);
+    assert!(wrong.mismatches > 0 && wrong.example.as_ref().is_some_and(|e| e.contains("ray")));
+    assert!(wrong.samples.is_empty() && wrong.trace_s.is_none() && wrong.ratio.is_none());
+    assert_eq!(row(&record, "obvhs-cwbvh").verdict, Verdict::Ok);
+    assert_eq!(row(&record, "brute-force").verdict, Verdict::Ok);
+    let csv = folder.csv();
+    let wrong = csv.iter().find(|r| r["structure"] == "dropper").unwrap();
+    assert_eq!(wrong["verdict"], "wrong");
+    for times in ["build_s", "trace_s", "render_s", "ratio_to_reference", "primary_mrays"] {
+        assert_eq!(wrong[times], "", "{times}");
+    }
+    assert!(folder.text("results.md").contains("| wrong |"));
+    let summary = record.summary.iter().find(|s| s.structure == "dropper").unwrap();
+    assert_eq!((summary.verdict, summary.ratio), (Verdict::Wrong, None));
+}
+
+#[test]
+fn a_declared_defect_is_shown_and_is_no_failure() {
+    let folder = Folder::new();
+    let ended = run(DECLARED, &format!("run tetra:2 --quick -s all -o {}", folder.path()));
+    assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+    let record = folder.record();
+    let shipped = row(&record, "dropper");
+    assert_eq!(shipped.verdict, Verdict::WrongAsShipped);
+    assert!(shipped.mismatches > 0 && shipped.trace_s.is_some());
+    assert!(ended.out.contains("wrong (as shipped)") && ended.out.contains("forgets on purpose"));
+}
+
+#[test]
+fn a_wrong_reference_is_refused_by_the_oracle() {
+    let folder = Folder::new();
+    let ended = run(WRONG_FIRST, &format!("run tetra:2 --quick -o {}", folder.path()));
+    assert_eq!(ended.code, 4);
+    let record = folder.record();
+    let oracle = &record.scenes[0].oracle;
+    assert_eq!(oracle.reference.as_deref(), Some("brute-force"));
+    assert!(oracle.refused.iter().any(|r| r.starts_with("dropper")), "{oracle:?}");
+    assert!(ended.err.contains("refused as reference"), "{}", ended.err);
+    assert_eq!(row(&record, "dropper").verdict, Verdict::Wrong);
+}
+
+#[test]
+fn without_any_right_structure_rows_are_judged_by_the_oracle() {
+    let folder = Folder::new();
+    let ended = run(WRONG_ONLY, &format!("run tetra:2 --quick -o {}", folder.path()));
+    assert_eq!(ended.code, 4);
+    let record = folder.record();
+    assert_eq!(record.scenes[0].oracle.reference, None);
+    let row = row(&record, "dropper");
+    assert_eq!(row.verdict, Verdict::Wrong);
+    assert!(row.mismatches > 0 && row.checked_rays >= row.mismatches);
+}
+
+#[test]
+fn real_structures_are_right_on_mixed_primitives_in_both_precisions() {
+    for precision in ["f32", "f64"] {
+        let folder = Folder::new();
+        let real = "brute-force,uniform-grid,obvhs-bvh2,obvhs-cwbvh";
+        let arguments = format!("run balls:2 gears:1 --quick -s {real} --precision {precision} -o");
+        let ended = run(PLANTED, &format!("{arguments} {}", folder.path()));
+        assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+        let record = folder.record();
+        assert_eq!(record.settings.precision, precision);
+        for scene in &record.scenes {
+            assert_eq!(scene.oracle.reference.as_deref(), Some("obvhs-bvh2"));
+            assert!(scene.oracle.checked > 100 && scene.oracle.refused.is_empty());
+            assert!(scene.rows.iter().all(|r| r.mismatches == 0 && r.checked_rays > 0));
+            let total: u64 = scene.rays.values().sum();
+            assert!(scene.rows.iter().filter(|r| r.checked_rays == total).count() >= 3);
+        }
+    }
+}
+
+/// Brute force whose batches say that they are answered, and are not; one that can be built
+/// nowhere.
+struct Silent<S>(Vec<u32>, std::marker::PhantomData<S>);
+struct Refuses<S>(std::marker::PhantomData<S>);
+
+static SILENT: StructureInfo = planted("silent", "answers nothing");
+static REFUSES: StructureInfo = planted("refuses", "cannot be built");
+
+impl<S: Scalar> Structure<S> for Silent<S> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        Ok(Self((0..prims.len() as u32).collect(), std::marker::PhantomData))
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        let _ = sink.test(&self.0);
+    }
+
+    fn occlusion_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [bool]) -> bool {
+        true
+    }
+
+    fn closest_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [Hit<S>]) -> bool {
+        true
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+impl<S: Scalar> Structure<S> for Refuses<S> {
+    fn build<P: PrimSet<S>>(_: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        Err(BuildError::TooLarge { structure, what: "anything", needed: 1, limit: 0 })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, _: &mut K) {}
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+static FAULTY: &[Entry] = &[
+    accel_core::entry!(crate::verdicts::Refuses, REFUSES),
+    accel_core::entry!(crate::verdicts::Silent, SILENT),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+];
+
+#[test]
+fn batches_that_write_nothing_are_wrong_for_every_ray() {
+    for kind in ["shadow", "primary"] {
+        let folder = Folder::new();
+        let arguments = format!("run tetra:2 --quick -s silent,uniform-grid --rays {kind} -o");
+        let ended = run(FAULTY, &format!("{arguments} {}", folder.path()));
+        assert_eq!(ended.code, 4, "{kind}: {}{}", ended.out, ended.err);
+        let record = folder.record();
+        let silent = row(&record, "silent");
+        assert_eq!(silent.verdict, Verdict::Wrong, "{kind}");
+        // not one answer passes for one that happened to be right
+        assert!(silent.checked_rays > 100 && silent.mismatches == silent.checked_rays, "{kind}");
+        assert_eq!(row(&record, "uniform-grid").verdict, Verdict::Ok, "{kind}");
+    }
+}
+
+#[test]
+fn another_row_stands_in_for_a_reference_that_cannot_be_built() {
+    let folder = Folder::new();
+    let arguments = "run tetra:2 --quick --reference refuses -s brute-force,uniform-grid -o";
+    let ended = run(FAULTY, &format!("{arguments} {}", folder.path()));
+    // what was asked for could not be measured
+    assert_eq!(ended.code, 1, "{}{}", ended.out, ended.err);
+    let record = folder.record();
+    assert_eq!(record.settings.reference, "refuses");
+    let refused = row(&record, "refuses");
+    assert_eq!((refused.verdict, refused.is_reference), (Verdict::NotBuilt, false));
+    // not brute force, which is before it but measured on a sample of the rays
+    let stands_in = row(&record, "uniform-grid");
+    assert!(stands_in.is_reference);
+    assert_eq!(stands_in.ratio.as_ref().map(|r| r.median), Some(1.0));
+    assert!(row(&record, "brute-force").ratio.as_ref().is_some_and(|r| r.median > 0.0));
+    let summary = |name: &str| record.summary.iter().find(|s| s.structure == name).unwrap();
+    assert_eq!((summary("refuses").scenes, summary("refuses").not_built_scenes), (0, 1));
+    for name in ["brute-force", "uniform-grid"] {
+        assert!(summary(name).scenes == 1 && summary(name).ratio.is_some(), "{name}");
+    }
+    let instead = [("tetra:2".to_owned(), "uniform-grid".to_owned())].into();
+    let warning = Warning::OtherReference { reference: "refuses".into(), instead };
+    assert!(record.warnings.contains(&warning), "{:?}", record.warnings);
+    assert!(ended.err.contains("ratios are to uniform-grid in tetra:2"), "{}", ended.err);
+}

@@ -1,0 +1,248 @@
+//! `rtbench verify`: structures pass a fast subset, planted faults are caught, lines replay.
+
+use std::time::Duration;
+
+use crate::common::{Ended, Folder, PLANTED, planted, run_with};
+use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::{BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo};
+use accel_core::{Ray, Scalar, Vector};
+use measurement::scenes::Installed;
+use measurement::system::clock::{SteppingClock, SystemClock};
+use renderer::leaving::OffsetRule;
+use rtbench::context::{Context, Environment, Terminal, Verbosity};
+use statistics::random::Random;
+use studies::verify::cases::secondary::draws;
+use studies::verify::judge::{Judge, Judged};
+use studies::verify::subject::Subject;
+
+/// Brute force that does not answer some rays: which ones is its fault.
+struct Faulty<S, F> {
+    ids: Vec<u32>,
+    kind: std::marker::PhantomData<(S, F)>,
+}
+
+/// Which rays a faulty structure gets wrong.
+trait Fault: Send + Sync + 'static {
+    fn loses(direction: [f64; 3]) -> bool;
+}
+
+struct NegativeZeros;
+impl Fault for NegativeZeros {
+    fn loses(direction: [f64; 3]) -> bool {
+        direction.iter().any(|x| *x == 0.0 && x.is_sign_negative())
+    }
+}
+
+struct LongDirections;
+impl Fault for LongDirections {
+    fn loses(direction: [f64; 3]) -> bool {
+        direction.iter().any(|x| x.abs() > 1e6)
+    }
+}
+
+struct ShortDirections;
+impl Fault for ShortDirections {
+    fn loses(direction: [f64; 3]) -> bool {
+        direction.iter().all(|x| x.abs() < 1e-2)
+    }
+}
+
+struct Panics;
+impl Fault for Panics {
+    fn loses(_: [f64; 3]) -> bool {
+        panic!("planted")
+    }
+}
+
+impl<S: Scalar, F: Fault> Structure<S> for Faulty<S, F> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        Ok(Self { ids: (0..prims.len() as u32).collect(), kind: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        if !F::loses(ray.direction.to_array().map(S::to_f64)) {
+            let _ = sink.test(&self.ids);
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+type LosesNegativeZeros<S> = Faulty<S, NegativeZeros>;
+type LosesLongDirections<S> = Faulty<S, LongDirections>;
+type LosesShortDirections<S> = Faulty<S, ShortDirections>;
+type AlwaysPanics<S> = Faulty<S, Panics>;
+
+const INFO: StructureInfo = planted("negative-zeros", "wrong on purpose");
+static ZEROS: StructureInfo = INFO;
+static LONG: StructureInfo = StructureInfo { name: "long-directions", ..INFO };
+static SHORT: StructureInfo = StructureInfo { name: "short-directions", ..INFO };
+static PANICS: StructureInfo = StructureInfo { name: "panics", ..INFO };
+
+static FAULTS: &[Entry] = &[
+    accel_core::entry!(LosesNegativeZeros, ZEROS),
+    accel_core::entry!(LosesLongDirections, LONG),
+    accel_core::entry!(LosesShortDirections, SHORT),
+    accel_core::entry!(AlwaysPanics, PANICS),
+];
+
+fn verify(registry: &[Entry], arguments: &str) -> Ended {
+    run_with(registry, &Installed, &SystemClock::default(), &format!("verify -j 2 {arguments}"))
+}
+
+fn replay(registry: &[Entry], line: &str) -> Ended {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let mut context = Context {
+        registry,
+        occluders: accel_core::occluders::REGISTRY,
+        scenes: &Installed,
+        clock: &SystemClock::default(),
+        world: &rtbench::program::world(),
+        out: &mut out,
+        err: &mut err,
+        command_line: vec!["rtbench".into()],
+        terminal: Terminal::default(),
+        verbosity: Verbosity::Normal,
+        environment: Environment::default(),
+    };
+    let code = rtbench::run(&mut context, ["rtbench", "verify", "--replay", line]);
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    Ended { code, out: text(out), err: text(err) }
+}
+
+/// The first line that a run offers for a replay.
+fn offered(out: &str) -> String {
+    out.split_once("--replay '").unwrap().1.split_once('\'').unwrap().0.to_owned()
+}
+
+/// Without G8, whose ten thousand triangles take longer than all others together.
+#[test]
+fn all_structures_pass_a_fast_subset() {
+    let ended = verify(
+        REGISTRY,
+        "--cases ray,G1,G1far,G2,G3,G4,G5,G6,G7,G9,G10,G11,G11rim,G12,G13,G13scaled,K1,P1,grid,traversal,secondary \
+         --rays 60",
+    );
+    let table = ended.out.lines().take(40).collect::<Vec<_>>().join("\n");
+    assert_eq!(ended.code, 0, "{table}\n{}", ended.err);
+    assert!(ended.out.contains("obvhs-cwbvh adapter=as-shipped"), "{table}");
+    for subject in ["t-next-walk", "hashed-grid hash=constant", "chessboard cloud"] {
+        assert!(ended.out.lines().any(|l| l.starts_with(subject)), "{subject}: {table}");
+    }
+    assert!(ended.out.contains("f32 serves 2^-30 to 2^32"), "{table}");
+}
+
+#[test]
+fn the_negative_control_misses_where_watertight_triangles_do_not() {
+    let ended = verify(REGISTRY, "--cases G1 --rays 1500 -s brute-force,uniform-grid");
+    assert_eq!(ended.code, 0, "{}", ended.out);
+    let ended = verify(&REGISTRY[..1], "--cases G1 --rays 1500");
+    let control = ended.out.lines().find(|l| l.starts_with("moeller-trumbore")).unwrap();
+    assert!(ended.code == 0 && !control.contains(" 0/"), "{}", ended.out);
+    let line = offered(&ended.out);
+    assert!(line.ends_with("moeller-trumbore"), "{line}");
+    let again = replay(REGISTRY, &line);
+    assert!(again.code == 0 && again.out.contains("moeller-trumbore: said"), "{}", again.out);
+}
+
+#[test]
+fn a_dropped_reference_is_caught_and_its_line_replays() {
+    let folder = Folder::new();
+    let file = format!("{}/results.csv", folder.path());
+    let arguments = format!("--cases geometry -s dropper --rays 300 --export-csv {file}");
+    let ended = verify(PLANTED, &arguments);
+    assert_eq!(ended.code, 4, "{}", ended.out);
+    let line = offered(&ended.out);
+    let again = replay(PLANTED, &line);
+    assert_eq!(again.code, 4, "{line}: {}", again.out);
+    assert!(again.out.contains("dropper: said"), "{}", again.out);
+    let right = replay(PLANTED, &line.replace("dropper", "brute-force"));
+    assert!(right.code == 0 && right.out.contains("brute-force: right"), "{}", right.out);
+    let rows = folder.csv();
+    assert!(rows.iter().any(|r| r["case"] == "G1" && r["mismatches"] != "0"));
+}
+
+#[test]
+fn twins_catch_what_agreement_alone_cannot() {
+    let wrong = |case: &str, structure: &str| {
+        let ended = verify(FAULTS, &format!("--cases {case} -s {structure} --rays 200"));
+        assert_eq!(ended.code, 4, "{}", ended.out);
+        ended.out
+    };
+    assert!(wrong("R1", "negative-zeros").contains("zeros of the other sign"));
+    assert!(wrong("R3", "long-directions").contains("direction by 2^"));
+    assert!(wrong("K1", "short-directions").contains("scaled by 2^-"));
+    assert!(wrong("R1", "panics").contains("panicked"));
+}
+
+#[test]
+fn what_is_not_there_is_an_error_that_names_what_is() {
+    let ended = verify(REGISTRY, "--cases G99");
+    assert!(ended.code == 2 && ended.err.contains("G13"), "{}", ended.err);
+    let ended = verify(REGISTRY, "-s unifrom-grid");
+    assert!(ended.code == 2 && ended.err.contains("uniform-grid"), "{}", ended.err);
+    let ended = verify(REGISTRY, "--cases T1 -s uniform-grid");
+    assert!(ended.code == 2 && ended.err.contains("ask none"), "{}", ended.err);
+    for line in [
+        "G1",
+        "G1 f32 seed=1 round=0 rays=500 ray=100000 brute-force",
+        "G1 f32 seed=1 round=0 rays=50000000 ray=1 brute-force",
+        "X f32 seed=1 round=0 rays=500 ray=0 a",
+        "T1 f32 seed=1 round=0 rays=5 ray=0 brute-force",
+    ] {
+        assert_eq!(replay(REGISTRY, line).code, 2, "{line}");
+    }
+}
+
+#[test]
+fn an_offset_of_zero_hits_what_it_leaves() {
+    let hits_with = |rule| {
+        let mut random = Random::new(1, "offsets");
+        let [(_, draw), ..] = draws::<f32>();
+        let rounds = (0..40).map(|_| draw(&mut random, 500, rule).unwrap());
+        let judged = rounds.map(|round| {
+            let brute_force = Subject::parse(REGISTRY, "brute-force").unwrap();
+            match Judge::new(&round).unwrap().judge(&brute_force) {
+                Judged::Asked(wrong, _) => wrong.len(),
+                other => panic!("{other:?}"),
+            }
+        });
+        judged.sum::<usize>()
+    };
+    assert_eq!(hits_with(OffsetRule::default()), 0);
+    assert!(hits_with(OffsetRule::None) > 1000);
+    // absolute lengths are right at one scale only
+    assert!(hits_with(OffsetRule::Fixed(1e-4)) > 100);
+}
+
+#[test]
+fn parts_are_asked_by_name_and_their_trials_replay() {
+    let ended = verify(REGISTRY, "--cases T1,T3 -s driving-axis-walk --rays 20");
+    assert!(ended.code == 0 && !ended.out.contains("t-next-walk"), "{}", ended.out);
+    // 20 rays in each of seven grids, 20 of T3, both precisions
+    assert!(ended.out.contains(" 0/320 "), "{}", ended.out);
+    let line = "T1 f32 seed=1 round=0 rays=20 ray=139 driving-axis-walk";
+    assert!(replay(REGISTRY, line).out.contains("driving-axis-walk: right"));
+    assert_eq!(replay(REGISTRY, &line.replace("139", "140")).code, 2);
+}
+
+#[test]
+fn the_cost_of_odd_rays_is_printed_and_recorded() {
+    let folder = Folder::new();
+    let clock = SteppingClock::new(Duration::from_millis(1));
+    let arguments = format!(
+        "verify --cases R4 --rays 20 -s uniform-grid,kd-tree --timing --export-json {}/verify.json",
+        folder.path()
+    );
+    let ended = run_with(REGISTRY, &Installed, &clock, &arguments);
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let row = ended.out.lines().rfind(|l| l.starts_with("kd-tree")).unwrap();
+    // every interval of this clock is a millisecond
+    assert_eq!(row.split_whitespace().collect::<Vec<_>>(), ["kd-tree", "1.00", "1.00"]);
+    let record: serde_json::Value = serde_json::from_str(&folder.text("verify.json")).unwrap();
+    assert_eq!(record["timing"][0]["meaningless"], 1.0);
+}

@@ -1,0 +1,385 @@
+//! The oracles of `rtbench verify` refute what is wrong: each is shown a planted fault, and the
+//! right answer beside it.
+
+use accel_core::cell_walk::{CellPosition, CellWalk};
+use accel_core::distance_field::{Metric, distances};
+use accel_core::mailbox::{Mailbox, MailboxSource, Stamps};
+use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::voxel_walk::GridFrame;
+use accel_core::{Hit, Ray, Vector};
+use renderer::leaving::OffsetRule;
+use statistics::random::Random;
+use studies::verify::cases::shells::shells_under;
+use studies::verify::model::Model;
+use studies::verify::parts::{clouds, kernels, mailboxes, walks};
+use studies::verify::registry::{Ask, find};
+use studies::verify::round::Round;
+
+/// Rays of a round.
+const RAYS: usize = 400;
+
+/// Some rounds of a case in single precision.
+fn rounds(id: &str) -> Vec<Round<f32>> {
+    let Ask::Rays { single, .. } = find(id).unwrap().1.ask else { panic!("{id} asks no rays") };
+    let draw = |number| single(&mut Random::new(number, "planted"), RAYS).unwrap();
+    (0..6).map(draw).collect()
+}
+
+/// The answers that the oracle of a case refutes, told.
+fn told(id: &str, answer: impl Fn(&Model<f32>, &Ray<f32>) -> Hit<f32>) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for round in rounds(id) {
+        for (ray, expected) in round.rays.iter().zip(&round.expected) {
+            let hit = answer(&round.model, ray);
+            if !expected.admits(&hit) {
+                wrong.push(format!("{ray:?}: {hit:?}, not {expected:?}"));
+            }
+        }
+    }
+    wrong
+}
+
+/// How many answers the oracle of a case refutes.
+fn refuted(id: &str, answer: impl Fn(&Model<f32>, &Ray<f32>) -> Hit<f32>) -> usize {
+    told(id, answer).len()
+}
+
+/// All hits of a ray, by parameter and id.
+fn hits(prims: &impl PrimSet<f32>, ray: &Ray<f32>) -> Vec<Hit<f32>> {
+    let setup = prims.setup(ray);
+    let hit = |id| prims.intersect(id, ray, &setup, ray.t_max).map(|t| Hit { t, id });
+    let mut all: Vec<Hit<f32>> = (0..prims.len() as u32).filter_map(hit).collect();
+    // zeros of both signs are equal
+    let order = |a: f32, b: f32| a.partial_cmp(&b).expect("no NaN");
+    all.sort_by(|a, b| order(a.t, b.t).then(a.id.cmp(&b.id)));
+    all
+}
+
+fn all_hits(model: &Model<f32>, ray: &Ray<f32>) -> Vec<Hit<f32>> {
+    match model {
+        Model::Triangles(set) => hits(set, ray),
+        Model::Mixed(set) => hits(set, ray),
+    }
+}
+
+fn first(model: &Model<f32>, ray: &Ray<f32>) -> Hit<f32> {
+    all_hits(model, ray).first().copied().unwrap_or(Hit::NONE)
+}
+
+#[test]
+fn swapped_ties_farther_hits_and_lost_triangles_are_refuted() {
+    for id in ["G7", "T2", "T6", "T7", "Gr5", "Gr10", "K1", "R1"] {
+        assert_eq!(told(id, first), [""; 0], "{id}");
+        let lossy = |model: &Model<f32>, ray: &Ray<f32>| {
+            let kept = all_hits(model, ray).into_iter().find(|h| h.id % 7 != 3);
+            kept.unwrap_or(Hit::NONE)
+        };
+        assert!(refuted(id, lossy) > 0, "{id}: a lost triangle");
+        let last = |model: &Model<f32>, ray: &Ray<f32>| {
+            all_hits(model, ray).last().copied().unwrap_or(Hit::NONE)
+        };
+        assert!(refuted(id, last) > 0, "{id}: the farthest hit");
+    }
+    for id in ["G7", "G8", "T2"] {
+        let highest = |model: &Model<f32>, ray: &Ray<f32>| {
+            let all = all_hits(model, ray);
+            let tied = all.iter().take_while(|h| h.t == all[0].t);
+            tied.last().copied().unwrap_or(Hit::NONE)
+        };
+        assert!(refuted(id, highest) > 0, "{id}: the highest id");
+    }
+}
+
+/// Woop's test with this edge function; both sides.
+fn woop(t: &[[f32; 3]; 3], ray: &Ray<f32>, edge: fn([f32; 4]) -> f32) -> Option<f32> {
+    let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+    let z = (0..3).max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs())).unwrap();
+    let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+    let sheared = |v: &[f32; 3]| {
+        let p = [v[x] - o[x], v[y] - o[y], v[z] - o[z]];
+        [p[0] - d[x] / d[z] * p[2], p[1] - d[y] / d[z] * p[2], p[2]]
+    };
+    let [a, b, c] = [sheared(&t[0]), sheared(&t[1]), sheared(&t[2])];
+    let u = edge([c[0], b[1], c[1], b[0]]);
+    let v = edge([a[0], c[1], a[1], c[0]]);
+    let w = edge([b[0], a[1], b[1], a[0]]);
+    let (low, high) = (u.min(v).min(w), u.max(v).max(w));
+    let t = (u * a[2] + v * b[2] + w * c[2]) / d[z] / (u + v + w);
+    ((low >= 0.0 || high <= 0.0) && t >= ray.t_min && t <= ray.t_max).then_some(t)
+}
+
+fn nearest_by_woop(set: &TriangleSet<f32>, ray: &Ray<f32>, edge: fn([f32; 4]) -> f32) -> Hit<f32> {
+    let hits = set
+        .triangles()
+        .iter()
+        .zip(0..)
+        .filter_map(|(t, id)| woop(t, ray, edge).map(|t| Hit { t, id }));
+    hits.min_by(|a, b| a.t.total_cmp(&b.t)).unwrap_or(Hit::NONE)
+}
+
+#[test]
+fn a_contracted_edge_function_leaks() {
+    for id in ["G1", "G2"] {
+        let leaks = |edge: fn([f32; 4]) -> f32| {
+            refuted(id, |model, ray| match model {
+                Model::Triangles(set) => nearest_by_woop(set, ray, edge),
+                Model::Mixed(_) => Hit::NONE,
+            })
+        };
+        assert_eq!(leaks(|[a, b, c, d]| a * b - c * d), 0, "{id}");
+        assert!(leaks(|[a, b, c, d]| a.mul_add(b, -(c * d))) > 0, "{id}");
+    }
+}
+
+/// The quadratic formula as in any textbook, for the sphere of G9.
+fn textbook_sphere(_: &Model<f32>, ray: &Ray<f32>) -> Hit<f32> {
+    let (o, d) = (ray.origin, ray.direction);
+    let (a, b, c) = (d.dot(d), 2.0 * o.dot(d), o.dot(o) - 0.1 * 0.1);
+    let discriminant = b * b - 4.0 * a * c;
+    let t = (-b - discriminant.sqrt()) / (2.0 * a);
+    if t >= 0.0 { Hit { t, id: 0 } } else { Hit::NONE }
+}
+
+#[test]
+fn shapes_met_elsewhere_are_refuted() {
+    for id in ["G9", "G10", "G11", "G12"] {
+        assert_eq!(told(id, first), [""; 0], "{id}");
+        let late = |model: &Model<f32>, ray: &Ray<f32>| {
+            let hit = first(model, ray);
+            Hit { t: hit.t * 1.05, ..hit }
+        };
+        assert!(refuted(id, late) > 0, "{id}: late");
+        let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
+        assert!(refuted(id, nothing) > 0, "{id}: nothing");
+    }
+    assert!(refuted("G9", textbook_sphere) > 0);
+    // rays are aimed at points of the plane, a parameter of 1 away: as if the polygon were convex
+    assert!(refuted("G12", |_, _| Hit { t: 1.0, id: 0 }) > 0);
+    // surfaces are seen from outside only
+    let behind = |model: &Model<f32>, ray: &Ray<f32>| {
+        let back = Ray { direction: -ray.direction, ..*ray };
+        let hit = first(model, &back);
+        if hit.is_hit() { Hit { t: 1.0, ..hit } } else { first(model, ray) }
+    };
+    assert!(refuted("G11", behind) > 0);
+    assert!(refuted("G6", |_, _| Hit { t: 1.0, id: 0 }) > 0 && refuted("G6", first) == 0);
+}
+
+#[test]
+fn laws_that_need_no_other_structure_are_held() {
+    for id in ["Gr12", "R8", "G14", "G15", "G16", "S7", "K1dense"] {
+        assert_eq!(told(id, first), [""; 0], "{id}");
+        let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
+        assert!(refuted(id, nothing) > 0, "{id}: nothing");
+        let last = |model: &Model<f32>, ray: &Ray<f32>| {
+            all_hits(model, ray).last().copied().unwrap_or(Hit::NONE)
+        };
+        assert!(refuted(id, last) > 0, "{id}: the farthest hit");
+    }
+    // from the plane of a flat scene nothing is met, at whatever parameter
+    let in_the_plane = |_: &Model<f32>, _: &Ray<f32>| Hit { t: 7.0, id: 0 };
+    let false_hits = told("R9", in_the_plane);
+    assert!(false_hits.iter().any(|told| told.ends_with("not Miss")));
+    // a sliver met where none of it is
+    let far_off = |model: &Model<f32>, ray: &Ray<f32>| {
+        let hit = first(model, ray);
+        Hit { t: hit.t + 20.0 / ray.direction.length(), ..hit }
+    };
+    assert!(refuted("G16", far_off) > refuted("G16", first));
+    // intervals that begin at 0, and hits that are met again
+    let from_zero = |model: &Model<f32>, ray: &Ray<f32>| {
+        first(model, &Ray { t_min: ray.t_min.max(0.0), ..*ray })
+    };
+    assert!(refuted("R8", from_zero) > 0);
+    let again = |model: &Model<f32>, ray: &Ray<f32>| {
+        first(model, &Ray { t_min: ray.t_min.next_down(), ..*ray })
+    };
+    for id in ["R8", "G15", "S7"] {
+        assert!(refuted(id, again) > 0, "{id}");
+    }
+}
+
+#[test]
+fn a_fixed_offset_skips_shells() {
+    let skipped = |rule| {
+        let mut random = Random::new(1, "shells");
+        let rounds = (0..20).map(|_| shells_under::<f32>(&mut random, 200, rule).unwrap());
+        let wrong = |round: Round<f32>| {
+            let asked = round.rays.iter().zip(&round.expected);
+            asked.filter(|(ray, e)| !e.admits(&first(&round.model, ray))).count()
+        };
+        rounds.map(wrong).sum::<usize>()
+    };
+    assert_eq!(skipped(OffsetRule::default()), 0);
+    assert!(skipped(OffsetRule::Fixed(1e-4)) > 100);
+    // met twice: the one that is left
+    assert!(skipped(OffsetRule::None) > 100);
+}
+
+/// The watertight test with its edge functions contracted, as another instruction set might.
+fn contracted(triangles: &[(u32, [[f32; 3]; 3])], ray: &Ray<f32>, best: &mut Hit<f32>) -> bool {
+    let mut any = false;
+    for (id, triangle) in triangles {
+        let Some(t) = woop(triangle, ray, |[a, b, c, d]| a.mul_add(b, -(c * d))) else { continue };
+        any |= t <= ray.t_max;
+        if t < best.t || t == best.t && *id < best.id {
+            *best = Hit { t, id: *id };
+        }
+    }
+    any
+}
+
+#[test]
+fn a_kernel_that_differs_by_instruction_set_is_refuted() {
+    let Ask::Parts([block]) = find("T8").unwrap().1.ask else { panic!("T8 asks one part") };
+    for examine in [block.single, block.double] {
+        let right = examine(&mut Random::new(1, "kernels"), 3000);
+        assert!(right.trials == 3000 && right.wrong.is_empty(), "{:?}", right.wrong.first());
+    }
+    let random = &mut Random::new(1, "kernels");
+    let wrong = kernels::examine::<f32>(random, 3000, contracted).wrong;
+    assert!(wrong.len() > 100, "{}", wrong.len());
+}
+
+/// A walk that adds up parameters, as the paper does.
+struct Accumulating {
+    cell: [i32; 3],
+    n: i32,
+    step: [i32; 3],
+    next: [f32; 3],
+    delta: [f32; 3],
+}
+
+impl Accumulating {
+    fn start(frame: &GridFrame<f32>, ray: &Ray<f32>) -> Option<Self> {
+        let cell = frame.walk(ray)?.coords();
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let step = d.map(|x| if x == 0.0 { 0 } else { x.signum() as i32 });
+        let plane = |k: usize| (cell[k] + i32::from(step[k] > 0)) as f32;
+        let parameter = |k: usize| match step[k] {
+            0 => f32::INFINITY,
+            _ => (plane(k) - o[k]) / d[k],
+        };
+        let n = frame.resolution()[0] as i32;
+        Some(Self {
+            cell,
+            n,
+            step,
+            next: std::array::from_fn(parameter),
+            delta: d.map(|x| (1.0 / x).abs()),
+        })
+    }
+
+    fn axis(&self) -> usize {
+        (0..3).min_by(|&a, &b| self.next[a].total_cmp(&self.next[b])).unwrap()
+    }
+}
+
+impl CellPosition for Accumulating {
+    fn index(&self) -> usize {
+        ((self.cell[2] * self.n + self.cell[1]) * self.n + self.cell[0]) as usize
+    }
+    fn coords(&self) -> [i32; 3] {
+        self.cell
+    }
+}
+
+impl CellWalk<f32> for Accumulating {
+    fn t_exit(&self) -> f32 {
+        self.next[self.axis()]
+    }
+    fn advance(&mut self) -> bool {
+        let k = self.axis();
+        let next = self.cell[k] + self.step[k];
+        if !(0..self.n).contains(&next) {
+            return false;
+        }
+        self.cell[k] = next;
+        self.next[k] += self.delta[k];
+        true
+    }
+}
+
+/// The real walk, but for one of its cells.
+struct Hasty<W>(W, u32);
+
+impl<W: CellPosition> CellPosition for Hasty<W> {
+    fn index(&self) -> usize {
+        self.0.index()
+    }
+    fn coords(&self) -> [i32; 3] {
+        self.0.coords()
+    }
+}
+
+impl<W: CellWalk<f32>> CellWalk<f32> for Hasty<W> {
+    fn t_exit(&self) -> f32 {
+        self.0.t_exit()
+    }
+    fn advance(&mut self) -> bool {
+        self.1 += 1;
+        self.0.advance() && (self.1 != 9 || self.0.advance())
+    }
+}
+
+#[test]
+fn walks_that_drift_or_skip_are_refuted() {
+    let random = || Random::new(1, "walks");
+    let drawn = walks::lattice_rays;
+    let right = walks::examine::<f32, _>(&mut random(), 150, drawn, |f, r| f.walk(r));
+    assert!(right.wrong.is_empty() && right.trials == 7 * 150, "{:?}", right.wrong.first());
+    let drifts = walks::examine::<f32, _>(&mut random(), 150, drawn, Accumulating::start);
+    let missed =
+        drifts.wrong.iter().filter(|m| m.what.contains("missed") || m.what.contains("not within"));
+    assert!(missed.count() > 0 && drifts.wrong.len() < 7 * 150);
+    let skips = |f: &GridFrame<f32>, r: &Ray<f32>| f.walk(r).map(|w| Hasty(w, 0));
+    let skips = walks::examine::<f32, _>(&mut random(), 50, drawn, skips);
+    assert!(skips.wrong.iter().any(|m| m.what.contains("a step from")));
+}
+
+/// Stamps of 8 bits that start again without being cleared.
+struct Stale {
+    stamps: Vec<u8>,
+    ray: u8,
+}
+
+impl Mailbox for &mut Stale {
+    const ENABLED: bool = true;
+    fn is_new(&mut self, id: u32) -> bool {
+        std::mem::replace(&mut self.stamps[id as usize], self.ray) != self.ray
+    }
+}
+
+impl MailboxSource for Stale {
+    type Mailbox<'r> = &'r mut Self;
+    fn next_ray(&mut self) -> &mut Self {
+        self.ray = self.ray.wrapping_add(1);
+        self
+    }
+}
+
+#[test]
+fn a_mailbox_that_skips_wrongly_is_refuted() {
+    let random = || Random::new(1, "mailboxes");
+    let stale = Stale { stamps: vec![0; 4000], ray: 0 };
+    assert!(!mailboxes::examine::<f32, _>(&mut random(), 1500, stale).wrong.is_empty());
+    let cleared = Stamps::<u8>::dense(4000);
+    let right = mailboxes::examine::<f32, _>(&mut random(), 1500, cleared);
+    assert!(right.wrong.is_empty() && right.trials == 1500);
+}
+
+#[test]
+fn clouds_that_promise_too_much_are_refuted() {
+    let random = || Random::new(1, "clouds");
+    for metric in [Metric::CityBlock, Metric::Chessboard, Metric::Euclidean] {
+        let right = clouds::examine::<f32>(&mut random(), 800, metric, distances);
+        assert!(right.wrong.is_empty() && right.trials == 800, "{:?}", right.wrong.first());
+        let promised = |occupied: &[bool], n: [u32; 3], metric, octant| {
+            let field = distances(occupied, n, metric, octant);
+            field.into_iter().map(|d| if d > 0 { d.saturating_add(1) } else { 0 }).collect()
+        };
+        let wrong = clouds::examine::<f32>(&mut random(), 800, metric, promised).wrong;
+        assert!(wrong.iter().any(|m| m.what.contains("from the next, not")), "{metric:?}");
+        assert!(wrong.iter().any(|m| m.what.contains("jumps past")), "{metric:?}");
+    }
+}

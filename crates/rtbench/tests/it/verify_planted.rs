@@ -1,0 +1,343 @@
+//! The cases of `rtbench verify` that came with the outside oracle: each catches a structure that is
+//! wrong on purpose, in f32 and in f64; and a check that is cut short keeps what it has.
+
+use std::time::Duration;
+
+use crate::common::{Ended, Folder, planted, run_with};
+use accel_core::params::Params;
+use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::sink::Sink;
+use accel_core::structures::{
+    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, uniform_grid,
+};
+use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
+use measurement::scenes::Installed;
+use measurement::system::clock::{SteppingClock, SystemClock};
+
+/// A list of boxes; which of them a ray passes over wrongly is its fault.
+struct Boxes<S: Scalar, F> {
+    boxes: Vec<Aabb<S>>,
+    kind: std::marker::PhantomData<F>,
+}
+
+trait Lapse: Send + Sync + 'static {
+    fn skips<S: Scalar>(ray: &Ray<S>, own: &Aabb<S>, t_max: S) -> bool;
+}
+
+impl<S: Scalar, F: Lapse> Structure<S> for Boxes<S, F> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        let boxes = (0..prims.len() as u32).map(|id| prims.bounds(id)).collect();
+        Ok(Self { boxes, kind: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        for (id, own) in (0..).zip(&self.boxes) {
+            if !F::skips(ray, own, sink.t_max()) && sink.test(&[id]).is_break() {
+                return;
+            }
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+/// Takes a ray that leaves a plane by next to nothing for one beyond it.
+struct SkipsBelowPlanes;
+impl Lapse for SkipsBelowPlanes {
+    fn skips<S: Scalar>(ray: &Ray<S>, own: &Aabb<S>, _: S) -> bool {
+        let (o, d, high) = (ray.origin.to_array(), ray.direction.to_array(), own.max.to_array());
+        (0..3).any(|k| {
+            let off = d[k].to_f64();
+            -1e-5 < off && off < 0.0 && high[k] == o[k]
+        })
+    }
+}
+
+/// An adapter to a library whose rays begin at 0.
+struct BeginsAtZero;
+impl Lapse for BeginsAtZero {
+    fn skips<S: Scalar>(ray: &Ray<S>, own: &Aabb<S>, t_max: S) -> bool {
+        let pad = Vec3::<S>::splat(S::from_f64(1e-3));
+        let grown = Aabb { min: own.min - pad, max: own.max + pad };
+        let t_min = ray.t_min.greater(S::ZERO);
+        t_min > t_max || grown.clip(ray.origin, ray.direction, t_min, t_max).is_none()
+    }
+}
+
+/// Loses rays with denormal components.
+struct LosesDenormals;
+impl Lapse for LosesDenormals {
+    fn skips<S: Scalar>(ray: &Ray<S>, _: &Aabb<S>, _: S) -> bool {
+        let least_normal = if S::NAME == "f32" { -126.0_f64 } else { -1022.0 }.exp2();
+        let size = ray.direction.to_array().map(|x| x.abs().to_f64());
+        size.iter().any(|x| 0.0 < *x && *x < least_normal)
+    }
+}
+
+/// Wrong at one size of the scene, between those that K1 tries.
+struct LosesOneSize;
+impl Lapse for LosesOneSize {
+    fn skips<S: Scalar>(_: &Ray<S>, own: &Aabb<S>, _: S) -> bool {
+        let largest = own.max.to_array().map(|x| x.abs().to_f64()).into_iter().fold(0.0, f64::max);
+        let exponent = largest.log2().floor();
+        if S::NAME == "f32" { exponent == -14.0 } else { (-150.0..-120.0).contains(&exponent) }
+    }
+}
+
+/// Boxes a little too small: the ends of long triangles stick out.
+struct ShrinksBoxes;
+impl Lapse for ShrinksBoxes {
+    fn skips<S: Scalar>(ray: &Ray<S>, own: &Aabb<S>, t_max: S) -> bool {
+        let pad = own.size() * S::from_f64(0.02);
+        let shrunk = Aabb { min: own.min + pad, max: own.max - pad };
+        shrunk.clip(ray.origin, ray.direction, ray.t_min, t_max).is_none()
+    }
+}
+
+/// All triangles, tested by itself; which hit it hands on is its fault.
+struct Own<S: Scalar, F> {
+    set: TriangleSet<S>,
+    kind: std::marker::PhantomData<F>,
+}
+
+trait Choice: Send + Sync + 'static {
+    /// Of all hits, sorted.
+    fn of<S: Scalar>(ray: &Ray<S>, hits: &[Hit<S>]) -> Option<u32>;
+}
+
+impl<S: Scalar, F: Choice> Structure<S> for Own<S, F> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let corners = (0..prims.len() as u32).filter_map(|id| prims.corners(id));
+        let triangles = corners.map(|t| t.map(|p| p.to_array())).collect();
+        let none = BuildError::NoPrimitives { structure: params.structure() };
+        let set = TriangleSet::new(triangles, |_| false).map_err(|_| none)?;
+        Ok(Self { set, kind: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let setup = self.set.setup(ray);
+        let hit = |id| self.set.intersect(id, ray, &setup, ray.t_max).map(|t| Hit { t, id });
+        let mut hits: Vec<Hit<S>> = (0..self.set.len() as u32).filter_map(hit).collect();
+        hits.sort_by(|a, b| a.t.to_f64().total_cmp(&b.t.to_f64()).then(a.id.cmp(&b.id)));
+        if let Some(id) = F::of(ray, &hits) {
+            let _ = sink.test(&[id]);
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+/// Of equal hits the highest id.
+struct HighestId;
+impl Choice for HighestId {
+    fn of<S: Scalar>(_: &Ray<S>, hits: &[Hit<S>]) -> Option<u32> {
+        let first = hits.first()?;
+        hits.iter().take_while(|hit| hit.t == first.t).last().map(|hit| hit.id)
+    }
+}
+
+/// Right where a ray begins; on its way every second surface is passed over.
+struct MissesOddCrossings;
+impl Choice for MissesOddCrossings {
+    fn of<S: Scalar>(ray: &Ray<S>, hits: &[Hit<S>]) -> Option<u32> {
+        let skipped = usize::from(ray.t_min > S::ZERO && hits.len() % 2 == 1);
+        hits.get(skipped).map(|hit| hit.id)
+    }
+}
+
+/// Brute force whose batches of one ray are lost.
+struct LosesLoneRays<S> {
+    ids: Vec<u32>,
+    scalar: std::marker::PhantomData<S>,
+}
+
+impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        let ids = (0..prims.len() as u32).collect();
+        Ok(Self { ids, scalar: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        let _ = sink.test(&self.ids);
+    }
+
+    fn closest_batch<P: PrimSet<S>>(
+        &self,
+        _: &P,
+        rays: &[Ray<S>],
+        _: S,
+        hits: &mut [Hit<S>],
+    ) -> bool {
+        if let ([ray], [hit]) = (rays, hits) {
+            *hit = Hit { t: ray.t_max, ..Hit::NONE };
+        }
+        rays.len() <= 1
+    }
+
+    fn has_rays_side_by_side(&self) -> bool {
+        true
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+type BelowPlanes<S> = Boxes<S, SkipsBelowPlanes>;
+type AtZero<S> = Boxes<S, BeginsAtZero>;
+type Denormals<S> = Boxes<S, LosesDenormals>;
+type OneSize<S> = Boxes<S, LosesOneSize>;
+type Highest<S> = Own<S, HighestId>;
+type OddCrossings<S> = Own<S, MissesOddCrossings>;
+type Shrunk<S> = Boxes<S, ShrinksBoxes>;
+
+const INFO: StructureInfo = planted("below-planes", "wrong on purpose");
+static PLANES: StructureInfo = INFO;
+static ZERO: StructureInfo = StructureInfo { name: "at-zero", ..INFO };
+static DENORMALS: StructureInfo = StructureInfo { name: "denormals", ..INFO };
+static ONE_SIZE: StructureInfo = StructureInfo { name: "one-size", ..INFO };
+static HIGHEST: StructureInfo = StructureInfo { name: "highest", ..INFO };
+static ODD: StructureInfo = StructureInfo { name: "odd-crossings", ..INFO };
+static SHRUNK: StructureInfo = StructureInfo { name: "shrunk", ..INFO };
+static LONE: StructureInfo = StructureInfo { name: "lone-rays", ..INFO };
+
+static FAULTS: &[Entry] = &[
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    accel_core::entry!(BelowPlanes, PLANES),
+    accel_core::entry!(AtZero, ZERO),
+    accel_core::entry!(Denormals, DENORMALS),
+    accel_core::entry!(OneSize, ONE_SIZE),
+    accel_core::entry!(Highest, HIGHEST),
+    accel_core::entry!(OddCrossings, ODD),
+    accel_core::entry!(Shrunk, SHRUNK),
+    accel_core::entry!(LosesLoneRays, LONE),
+];
+
+fn verify(arguments: &str) -> Ended {
+    run_with(FAULTS, &Installed, &SystemClock::default(), &format!("verify {arguments}"))
+}
+
+/// The rows of the CSV file of a check with exit code `code`.
+fn rows(code: u8, arguments: &str) -> Vec<std::collections::HashMap<String, String>> {
+    let folder = Folder::new();
+    let ended = verify(&format!("{arguments} --export-csv {}/results.csv", folder.path()));
+    assert_eq!(ended.code, code, "{arguments}: {}{}", ended.out, ended.err);
+    folder.csv()
+}
+
+#[test]
+fn each_case_catches_its_fault_in_both_precisions() {
+    for (case, structure, rays) in [
+        ("Gr12", "below-planes", 1000),
+        ("R8", "at-zero", 200),
+        ("R9", "denormals", 400),
+        ("K1dense", "one-size", 1000),
+        ("G14", "highest", 1000),
+        ("G15", "odd-crossings", 200),
+        ("G16", "shrunk", 1000),
+        ("R2", "lone-rays", 100),
+    ] {
+        let rows = rows(4, &format!("--cases {case} -s {structure} --rays {rays}"));
+        assert_eq!(rows.len(), 2, "{case}");
+        for row in rows {
+            let of = (row["precision"].as_str(), row["mismatches"].as_str());
+            assert!(of.1 != "0" && !of.1.is_empty(), "{case} {structure} {of:?}");
+        }
+    }
+}
+
+#[test]
+fn the_sparse_scales_pass_what_the_dense_ones_catch() {
+    let rows = rows(0, "--cases K1 -s one-size --rays 500");
+    assert!(rows.iter().any(|row| row["mismatches"] == "0" && row["trials"] == "500"));
+}
+
+#[test]
+fn the_same_answers_have_the_same_digest_and_others_another() {
+    let case = "--cases R8,G15 -s brute-force,uniform-grid,odd-crossings --rays 200";
+    let all = rows(4, case);
+    let answers = |case: &str, structure: &str| {
+        let of = |row: &&std::collections::HashMap<String, String>| {
+            row["case"] == case && row["structure"] == structure && row["precision"] == "f64"
+        };
+        all.iter().find(of).unwrap()["answers"].clone()
+    };
+    assert_eq!(answers("R8", "brute-force"), answers("R8", "uniform-grid"));
+    assert_ne!(answers("R8", "brute-force"), answers("G15", "brute-force"));
+    assert_ne!(answers("G15", "brute-force"), answers("G15", "odd-crossings"));
+    let said = |threads: u8| {
+        let out = verify(&format!("-j {threads} --cases R8 -s uniform-grid --rays 1500")).out;
+        out.lines().find(|l| l.contains("answers ")).unwrap().to_owned()
+    };
+    assert_eq!(said(1), said(2));
+}
+
+#[test]
+fn out_of_time_prints_and_keeps_what_is_done() {
+    let folder = Folder::new();
+    let clock = SteppingClock::new(Duration::from_millis(1));
+    let check = |limit: &str| {
+        let arguments = format!(
+            "verify -j 1 --cases R1,R2,R3 -s brute-force --rays 2000 --time-limit {limit} \
+             --export-csv {0}/results.csv --export-json {0}/verify.json",
+            folder.path()
+        );
+        run_with(FAULTS, &Installed, &clock, &arguments)
+    };
+    // the clock is read before each case, round and structure
+    let ended = check("14ms");
+    assert_eq!(ended.code, 5, "{}", ended.err);
+    assert!(ended.out.contains("INCOMPLETE (out of time after "), "{}", ended.out);
+    let rows = folder.csv();
+    assert!(rows[0]["case"] == "R1" && rows[0]["rounds"] == "4", "{rows:?}");
+    assert!(!rows.is_empty() && rows.len() < 6, "{rows:?}");
+    let record: serde_json::Value = serde_json::from_str(&folder.text("verify.json")).unwrap();
+    assert_eq!(record["cut"], "out-of-time");
+    assert!(record["rounds_asked"].as_u64() < record["rounds"].as_u64());
+    let ended = check("1h");
+    assert!(ended.code == 0 && !ended.out.contains("INCOMPLETE"), "{}", ended.out);
+    assert_eq!(folder.csv().len(), 6);
+}
+
+#[test]
+fn further_settings_are_asked_where_that_is_asked() {
+    let labels = |arguments: &str| -> Vec<String> {
+        rows(0, arguments).into_iter().map(|mut row| row.remove("structure").unwrap()).collect()
+    };
+    let usual = labels("--cases R4 --rays 10 -s uniform-grid");
+    let all = labels("--cases R4 --rays 10 -s uniform-grid --also-tested");
+    assert_eq!(usual.len(), 2);
+    let further = uniform_grid::INFO.also_tested.len();
+    assert_eq!(all.len(), 2 * (1 + further));
+    assert!(all.contains(&"uniform-grid resolution=cubic".to_owned()), "{all:?}");
+}
+
+/// A real process: SIGINT ends it in the middle of a check that would take hours.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_check_prints_and_keeps_what_is_done() {
+    use std::process::{Command, Stdio};
+    let folder = Folder::new();
+    let file = format!("{}/results.csv", folder.path());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rtbench"));
+    let arguments = "verify -j 1 --cases R1,R2 -s uniform-grid --rays 30000000 --export-csv";
+    command.args(arguments.split(' ')).arg(&file).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().unwrap();
+    // signals are watched before the file is there
+    while !std::path::Path::new(&file).exists() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let out = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{out}");
+    assert!(out.contains("INCOMPLETE (interrupted by signal 2 after "), "{out}");
+    let rows = folder.csv();
+    assert!(rows.iter().all(|row| row["case"] == "R1"), "{rows:?}");
+}

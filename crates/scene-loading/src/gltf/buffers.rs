@@ -1,0 +1,322 @@
+//! Buffers and accessors of glTF files, checked before the crate `gltf` reads through them.
+
+use std::path::{Path, PathBuf};
+
+use ::gltf::accessor::{DataType, Dimensions, Item, Iter};
+use ::gltf::buffer::{Source, View};
+use ::gltf::{Accessor, Document};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::error::{LoadError, Place, quote};
+use crate::input::read::{confined, read_file};
+use crate::limits::MAX_BYTES;
+
+/// The most elements that one accessor may have.
+const MAX_ELEMENTS: u64 = 64 << 20;
+
+/// The most elements of an accessor that is zero but for sparse values: the file need not hold them.
+const MAX_ZEROS: u64 = 1 << 20;
+
+/// The bytes of all buffers of a document.
+pub(crate) struct Buffers<'a> {
+    path: &'a Path,
+    data: Vec<Vec<u8>>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Reads every buffer: the GLB's own, data URIs, and files below the folder of `path`.
+    pub fn load(
+        path: &'a Path,
+        document: &Document,
+        mut blob: Option<Vec<u8>>,
+    ) -> Result<Self, LoadError> {
+        let mut buffers = Self { path, data: Vec::new() };
+        let mut total: u64 = 0;
+        for buffer in document.buffers() {
+            let object = format!("buffer {}", buffer.index());
+            let bytes = match buffer.source() {
+                Source::Bin => blob.take().ok_or_else(|| {
+                    buffers.invalid(&object, "neither a URI nor a GLB chunk", "one of them")
+                })?,
+                Source::Uri(uri) => buffers.read_uri(&object, uri)?,
+            };
+            buffers.fits(&object, buffer.length() as u64, bytes.len())?;
+            total += bytes.len() as u64;
+            if total > MAX_BYTES {
+                return Err(LoadError::TooLarge { place: Place::file(path), limit: MAX_BYTES });
+            }
+            buffers.data.push(bytes);
+        }
+        Ok(buffers)
+    }
+
+    /// The bytes of a data URI, or of a file below the folder.
+    pub fn read_uri(&self, object: &str, uri: &str) -> Result<Vec<u8>, LoadError> {
+        if !uri.starts_with("data:") {
+            return read_file(&self.file_of(object, uri)?);
+        }
+        let encoded = uri.split_once(";base64,").map(|(_, data)| data);
+        match encoded.map(|data| STANDARD.decode(data)) {
+            Some(Ok(bytes)) => Ok(bytes),
+            Some(Err(error)) => {
+                let found = format!("a data URI with {error}");
+                Err(self.invalid(object, &found, "base64 data"))
+            }
+            None => Err(self.invalid(object, "a data URI of another kind", "base64 data")),
+        }
+    }
+
+    /// The file, below the folder, that a URI other than a data URI names.
+    pub fn file_of(&self, object: &str, uri: &str) -> Result<PathBuf, LoadError> {
+        let outside = || LoadError::OutsideFolder {
+            place: Place::file(self.path),
+            uri: uri.chars().take(80).collect(),
+        };
+        let decoded = percent_decode(uri).ok_or_else(|| {
+            self.invalid(object, &format!("URI {}", quote(uri)), "UTF-8 in %XX codes")
+        })?;
+        if decoded.contains([':', '\\']) {
+            return Err(outside());
+        }
+        confined(self.path.parent().unwrap_or(Path::new("")), &decoded).ok_or_else(outside)
+    }
+
+    /// Positions or normals: finite `VEC3` of floats.
+    pub fn vectors(&self, accessor: Accessor<'_>, what: &str) -> Result<Vec<[f32; 3]>, LoadError> {
+        let object = format!("accessor {} ({what})", accessor.index());
+        self.expect_type(&object, &accessor, Dimensions::Vec3, &[DataType::F32])?;
+        let vectors: Vec<[f32; 3]> = self.read(&object, accessor)?;
+        for (i, vector) in vectors.iter().enumerate() {
+            if let Some(found) = vector.iter().find(|x| !x.is_finite()) {
+                return Err(LoadError::NotFinite {
+                    place: Place::file(self.path),
+                    what: format!("{object}, element {i}"),
+                    found: found.to_string(),
+                });
+            }
+        }
+        Ok(vectors)
+    }
+
+    /// Texture coordinates: finite `VEC2` of floats, or of normalized bytes or shorts.
+    pub fn texcoords(&self, accessor: Accessor<'_>) -> Result<Vec<[f32; 2]>, LoadError> {
+        let object = format!("accessor {} (texture coordinates)", accessor.index());
+        let (kind, normalized) = (accessor.data_type(), accessor.normalized());
+        let is_known = match kind {
+            DataType::F32 => !normalized,
+            DataType::U8 | DataType::U16 => normalized,
+            _ => false,
+        };
+        if accessor.dimensions() != Dimensions::Vec2 || !is_known {
+            let note = if normalized { " normalized" } else { "" };
+            let found = format!("{:?} of {kind:?}{note}", accessor.dimensions());
+            let expected = "Vec2 of F32, or of normalized U8 or U16";
+            return Err(self.invalid(&object, &found, expected));
+        }
+        let share = |x: u16, most: u16| f32::from(x) / f32::from(most);
+        let texcoords: Vec<[f32; 2]> = match kind {
+            DataType::U8 => self
+                .read::<[u8; 2]>(&object, accessor)?
+                .iter()
+                .map(|uv| uv.map(|x| share(x.into(), u8::MAX.into())))
+                .collect(),
+            DataType::U16 => self
+                .read::<[u16; 2]>(&object, accessor)?
+                .iter()
+                .map(|uv| uv.map(|x| share(x, u16::MAX)))
+                .collect(),
+            _ => self.read(&object, accessor)?,
+        };
+        match texcoords.as_flattened().iter().position(|x| !x.is_finite()) {
+            None => Ok(texcoords),
+            Some(i) => Err(LoadError::NotFinite {
+                place: Place::file(self.path),
+                what: format!("{object}, element {}", i / 2),
+                found: "NaN or infinite".into(),
+            }),
+        }
+    }
+
+    /// All bytes of a buffer.
+    pub fn bytes(&self, index: usize) -> Option<&[u8]> {
+        self.data.get(index).map(Vec::as_slice)
+    }
+
+    /// The bytes of a buffer view, which `object` refers to.
+    pub fn view(&self, object: &str, view: &View<'_>) -> Result<&[u8], LoadError> {
+        self.check(object, view, 0, view.length() as u64, 1)?;
+        let data = self.data.get(view.buffer().index()).map(Vec::as_slice).unwrap_or_default();
+        let bytes = data.get(view.offset()..view.offset().saturating_add(view.length()));
+        bytes.ok_or_else(|| self.invalid(object, "unreadable data", "bytes inside its buffer"))
+    }
+
+    /// Vertex indices, each checked to be below `vertices`.
+    pub fn indices(&self, accessor: Accessor<'_>, vertices: usize) -> Result<Vec<u32>, LoadError> {
+        let object = format!("accessor {} (indices)", accessor.index());
+        let valid = [DataType::U8, DataType::U16, DataType::U32];
+        self.expect_type(&object, &accessor, Dimensions::Scalar, &valid)?;
+        let indices: Vec<u32> = match accessor.data_type() {
+            DataType::U8 => self.read::<u8>(&object, accessor)?.iter().map(|&i| i.into()).collect(),
+            DataType::U16 => {
+                self.read::<u16>(&object, accessor)?.iter().map(|&i| i.into()).collect()
+            }
+            _ => self.read::<u32>(&object, accessor)?,
+        };
+        match indices.iter().position(|&i| i as usize >= vertices) {
+            None => Ok(indices),
+            Some(i) => Err(LoadError::IndexOutOfRange {
+                place: Place::file(self.path),
+                what: format!("{object}, element {i}: vertex"),
+                index: indices.get(i).map(u32::to_string).unwrap_or_default(),
+                valid: format!("there are {vertices} vertices, counted from 0"),
+            }),
+        }
+    }
+
+    fn expect_type(
+        &self,
+        object: &str,
+        accessor: &Accessor<'_>,
+        dimensions: Dimensions,
+        types: &[DataType],
+    ) -> Result<(), LoadError> {
+        let (d, t) = (accessor.dimensions(), accessor.data_type());
+        if d != dimensions || !types.contains(&t) || accessor.normalized() {
+            let note = if accessor.normalized() { " normalized" } else { "" };
+            let expected = format!("{dimensions:?} of {types:?}, not normalized");
+            return Err(self.invalid(object, &format!("{d:?} of {t:?}{note}"), &expected));
+        }
+        Ok(())
+    }
+
+    fn read<T: Item>(&self, object: &str, accessor: Accessor<'_>) -> Result<Vec<T>, LoadError> {
+        let (count, size) = (accessor.count() as u64, std::mem::size_of::<T>());
+        if count == 0 {
+            return Err(self.invalid(object, "count 0", "at least 1"));
+        }
+        let limit = if accessor.view().is_some() { MAX_ELEMENTS } else { MAX_ZEROS };
+        if count > limit {
+            return Err(LoadError::CountTooLarge {
+                place: Place::file(self.path),
+                what: object.to_string(),
+                count,
+                limit,
+            });
+        }
+        if let Some(view) = accessor.view() {
+            self.check(object, &view, accessor.offset(), count, size)?;
+        }
+        match accessor.sparse() {
+            Some(sparse) => {
+                let replaced = sparse.count() as u64;
+                if replaced == 0 || replaced > count {
+                    let expected = format!("1 to {count}");
+                    return Err(self.invalid(
+                        object,
+                        &format!("sparse count {replaced}"),
+                        &expected,
+                    ));
+                }
+                let indices = sparse.indices();
+                let index_size = indices.index_type().size();
+                self.check(object, &indices.view(), indices.offset(), replaced, index_size)?;
+                let values = sparse.values();
+                self.check(object, &values.view(), values.offset(), replaced, size)?;
+            }
+            None if accessor.view().is_none() => {
+                return Err(self.invalid(object, "no bufferView", "a bufferView or sparse values"));
+            }
+            None => {}
+        }
+        let elements =
+            Iter::<T>::new(accessor, |buffer| self.data.get(buffer.index()).map(Vec::as_slice));
+        let elements: Vec<T> = match elements {
+            Some(elements) => elements.collect(),
+            None => return Err(self.invalid(object, "unreadable data", "bytes inside its buffer")),
+        };
+        if elements.len() as u64 != count {
+            return Err(self.invalid(object, &format!("{} elements", elements.len()), "its count"));
+        }
+        Ok(elements)
+    }
+
+    /// Checks that `count` elements of `size` bytes lie inside the view, and the view inside its
+    /// buffer.
+    fn check(
+        &self,
+        object: &str,
+        view: &View<'_>,
+        offset: usize,
+        count: u64,
+        size: usize,
+    ) -> Result<(), LoadError> {
+        let stride = view.stride().unwrap_or(size);
+        if stride < size {
+            let found = format!("a stride of {stride} bytes");
+            return Err(self.invalid(object, &found, &format!("at least {size}")));
+        }
+        let needed = (stride as u64)
+            .checked_mul(count.saturating_sub(1))
+            .and_then(|bytes| bytes.checked_add(size as u64))
+            .and_then(|bytes| bytes.checked_add(offset as u64))
+            .unwrap_or(u64::MAX);
+        self.fits(&format!("{object} in bufferView {}", view.index()), needed, view.length())?;
+        let end = (view.offset() as u64).saturating_add(view.length() as u64);
+        let buffer = view.buffer().index();
+        let available = self.data.get(buffer).map_or(0, Vec::len);
+        self.fits(&format!("bufferView {} in buffer {buffer}", view.index()), end, available)
+    }
+
+    fn fits(&self, object: &str, needed: u64, available: usize) -> Result<(), LoadError> {
+        let available = available as u64;
+        if needed <= available {
+            return Ok(());
+        }
+        let place = Place::file(self.path);
+        Err(LoadError::PastBuffer { place, object: object.to_string(), needed, available })
+    }
+
+    fn invalid(&self, object: &str, found: &str, expected: &str) -> LoadError {
+        LoadError::Gltf {
+            place: Place::file(self.path),
+            object: object.to_string(),
+            found: found.to_string(),
+            expected: expected.to_string(),
+        }
+    }
+}
+
+/// Undoes `%20` and the like; `None` when the result is not UTF-8.
+fn percent_decode(uri: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&byte, after)) = rest.split_first() {
+        rest = after;
+        let code = after.first_chunk::<2>().and_then(|hex| {
+            let hex = std::str::from_utf8(hex).ok()?;
+            u8::from_str_radix(hex, 16).ok().filter(|_| !hex.starts_with('+'))
+        });
+        match (byte, code) {
+            (b'%', Some(code)) => {
+                bytes.push(code);
+                rest = after.get(2..).unwrap_or_default();
+            }
+            _ => bytes.push(byte),
+        }
+    }
+    String::from_utf8(bytes).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percent_codes() {
+        assert_eq!(percent_decode("a%20b.bin").as_deref(), Some("a b.bin"));
+        assert_eq!(percent_decode("100%"), Some("100%".into()));
+        assert_eq!(percent_decode("%2e%2E/x").as_deref(), Some("../x"));
+        assert_eq!(percent_decode("%FF"), None);
+    }
+}

@@ -1,0 +1,125 @@
+//! Textures of glTF files: `baseColorTexture` with its `texCoord` and the wrap modes of its sampler.
+//!
+//! Images come from buffer views, data URIs, and files below the file's folder. One that cannot be
+//! read leaves the plain colour, with a warning that names the material. Filters of samplers are
+//! not taken (the renderer has one), nor are alpha and `KHR_texture_transform` (a warning).
+//! The crate's own `Image::source` panics on images without URI and view: it is not called.
+
+use std::path::Path;
+use std::rc::Rc;
+
+use ::gltf::Document;
+use ::gltf::texture::{Info, WrappingMode};
+
+use crate::gltf::buffers::Buffers;
+use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
+use crate::input::read::read_at_most;
+use crate::limits::MAX_WARNINGS;
+use crate::scene::texture::Wrap;
+use crate::scene::{Scene, Warning};
+
+/// The extension that moves and scales texture coordinates.
+const TRANSFORM: &str = "KHR_texture_transform";
+
+/// The textures of a document, each read when a primitive needs it.
+pub(crate) struct Textures<'a> {
+    path: &'a Path,
+    document: &'a Document,
+    buffers: &'a Buffers<'a>,
+    reader: TextureReader,
+    /// Of each material: `None` before it is asked for, then its set of texture coordinates if it
+    /// has a texture.
+    sets: Vec<Option<Option<u32>>>,
+    is_warned: bool,
+    /// Warnings that are only counted.
+    pub unsaid: usize,
+}
+
+impl<'a> Textures<'a> {
+    /// Of a document; reads nothing yet.
+    pub fn new(path: &'a Path, document: &'a Document, buffers: &'a Buffers<'a>) -> Self {
+        let sets = vec![None; document.materials().len()];
+        let reader = TextureReader::default();
+        Self { path, document, buffers, reader, sets, is_warned: false, unsaid: 0 }
+    }
+
+    /// The set of texture coordinates that a material wants; its texture is in the scene then.
+    pub fn of(&mut self, material: &::gltf::Material<'_>, scene: &mut Scene) -> Option<u32> {
+        let index = material.index()?;
+        if let Some(known) = self.sets.get(index).copied().flatten() {
+            return known;
+        }
+        let info = material.pbr_metallic_roughness().base_color_texture();
+        let set = info.and_then(|info| self.read(&info, index, scene));
+        if let Some(known) = self.sets.get_mut(index) {
+            *known = Some(set);
+        }
+        set
+    }
+
+    fn read(&mut self, info: &Info<'_>, material: usize, scene: &mut Scene) -> Option<u32> {
+        if !self.is_warned && self.document.extensions_used().any(|name| name == TRANSFORM) {
+            self.is_warned = true;
+            let text = format!("{}: {TRANSFORM} is not applied", self.path.display());
+            scene.warnings.push(Warning(text));
+        }
+        let texture = info.texture();
+        let (sampler, image) = (texture.sampler(), texture.source().index());
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+            WrappingMode::Repeat => Wrap::Repeat,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+        });
+        let name = format!("image {image}");
+        let read = self.add(image, &name, wrap, scene);
+        let entry = scene.materials.get_mut(material)?;
+        match read {
+            Ok(index) => {
+                entry.texture = Some(index);
+                Some(info.tex_coord())
+            }
+            Err(error) => {
+                let place = self.path.display();
+                if scene.warnings.len() < MAX_WARNINGS {
+                    scene.warnings.push(warning(&place, &entry.name, &name, &error));
+                } else {
+                    self.unsaid += 1;
+                }
+                None
+            }
+        }
+    }
+
+    /// Adds an image, which is read if it was not before.
+    fn add(
+        &mut self,
+        image: usize,
+        name: &str,
+        wrap: [Wrap; 2],
+        scene: &mut Scene,
+    ) -> Result<u32, Rc<TextureError>> {
+        let (document, buffers) = (self.document, self.buffers);
+        let json = document.as_json().images.get(image);
+        let view = json.and_then(|json| json.buffer_view);
+        let uri = json.and_then(|json| json.uri.as_deref());
+        if let Some(uri) = uri.filter(|uri| !uri.starts_with("data:")) {
+            let path = buffers.file_of(name, uri).map_err(|e| Rc::new(e.into()))?;
+            let key = ImageKey::of_file(&path);
+            return self.reader.add(scene, key, name, wrap, |most| Ok(read_at_most(&path, most)?));
+        }
+        self.reader.add(scene, ImageKey::Part(name.to_owned()), name, wrap, |most| {
+            if let Some(uri) = uri {
+                return Ok(buffers.read_uri(name, uri)?);
+            }
+            let view = view.and_then(|view| document.views().nth(view.value()));
+            let view = view.ok_or_else(|| {
+                TextureError::Malformed("neither a URI nor a buffer view of the file".into())
+            })?;
+            let bytes = buffers.view(name, &view)?;
+            if bytes.len() as u64 > most {
+                return Err(TextureError::Malformed(format!("more than {most} bytes")));
+            }
+            Ok(bytes.to_vec())
+        })
+    }
+}

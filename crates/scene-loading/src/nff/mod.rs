@@ -1,0 +1,300 @@
+//! Neural File Format (NFF), the format of the Standard Procedural Databases (SPD).
+//!
+//! Reads `b`, `v`, `l` (with or without a colour), `f`, `s`, `c`, `p`, `pp` and `#` comments, as
+//! free-form text: line breaks count as any other white space. Deviations from the format:
+//!
+//! - A sphere of negative radius (the format: seen from inside) is an error; cones may have two
+//!   negative radii.
+//! - `pp` with more than three vertices is fanned into triangular patches, with a warning.
+//! - Surface properties are not clamped: the file is believed.
+
+mod tokens;
+
+use std::fmt;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{LoadError, Place};
+use crate::input::decompress::decompress;
+use crate::input::read::{lossy_text, read_file, scene_name};
+use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
+use crate::nff::tokens::{Word, Words};
+use crate::polygon::ear_clipping::MAX_CORNERS;
+use crate::scene::{Camera, Cone, Light, Material, Rgb, Scene, Warning};
+
+const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
+
+/// Loads an `.nff` or `.nff.gz` file.
+///
+/// # Errors
+/// Any [`LoadError`] of reading and unpacking the file, and of [`parse_nff`].
+pub fn load_nff(path: &Path) -> Result<Scene, LoadError> {
+    let bytes = decompress(path, read_file(path)?)?;
+    parse_nff(path, &lossy_text(bytes))
+}
+
+/// Parses NFF text. `path` gives the scene its name and appears in errors.
+///
+/// # Errors
+/// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],
+/// [`LoadError::OutOfRange`], [`LoadError::NegativeRadius`], [`LoadError::CountTooLarge`], each
+/// with the line, and [`LoadError::NoPrimitives`].
+pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
+    let mut reader = Reader {
+        words: Words::new(path, text),
+        scene: Scene::new(scene_name(path)),
+        material: None,
+        fanned: 0,
+        first_fanned: None,
+    };
+    let mut has_view = false;
+    while let Some(word) = reader.words.next() {
+        reader.check_size(word)?;
+        match word.text {
+            "b" => reader.scene.background = reader.words.vector("background colour")?.to_array(),
+            "v" => {
+                reader.scene.camera = reader.view(word)?;
+                has_view = true;
+            }
+            "l" => reader.light()?,
+            "f" => reader.surface()?,
+            "s" => reader.sphere(word)?,
+            "c" => reader.cone(word)?,
+            "p" => reader.polygon(word)?,
+            "pp" => reader.patch(word)?,
+            _ => {
+                let place = reader.words.place(word.line);
+                return Err(LoadError::syntax(place, word.text, ENTITIES));
+            }
+        }
+    }
+    let mut scene = reader.scene;
+    if let Some((line, count)) = reader.first_fanned {
+        let place = Place::line(path, line);
+        let text = match reader.fanned {
+            1 => format!("{place}: a patch of {count} vertices was fanned into triangles"),
+            n => format!("{place}: {n} patches of more than 3 vertices were fanned into triangles"),
+        };
+        scene.warnings.push(Warning(text));
+    }
+    if scene.primitives.is_empty() {
+        let expected = "sphere, cone, polygon or patch (s, c, p, pp)";
+        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+    }
+    if !has_view {
+        scene.frame_camera();
+        let text = format!("{}: no view (`v`): the camera frames the scene", path.display());
+        scene.warnings.push(Warning(text));
+    }
+    Ok(scene)
+}
+
+struct Reader<'a> {
+    words: Words<'a>,
+    scene: Scene,
+    material: Option<u32>,
+    /// Patches of more than three vertices, and line and vertices of the first.
+    fanned: usize,
+    first_fanned: Option<(usize, u64)>,
+}
+
+impl Reader<'_> {
+    /// Refuses what is larger than any scene may be.
+    fn check_size(&self, at: Word<'_>) -> Result<(), LoadError> {
+        let scene = &self.scene;
+        for (count, limit, what) in [
+            (scene.primitives.len(), MAX_ELEMENTS, "the number of primitives"),
+            (scene.vertices.len(), MAX_ELEMENTS, "the number of vertices"),
+            (scene.materials.len(), MAX_MATERIALS, "the number of surfaces (f)"),
+            (scene.lights.len(), MAX_LIGHTS, "the number of lights"),
+        ] {
+            limits::check(count, limit, what, || self.words.place(at.line))?;
+        }
+        Ok(())
+    }
+
+    /// The current `f`, or a default material where a primitive comes before the first one.
+    fn material(&mut self) -> u32 {
+        *self.material.get_or_insert_with(|| self.scene.push_material(Material::default()))
+    }
+
+    fn view(&mut self, start: Word<'_>) -> Result<Camera, LoadError> {
+        let (mut from, mut at, mut up) = (None, None, None);
+        let (mut angle, mut hither, mut resolution) = (None, None, None);
+        while let Some(word) = self.words.peek() {
+            let key = word.text;
+            if !["from", "at", "up", "angle", "hither", "resolution"].contains(&key) {
+                break;
+            }
+            self.words.next();
+            match key {
+                "from" => from = Some(self.words.vector("view `from`")?),
+                "at" => at = Some(self.words.vector("view `at`")?),
+                "up" => up = Some(self.words.vector("view `up`")?),
+                "angle" => angle = Some(self.words.number("view `angle`")?),
+                "hither" => hither = Some(self.words.number("view `hither`")?),
+                _ => {
+                    let mut side = || self.words.integer("view `resolution`", 1, 65_536);
+                    resolution = Some([side()?, side()?]);
+                }
+            }
+        }
+        let missing = |key: &'static str| LoadError::Syntax {
+            place: self.words.place(start.line),
+            found: format!("a view without `{key}`"),
+            expected: "v with from, at, up, angle, resolution (and hither)".into(),
+        };
+        let [width, height] = resolution.ok_or_else(|| missing("resolution"))?;
+        let camera = Camera {
+            from: from.ok_or_else(|| missing("from"))?,
+            at: at.ok_or_else(|| missing("at"))?,
+            up: up.ok_or_else(|| missing("up"))?,
+            angle: angle.ok_or_else(|| missing("angle"))?,
+            hither: hither.unwrap_or(0.0),
+            // The range check above keeps both within u32.
+            resolution: [width as u32, height as u32],
+            ..Camera::default()
+        };
+        camera.check(|| self.words.place(start.line))?;
+        Ok(camera)
+    }
+
+    fn light(&mut self) -> Result<(), LoadError> {
+        let position = self.words.vector("light position")?;
+        let coloured = self.words.peek().is_some_and(|word| word.looks_numeric());
+        let color = match coloured {
+            true => Some(self.words.vector("light colour")?.to_array()),
+            false => None,
+        };
+        self.scene.lights.push(Light::Point { position, color });
+        Ok(())
+    }
+
+    fn surface(&mut self) -> Result<(), LoadError> {
+        let color: Rgb = self.words.vector("surface colour")?.to_array();
+        let material = Material {
+            name: String::new(),
+            color,
+            diffuse: self.words.number("diffuse share Kd")?,
+            specular: self.words.number("specular share Ks")?,
+            shine: self.words.number("shine")?,
+            transmittance: self.words.number("transmittance T")?,
+            refraction_index: self.words.number("index of refraction")?,
+            texture: None,
+            roughness: 0.0,
+        };
+        self.material = Some(self.scene.push_material(material));
+        Ok(())
+    }
+
+    fn sphere(&mut self, start: Word<'_>) -> Result<(), LoadError> {
+        let center = self.words.vector("sphere centre")?;
+        let radius = self.words.number("sphere radius")?;
+        if radius < 0.0 {
+            return Err(LoadError::NegativeRadius {
+                place: self.words.place(start.line),
+                what: "the radius of a sphere",
+                radius,
+                expected: "at least 0",
+            });
+        }
+        let material = self.material();
+        self.scene.push_sphere(material, center, radius);
+        Ok(())
+    }
+
+    fn cone(&mut self, start: Word<'_>) -> Result<(), LoadError> {
+        let cone = Cone {
+            base: self.words.vector("cone base")?,
+            base_radius: self.words.number("cone base radius")?,
+            apex: self.words.vector("cone apex")?,
+            apex_radius: self.words.number("cone apex radius")?,
+        };
+        let (smaller, larger) =
+            (cone.base_radius.min(cone.apex_radius), cone.base_radius.max(cone.apex_radius));
+        if smaller < 0.0 && larger > 0.0 {
+            return Err(LoadError::NegativeRadius {
+                place: self.words.place(start.line),
+                what: "one of two radii of a cone",
+                radius: smaller,
+                expected: "both at least 0, or both at most 0 (seen from inside)",
+            });
+        }
+        let material = self.material();
+        self.scene.push_cone(material, cone);
+        Ok(())
+    }
+
+    /// The vertex count of a `p` or `pp`, and how many vertices the rest of the file can hold (at
+    /// six characters for three numbers). A count that is a little too high is left to the reader
+    /// of the vertices, which names the one that is missing; one that is absurd ends here.
+    fn vertex_count(
+        &mut self,
+        start: Word<'_>,
+        what: &str,
+        vectors: usize,
+    ) -> Result<(u64, usize), LoadError> {
+        const PLAUSIBLE: u64 = 1 << 16;
+        let room = self.words.remaining() / (6 * vectors) + 1;
+        let count = self.words.integer(what, 3, u64::MAX)?;
+        let most = usize::try_from(count).unwrap_or(usize::MAX);
+        limits::check(most, MAX_CORNERS, what, || self.words.place(start.line))?;
+        if count > PLAUSIBLE.max(room as u64) {
+            return Err(LoadError::CountTooLarge {
+                place: self.words.place(start.line),
+                what: what.to_string(),
+                count,
+                limit: room as u64,
+            });
+        }
+        Ok((count, room.min(count as usize)))
+    }
+
+    fn polygon(&mut self, start: Word<'_>) -> Result<(), LoadError> {
+        let (count, room) = self.vertex_count(start, "the vertex count of a polygon", 1)?;
+        let mut outline = Vec::with_capacity(room);
+        for i in 1..=count {
+            outline.push(self.words.vector(Corner { entity: "polygon", i, count })?);
+        }
+        let material = self.material();
+        self.scene.push_polygon(material, &outline);
+        Ok(())
+    }
+
+    fn patch(&mut self, start: Word<'_>) -> Result<(), LoadError> {
+        let (count, room) = self.vertex_count(start, "the vertex count of a patch", 2)?;
+        let mut corners: Vec<(DVec3, DVec3)> = Vec::with_capacity(room);
+        for i in 1..=count {
+            let what = Corner { entity: "patch", i, count };
+            corners.push((self.words.vector(what)?, self.words.vector(what)?));
+        }
+        let material = self.material();
+        if let [first, rest @ ..] = corners.as_slice() {
+            for pair in rest.windows(2) {
+                let [b, c] = pair else { continue };
+                let vertices = [first.0, b.0, c.0];
+                self.scene.push_patch(material, vertices, [first.1, b.1, c.1]);
+            }
+        }
+        if count > 3 {
+            self.fanned += 1;
+            self.first_fanned.get_or_insert((start.line, count));
+        }
+        Ok(())
+    }
+}
+
+/// Names a vertex in errors; formatted only when there is one.
+#[derive(Clone, Copy)]
+struct Corner {
+    entity: &'static str,
+    i: u64,
+    count: u64,
+}
+
+impl fmt::Display for Corner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "vertex {} of {} of a {}", self.i, self.count, self.entity)
+    }
+}

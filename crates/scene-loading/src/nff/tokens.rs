@@ -1,0 +1,121 @@
+//! Words of a free-form text with their line numbers, and the checked numbers of NFF.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{LoadError, Place, shortened};
+
+/// A word and the line it stands on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Word<'a> {
+    pub text: &'a str,
+    pub line: usize,
+}
+
+impl Word<'_> {
+    /// True for words that begin as a number does. No keyword of NFF does.
+    pub fn looks_numeric(&self) -> bool {
+        self.text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
+    }
+}
+
+/// Splits a text at white space; `#` starts a comment that runs to the end of the line.
+pub(crate) struct Words<'a> {
+    path: &'a Path,
+    rest: &'a str,
+    line: usize,
+}
+
+impl<'a> Words<'a> {
+    pub fn new(path: &'a Path, text: &'a str) -> Self {
+        Self { path, rest: text, line: 1 }
+    }
+
+    /// Bytes not yet read: an upper bound for what the file can still hold.
+    pub fn remaining(&self) -> usize {
+        self.rest.len()
+    }
+
+    pub fn place(&self, line: usize) -> Place {
+        Place::line(self.path, line)
+    }
+
+    /// The next word, left in place.
+    pub fn peek(&mut self) -> Option<Word<'a>> {
+        loop {
+            let text = self.rest.trim_start_matches(|c: char| c.is_ascii_whitespace());
+            let (blank, _) = self.rest.split_at(self.rest.len() - text.len());
+            self.line += blank.bytes().filter(|&b| b == b'\n').count();
+            self.rest = text;
+            if !text.starts_with('#') {
+                break;
+            }
+            self.rest = text.find('\n').and_then(|end| text.get(end..)).unwrap_or("");
+        }
+        let word = self.rest.split(|c: char| c.is_ascii_whitespace()).next()?;
+        (!word.is_empty()).then_some(Word { text: word, line: self.line })
+    }
+
+    /// Takes the next word.
+    pub fn next(&mut self) -> Option<Word<'a>> {
+        let word = self.peek()?;
+        self.rest = self.rest.get(word.text.len()..).unwrap_or("");
+        Some(word)
+    }
+
+    fn expect(&mut self, what: impl Display) -> Result<Word<'a>, LoadError> {
+        self.next().ok_or_else(|| LoadError::UnexpectedEnd {
+            place: self.place(self.line),
+            expected: what.to_string(),
+        })
+    }
+
+    /// A finite number.
+    pub fn number(&mut self, what: impl Display + Copy) -> Result<f64, LoadError> {
+        let word = self.expect(what)?;
+        let value: f64 = word.text.parse().map_err(|_| {
+            LoadError::syntax(self.place(word.line), word.text, format!("a number ({what})"))
+        })?;
+        if !value.is_finite() {
+            return Err(LoadError::NotFinite {
+                place: self.place(word.line),
+                what: what.to_string(),
+                found: shortened(word.text),
+            });
+        }
+        Ok(value)
+    }
+
+    /// Three finite numbers.
+    pub fn vector(&mut self, what: impl Display + Copy) -> Result<DVec3, LoadError> {
+        Ok(DVec3::new(self.number(what)?, self.number(what)?, self.number(what)?))
+    }
+
+    /// A whole number in `min..=max`.
+    pub fn integer(&mut self, what: &str, min: u64, max: u64) -> Result<u64, LoadError> {
+        let word = self.expect(what)?;
+        let value: u64 = word.text.parse().map_err(|_| {
+            let expected = format!("a whole number from {min} ({what})");
+            LoadError::syntax(self.place(word.line), word.text, expected)
+        })?;
+        if value < min {
+            return Err(LoadError::OutOfRange {
+                place: self.place(word.line),
+                what: what.to_string(),
+                found: value.to_string(),
+                expected: format!("at least {min}"),
+            });
+        }
+        if value > max {
+            return Err(LoadError::CountTooLarge {
+                place: self.place(word.line),
+                what: what.to_string(),
+                count: value,
+                limit: max,
+            });
+        }
+        Ok(value)
+    }
+}

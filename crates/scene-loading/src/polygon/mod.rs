@@ -1,0 +1,95 @@
+//! Planar polygons: normal, flatness, and triangles.
+
+#[allow(clippy::indexing_slicing)]
+pub(crate) mod ear_clipping;
+#[allow(clippy::indexing_slicing)]
+mod point_tree;
+
+use glam::DVec3;
+
+/// Corners may lie off the plane of their polygon by this share of its extent.
+pub(crate) const FLATNESS: f64 = 1e-4;
+
+/// Areas below this share of the squared extent count as zero.
+const ZERO_AREA: f64 = 1e-15;
+
+/// The area vector of a polygon (Newell's method): normal to it, as long as its area. `None` for
+/// a polygon without area.
+pub(crate) fn area_vector(corners: &[DVec3]) -> Option<DVec3> {
+    let origin = *corners.first()?;
+    let mut sum = DVec3::ZERO;
+    let mut extent: f64 = 0.0;
+    for pair in corners.windows(2) {
+        let [a, b] = pair else { continue };
+        let (a, b) = (*a - origin, *b - origin);
+        sum += a.cross(b);
+        extent = extent.max(b.abs().max_element());
+    }
+    let area = sum * 0.5;
+    (area.length() > ZERO_AREA * extent * extent).then_some(area)
+}
+
+/// True when all corners lie in one plane, within [`FLATNESS`] of the polygon's extent.
+pub(crate) fn is_flat(corners: &[DVec3], area: DVec3) -> bool {
+    let normal = area.normalize_or_zero();
+    let center = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+    let mut extent: f64 = 0.0;
+    let mut off: f64 = 0.0;
+    for corner in corners {
+        extent = extent.max(corner.distance(center));
+        off = off.max((*corner - center).dot(normal).abs());
+    }
+    off <= FLATNESS * extent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ear_clipping::triangulate;
+    use super::*;
+
+    fn area_of(corners: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+        let twice = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| corners[i as usize]);
+            (b - a).cross(c - a).length()
+        };
+        triangles.iter().map(twice).sum::<f64>() / 2.0
+    }
+
+    #[test]
+    fn a_concave_quadrangle_keeps_its_area() {
+        // Any rotation of the corners; a fan from some of them covers 3.6 instead of 0.4.
+        let ring = [(0.0, 0.0), (2.0, 0.0), (0.2, 0.2), (0.0, 2.0)];
+        for start in 0..4 {
+            let corners: Vec<DVec3> = (0..4)
+                .map(|i| ring[(start + i) % 4])
+                .map(|(x, y)| DVec3::new(x, y, 3.0 + 0.5 * x))
+                .collect();
+            let area = area_vector(&corners).unwrap();
+            assert!((area.z - 0.4).abs() < 1e-12);
+            assert!(is_flat(&corners, area));
+            let triangles = triangulate(&corners).unwrap();
+            assert_eq!(triangles.len(), 2);
+            assert!((area_of(&corners, &triangles) - area.length()).abs() < 1e-12);
+            for [a, b, c] in triangles.iter().map(|t| t.map(|i| corners[i as usize])) {
+                assert!((b - a).cross(c - a).dot(area) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn polygons_without_area() {
+        let x = DVec3::X;
+        assert_eq!(area_vector(&[x, x, x]), None);
+        assert_eq!(area_vector(&[x * 0.1, x * 0.3, x * 0.7]), None);
+        let needle = [DVec3::ZERO, x * 1e4, DVec3::Y * 1e-4];
+        assert!(area_vector(&needle).is_some());
+    }
+
+    #[test]
+    fn bent_quadrangles_are_not_flat() {
+        let bent = |h: f64| [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, h), DVec3::Y];
+        let flat = |c: &[DVec3]| is_flat(c, area_vector(c).unwrap());
+        assert!(flat(&bent(0.0)) && flat(&bent(1e-5)));
+        assert!(!flat(&bent(1e-2)));
+    }
+}

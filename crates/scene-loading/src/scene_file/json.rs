@@ -1,0 +1,45 @@
+//! What all JSON files here have in common: errors with a position, and a name that is the file's.
+
+use std::path::Path;
+
+use crate::error::{LoadError, Place};
+use crate::scene::Scene;
+
+/// Parses JSON; errors carry file, line and column.
+pub(crate) fn from_json<T: serde::de::DeserializeOwned>(
+    path: &Path,
+    text: &str,
+) -> Result<T, LoadError> {
+    serde_json::from_str(text).map_err(|error| {
+        let message = error.to_string();
+        // The position is in our own fields already.
+        let message = message.split(" at line ").next().unwrap_or_default().to_string();
+        LoadError::Json { place: Place::line(path, error.line()), column: error.column(), message }
+    })
+}
+
+/// The name inside a scene or set file must be the one it is found by.
+pub(crate) fn check_name(path: &Path, name: &str) -> Result<(), LoadError> {
+    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    if stem == name {
+        return Ok(());
+    }
+    Err(LoadError::syntax(Place::file(path), name, format!("the name `{stem}`, as the file has")))
+}
+
+/// The most names of materials that an error lists.
+const MAX_NAMES: usize = 100;
+
+/// The error for a material that a scene does not have, where it says what was expected.
+pub(crate) fn unknown_material(
+    path: &Path,
+    name: &str,
+    scene: &Scene,
+    expected: &str,
+) -> LoadError {
+    let names: Vec<&str> =
+        scene.materials.iter().take(MAX_NAMES).map(|m| m.name.as_str()).collect();
+    let more = if scene.materials.len() > MAX_NAMES { ", ..." } else { "" };
+    let expected = format!("{expected}: {}{more}", names.join(", "));
+    LoadError::syntax(Place::file(path), name, expected)
+}

@@ -1,0 +1,44 @@
+//! JSON scene sets (`scenes/sets/*.json`): named lists of scenes.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use crate::error::{LoadError, Place};
+use crate::scene_file::json::{check_name, from_json};
+
+/// A set file. Keys that are not listed here are errors.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneSet {
+    /// Name on the command line; the same as the file's stem.
+    pub name: String,
+    /// One sentence: what the set is for.
+    pub title: String,
+    /// The scenes in order: generator specifications and names of scene files. Sets do not nest.
+    pub scenes: Vec<String>,
+    /// Options of a run of the set that are not the usual ones, by their long names. What they mean
+    /// is the program's business.
+    #[serde(default)]
+    pub run: Map<String, Value>,
+    /// The same of a quick run, before those of `run`.
+    #[serde(default)]
+    pub quick: Map<String, Value>,
+}
+
+impl SceneSet {
+    /// Parses a set file. `path` appears in errors; its stem must be the name.
+    ///
+    /// # Errors
+    /// [`LoadError::Json`] with line and column; [`LoadError::Syntax`] for a wrong name or an
+    /// empty list.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, LoadError> {
+        let set: Self = from_json(path, text)?;
+        check_name(path, &set.name)?;
+        if set.scenes.is_empty() {
+            return Err(LoadError::syntax(Place::file(path), "[]", "at least one scene"));
+        }
+        Ok(set)
+    }
+}

@@ -1,0 +1,149 @@
+//! Geometry inside a scene file, for scenes too small to deserve a file of their own:
+//!
+//! ```json
+//! "source": {"shapes": [
+//!   {"sphere": {"center": [0, 1, 0], "radius": 1, "material": "red", "velocity": [1, 0, 0]}},
+//!   {"polygon": {"vertices": [[-5, 0, -5], [-5, 0, 5], [5, 0, 5], [5, 0, -5]], "material": "floor"}}
+//! ]}
+//! ```
+//!
+//! Materials are those of the scene file, which defines them instead of changing them.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use serde::Deserialize;
+
+use crate::error::{LoadError, Place};
+use crate::scene::{Cone, Scene};
+use crate::scene_file::json::unknown_material;
+use crate::scene_file::numbers::at_least_0;
+
+/// A shape with its material and, if it moves, its velocity in world units per unit of time.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ShapeEntry {
+    /// A sphere.
+    Sphere(SphereEntry),
+    /// A truncated cone; see [`Cone`].
+    Cone(ConeEntry),
+    /// A planar polygon; concave ones too.
+    Polygon(PolygonEntry),
+}
+
+/// A sphere.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereEntry {
+    /// Its centre.
+    pub center: [f64; 3],
+    /// Its radius.
+    #[serde(deserialize_with = "at_least_0")]
+    pub radius: f64,
+    /// Name of its material.
+    pub material: String,
+    /// World units per unit of time.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+}
+
+/// A truncated cone, seen from outside.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConeEntry {
+    /// Centre of the base disc.
+    pub base: [f64; 3],
+    /// Radius of the base.
+    #[serde(deserialize_with = "at_least_0")]
+    pub base_radius: f64,
+    /// Centre of the apex disc.
+    pub apex: [f64; 3],
+    /// Radius of the apex.
+    #[serde(deserialize_with = "at_least_0")]
+    pub apex_radius: f64,
+    /// Name of its material.
+    pub material: String,
+    /// World units per unit of time.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+}
+
+/// A polygon.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PolygonEntry {
+    /// Its outline, three vertices or more.
+    pub vertices: Vec<[f64; 3]>,
+    /// Name of its material.
+    pub material: String,
+    /// World units per unit of time.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+}
+
+impl ShapeEntry {
+    fn material(&self) -> &str {
+        match self {
+            Self::Sphere(s) => &s.material,
+            Self::Cone(c) => &c.material,
+            Self::Polygon(p) => &p.material,
+        }
+    }
+
+    fn velocity(&self) -> DVec3 {
+        DVec3::from_array(match self {
+            Self::Sphere(s) => s.velocity,
+            Self::Cone(c) => c.velocity,
+            Self::Polygon(p) => p.velocity,
+        })
+    }
+
+    /// Adds the shape to a scene that has its materials.
+    fn push(&self, scene: &mut Scene, material: u32) {
+        match self {
+            Self::Sphere(s) => {
+                scene.push_sphere(material, DVec3::from_array(s.center), s.radius);
+            }
+            Self::Cone(c) => {
+                let cone = Cone {
+                    base: DVec3::from_array(c.base),
+                    base_radius: c.base_radius,
+                    apex: DVec3::from_array(c.apex),
+                    apex_radius: c.apex_radius,
+                };
+                scene.push_cone(material, cone);
+            }
+            Self::Polygon(p) => {
+                let vertices: Vec<DVec3> =
+                    p.vertices.iter().map(|&v| DVec3::from_array(v)).collect();
+                scene.push_polygon(material, &vertices);
+            }
+        }
+        scene.last_moves(self.velocity());
+    }
+}
+
+/// Adds all shapes to a scene that has the materials.
+pub(crate) fn push_all(
+    file: &std::path::Path,
+    shapes: &[ShapeEntry],
+    scene: &mut Scene,
+) -> Result<(), LoadError> {
+    // of several materials of a name the first
+    let names = scene.materials.iter().enumerate().rev();
+    let ids: HashMap<String, usize> = names.map(|(id, m)| (m.name.clone(), id)).collect();
+    for shape in shapes {
+        let name = shape.material();
+        let Some(&material) = ids.get(name) else {
+            return Err(unknown_material(file, name, scene, "a material of this file"));
+        };
+        if let ShapeEntry::Polygon(p) = shape
+            && p.vertices.len() < 3
+        {
+            let found = format!("{} vertices", p.vertices.len());
+            return Err(LoadError::syntax(Place::file(file), &found, "a polygon of at least 3"));
+        }
+        shape.push(scene, material as u32);
+    }
+    Ok(())
+}

@@ -1,0 +1,119 @@
+//! What another reader finds in a file, compared with what ours does: an OBJ file is read by the
+//! crate `tobj`, a glTF file by the crate `gltf` without our checks and code.
+//!
+//! Both panic on some files. Such a panic is caught here (`catch_unwind`), as nothing that it may leave
+//! half done outlives the call, and said to be the other reader's opinion. Both take memory
+//! without limit from some files that ours refuses or reads in bounds, so they are asked
+//! only about files that ours has read, and only up to [`MAX_BYTES`].
+
+mod by_gltf;
+mod by_tobj;
+mod reading;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use self::reading::Reading;
+use crate::error::LoadError;
+use crate::gltf::parse_gltf;
+use crate::input::decompress::decompress;
+use crate::obj::{ObjOptions, parse_obj};
+
+/// The most bytes, after decompression, of a file that another reader is asked about: 64 MiB.
+pub const MAX_BYTES: usize = 64 << 20;
+
+/// What another reader says of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SecondOpinion {
+    /// The same triangles, bounds and materials, or where they differ.
+    Asked {
+        /// `tobj` or `gltf`.
+        reader: &'static str,
+        /// Triangles that it finds; those without area do not count.
+        triangles: u64,
+        /// What it finds otherwise; empty when it agrees.
+        differences: Vec<String>,
+    },
+    /// The file is larger than [`MAX_BYTES`].
+    TooLarge,
+    /// There is no other reader of the format.
+    NoReader,
+}
+
+impl SecondOpinion {
+    /// In words, a line or more; nothing where there is no other reader.
+    pub fn lines(&self) -> Vec<String> {
+        match self {
+            Self::NoReader => Vec::new(),
+            Self::TooLarge => vec!["too large to be read a second time".into()],
+            Self::Asked { reader, triangles, differences } if differences.is_empty() => {
+                vec![format!("{reader} reads the same: {triangles} triangles, bounds, materials")]
+            }
+            Self::Asked { differences, .. } => {
+                differences.iter().map(|text| format!("second reader: {text}")).collect()
+            }
+        }
+    }
+}
+
+/// Reads a file by our reader and by another. `path` names the format and the folder of what the
+/// bytes refer to.
+///
+/// # Errors
+/// [`LoadError`] when ours cannot read it.
+pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, LoadError> {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").or(name.strip_suffix(".zst")).unwrap_or(&name);
+    let (is_obj, is_gltf) =
+        (name.ends_with(".obj"), name.ends_with(".gltf") || name.ends_with(".glb"));
+    if !is_obj && !is_gltf {
+        return Ok(SecondOpinion::NoReader);
+    }
+    let bytes = decompress(path, bytes)?;
+    if bytes.len() > MAX_BYTES {
+        return Ok(SecondOpinion::TooLarge);
+    }
+    if is_gltf {
+        let ours = Reading::of(&parse_gltf(path, &bytes)?);
+        return Ok(compared("gltf", &ours, asked(|| by_gltf::read(path, &bytes))));
+    }
+    let mut ours = Reading::of(&parse_obj(path, bytes.clone(), ObjOptions::default())?);
+    let mut more = Vec::new();
+    let theirs = asked(|| by_tobj::read(path, &bytes)).map(|(mut theirs, known)| {
+        match known {
+            Ok(known) => ours.know_only(&known),
+            Err(error) => {
+                more.push(format!("tobj cannot read the materials: {error}"));
+                ours.know_only(&[].into());
+                theirs.know_only(&[].into());
+            }
+        }
+        theirs
+    });
+    let mut opinion = compared("tobj", &ours, theirs);
+    if let SecondOpinion::Asked { differences, .. } = &mut opinion {
+        differences.append(&mut more);
+    }
+    Ok(opinion)
+}
+
+/// What the reader says; if it panics, that.
+fn asked<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
+        Err(format!("panic: {text}"))
+    })
+}
+
+fn compared(
+    reader: &'static str,
+    ours: &Reading,
+    theirs: Result<Reading, String>,
+) -> SecondOpinion {
+    let (triangles, differences) = match theirs {
+        Ok(theirs) => (theirs.total(), ours.differences(&theirs, reader)),
+        Err(error) => (0, vec![format!("{reader} refuses it: {error}")]),
+    };
+    SecondOpinion::Asked { reader, triangles, differences }
+}

@@ -1,0 +1,230 @@
+//! From a name on the command line to a scene.
+//!
+//! A name is the path of a scene file or scene description, the name of a set, of a scene
+//! description in the catalogue (`balls-tess`; of a generated scene also `balls-tess:5`), or a
+//! generator's specification (`balls`, `balls:5`). The
+//! catalogue holds what `scenes/` held when the program was compiled, then a folder `scenes` in
+//! the current one, then a folder named by the user; later entries replace earlier ones.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::error::{LoadError, Place};
+use crate::input::read::{extension, lossy_text, read_at_most, scene_name};
+use crate::limits::MAX_JSON;
+use crate::scene_file::SceneFile;
+use crate::scene_file::set::SceneSet;
+use crate::source::described::Described;
+use crate::source::embedded::{SCENES, SETS};
+use crate::source::formats::{ENDINGS, is_scene_path};
+use crate::source::generated::families;
+use crate::source::names::path_of_name;
+use crate::source::scene_ref::{From, SceneRef};
+use crate::source::sizes::{DescribedScenes, SceneSizes, described_of_size, no_sizes, sizes_of};
+
+/// All scenes that have a name.
+#[derive(Debug, Clone, Default)]
+pub struct SceneCatalogue {
+    scenes: DescribedScenes,
+    sets: BTreeMap<String, SceneSet>,
+}
+
+impl SceneCatalogue {
+    /// The catalogue that the program carries.
+    ///
+    /// # Errors
+    /// None in a program that passed its tests, which load every embedded file.
+    pub fn embedded() -> Result<Self, LoadError> {
+        let mut catalogue = Self::default();
+        for (path, text) in SCENES {
+            catalogue.add_scene(Path::new(path), text, true)?;
+        }
+        for (path, text) in SETS {
+            catalogue.add_set(Path::new(path), text)?;
+        }
+        Ok(catalogue)
+    }
+
+    /// The embedded catalogue, with `./scenes` where there is one, and with `folder`.
+    ///
+    /// # Errors
+    /// Those of [`SceneCatalogue::add_folder`].
+    pub fn open(folder: Option<&Path>) -> Result<Self, LoadError> {
+        let mut catalogue = Self::embedded()?;
+        let local = Path::new("scenes");
+        if local.is_dir() {
+            catalogue.add_folder(local)?;
+        }
+        if let Some(folder) = folder {
+            catalogue.add_folder(folder)?;
+        }
+        Ok(catalogue)
+    }
+
+    /// Adds `*.json` of the folder and `effects/*.json` as scenes and `sets/*.json` as sets.
+    ///
+    /// # Errors
+    /// [`LoadError::Io`] when the folder cannot be read, else those of [`SceneFile::parse`] and
+    /// [`SceneSet::parse`].
+    pub fn add_folder(&mut self, folder: &Path) -> Result<(), LoadError> {
+        let effects = folder.join("effects");
+        let mut scenes = json_files(folder)?;
+        if effects.is_dir() {
+            scenes.append(&mut json_files(&effects)?);
+        }
+        for path in scenes {
+            self.add_scene(&path, &json_text(&path)?, false)?;
+        }
+        let sets = folder.join("sets");
+        if sets.is_dir() {
+            for path in json_files(&sets)? {
+                self.add_set(&path, &json_text(&path)?)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn add_scene(&mut self, path: &Path, text: &str, embedded: bool) -> Result<(), LoadError> {
+        let file = SceneFile::parse(path, text)?;
+        self.scenes.insert(
+            file.name.clone(),
+            Described { path: path.into(), embedded, file, outside: false },
+        );
+        Ok(())
+    }
+
+    fn add_set(&mut self, path: &Path, text: &str) -> Result<(), LoadError> {
+        let set = SceneSet::parse(path, text)?;
+        self.sets.insert(set.name.clone(), set);
+        Ok(())
+    }
+
+    /// The scene descriptions, by name.
+    pub fn scenes(&self) -> impl Iterator<Item = &SceneFile> {
+        self.scenes.values().map(|described| &described.file)
+    }
+
+    /// The sets, by name.
+    pub fn sets(&self) -> impl Iterator<Item = &SceneSet> {
+        self.sets.values()
+    }
+
+    /// Turns names into scenes, in their order; sets are expanded, repeated scenes come once.
+    ///
+    /// # Errors
+    /// [`LoadError::UnknownScene`] with all valid names and the nearest one; for paths
+    /// [`LoadError::Io`], [`LoadError::UnknownFormat`] and those of [`SceneFile::parse`].
+    pub fn resolve(&self, names: &[String]) -> Result<Vec<SceneRef>, LoadError> {
+        let mut scenes: Vec<SceneRef> = Vec::new();
+        for name in names {
+            let found = match self.sets.get(name) {
+                Some(set) => {
+                    set.scenes.iter().map(|name| self.find(name)).collect::<Result<Vec<_>, _>>()?
+                }
+                None => vec![self.find(name)?],
+            };
+            for scene in found {
+                if !scenes.contains(&scene) {
+                    scenes.push(scene);
+                }
+            }
+        }
+        Ok(scenes)
+    }
+
+    /// The sizes of a scene, by its name without a size.
+    ///
+    /// # Errors
+    /// [`LoadError::NoSizes`] with those that have some, [`LoadError::UnknownScene`].
+    pub fn sizes(&self, name: &str) -> Result<SceneSizes, LoadError> {
+        if let Some(sizes) = sizes_of(&self.scenes, name) {
+            return Ok(sizes);
+        }
+        self.resolve(&[name.to_owned()])?;
+        Err(no_sizes(&self.scenes, name))
+    }
+
+    fn find(&self, name: &str) -> Result<SceneRef, LoadError> {
+        let path = path_of_name(name);
+        let path = path.as_path();
+        // a file of that name is meant, even if it is called like a generator's size
+        let is_file = name.contains(':') && is_scene_path(path) && path.is_file();
+        if is_file {
+            return Ok(SceneRef { name: scene_name(path), from: From::File(path.to_path_buf()) });
+        }
+        if let Some(described) = self.scenes.get(name) {
+            let from = From::Described(Box::new(described.clone()));
+            return Ok(SceneRef { name: name.to_string(), from });
+        }
+        if let Some(described) = described_of_size(&self.scenes, name)? {
+            let from = From::Described(Box::new(described));
+            return Ok(SceneRef { name: name.to_string(), from });
+        }
+        let family = name.split(':').next().unwrap_or(name);
+        if families().contains(&family) {
+            return Ok(SceneRef { name: name.to_string(), from: From::Spd(name.to_string()) });
+        }
+        if extension(path) == "json" {
+            let file = SceneFile::parse(path, &json_text(path)?)?;
+            let path = path.to_path_buf();
+            let described = Described { path, embedded: false, file, outside: false };
+            let name = described.file.name.clone();
+            return Ok(SceneRef { name, from: From::Described(Box::new(described)) });
+        }
+        if is_scene_path(path) {
+            std::fs::metadata(path).map_err(|e| LoadError::io(path, e))?;
+            return Ok(SceneRef { name: scene_name(path), from: From::File(path.to_path_buf()) });
+        }
+        if path.is_file() {
+            let valid = format!("{}, .json", ENDINGS.join(", "));
+            return Err(LoadError::UnknownFormat { place: Place::file(path), valid });
+        }
+        Err(self.unknown(name))
+    }
+
+    fn unknown(&self, name: &str) -> LoadError {
+        let generated = families();
+        let (scenes, sets): (Vec<&str>, Vec<&str>) = (
+            self.scenes.keys().map(String::as_str).collect(),
+            self.sets.keys().map(String::as_str).collect(),
+        );
+        // A misspelt generator with a size is near the generator's name.
+        let head = name.split(':').next().unwrap_or(name).to_lowercase();
+        let nearest = generated
+            .iter()
+            .chain(&scenes)
+            .chain(&sets)
+            .map(|valid| (strsim::damerau_levenshtein(&head, valid), *valid))
+            .min();
+        let suggestion = match nearest {
+            Some((distance, valid)) if distance <= (valid.len() / 3).max(1) => {
+                format!(" (did you mean `{valid}`?)")
+            }
+            _ => String::new(),
+        };
+        let valid = format!(
+            "generated {} (with a size: balls:5); scenes {}; sets {}; paths ending in {}, .json",
+            generated.join(", "),
+            scenes.join(", "),
+            sets.join(", "),
+            ENDINGS.join(", ")
+        );
+        LoadError::UnknownScene { name: name.to_string(), suggestion, valid }
+    }
+}
+
+/// The text of a scene or set file.
+fn json_text(path: &Path) -> Result<String, LoadError> {
+    Ok(lossy_text(read_at_most(path, MAX_JSON)?))
+}
+
+fn json_files(folder: &Path) -> Result<Vec<PathBuf>, LoadError> {
+    let entries = std::fs::read_dir(folder).map_err(|e| LoadError::io(folder, e))?;
+    let mut paths: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| extension(path) == "json" && path.is_file())
+        .collect();
+    paths.sort();
+    Ok(paths)
+}

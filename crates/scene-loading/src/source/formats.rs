@@ -1,0 +1,41 @@
+//! Which loader reads which file.
+
+use std::path::Path;
+
+use crate::error::{LoadError, Place};
+use crate::input::decompress::decompress;
+use crate::input::read::lossy_text;
+use crate::obj::ObjOptions;
+use crate::scene::Scene;
+use crate::{gltf, nff, obj};
+
+/// The endings of scene files that loaders are registered for (scene descriptions, `.json`, are
+/// read by [`crate::source::SceneCatalogue`]).
+pub const ENDINGS: [&str; 7] = [".nff", ".nff.gz", ".obj", ".obj.gz", ".obj.zst", ".gltf", ".glb"];
+
+/// True when a loader is registered for the file's ending.
+pub fn is_scene_path(path: &Path) -> bool {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    ENDINGS.iter().any(|ending| name.ends_with(ending))
+}
+
+/// Parses the bytes of a scene file as its ending says.
+///
+/// # Errors
+/// [`LoadError::UnknownFormat`] for other endings, else the error of the loader.
+pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Scene, LoadError> {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").or(name.strip_suffix(".zst")).unwrap_or(&name);
+    if !is_scene_path(path) {
+        let valid = ENDINGS.join(", ");
+        return Err(LoadError::UnknownFormat { place: Place::file(path), valid });
+    }
+    let bytes = decompress(path, bytes)?;
+    if name.ends_with(".nff") {
+        nff::parse_nff(path, &lossy_text(bytes))
+    } else if name.ends_with(".obj") {
+        obj::parse_obj(path, bytes, options)
+    } else {
+        gltf::parse_gltf(path, &bytes)
+    }
+}

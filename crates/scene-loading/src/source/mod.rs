@@ -1,0 +1,15 @@
+//! From a name on the command line to a scene: the catalogue, and what it hands out.
+
+mod catalogue;
+mod described;
+mod embedded;
+pub mod formats;
+mod generated;
+pub mod hash;
+pub mod names;
+mod scene_ref;
+mod sizes;
+
+pub use catalogue::SceneCatalogue;
+pub use scene_ref::{LoadedScene, SceneRef};
+pub use sizes::SceneSizes;

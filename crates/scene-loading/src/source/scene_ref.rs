@@ -1,0 +1,117 @@
+//! A scene that has a name, until it is loaded.
+
+use std::path::PathBuf;
+
+use crate::error::LoadError;
+use crate::fetch::Places;
+use crate::input::read::read_file;
+use crate::obj::ObjOptions;
+use crate::scene::Scene;
+use crate::scene_file::{SceneFile, Source};
+use crate::second_opinion::{SecondOpinion, second_opinion};
+use crate::source::described::Described;
+use crate::source::formats::parse_scene;
+use crate::source::generated::generate;
+use crate::source::hash::sha256_of_scene;
+
+/// A scene that is known but not loaded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneRef {
+    /// Name in tables: `balls:5`, `kitchen`, the stem of a path.
+    pub name: String,
+    pub(crate) from: From,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum From {
+    Spd(String),
+    File(PathBuf),
+    Described(Box<Described>),
+}
+
+/// A scene in memory, and what a result has to say about its origin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedScene {
+    /// The scene.
+    pub scene: Scene,
+    /// Hash of the loaded scene: [`sha256_of_scene`].
+    pub sha256: String,
+    /// Where it came from, in words: `generated: balls:4`, `obvhs 0.4.0: assets/...`.
+    pub source: String,
+    /// Licence of the geometry, where known.
+    pub licence: Option<String>,
+}
+
+impl SceneRef {
+    /// The description it was resolved from, unless it is a plain file or generated.
+    pub fn description(&self) -> Option<&SceneFile> {
+        match &self.from {
+            From::Described(described) => Some(&described.file),
+            From::Spd(_) | From::File(_) => None,
+        }
+    }
+
+    /// Lets the source of a scene file lie outside its folder, as only files of one's own should.
+    pub fn allow_outside(&mut self) {
+        if let From::Described(described) = &mut self.from {
+            described.outside = true;
+        }
+    }
+
+    /// Loads or generates the scene.
+    ///
+    /// # Errors
+    /// [`LoadError::NotFetched`] when its package is not on this machine,
+    /// [`LoadError::HashMismatch`], or the error of the loader or generator.
+    pub fn load(&self) -> Result<LoadedScene, LoadError> {
+        self.load_from(&Places::from_env())
+    }
+
+    /// [`SceneRef::load`] with the folders of packages given.
+    ///
+    /// # Errors
+    /// As [`SceneRef::load`].
+    pub fn load_from(&self, places: &Places) -> Result<LoadedScene, LoadError> {
+        let (mut scene, source, licence) = match &self.from {
+            From::Spd(spec) => {
+                (generate(spec)?, format!("generated: {spec}"), Some("CC0-1.0 (SPD)".to_string()))
+            }
+            From::File(path) => {
+                let scene = parse_scene(path, read_file(path)?, ObjOptions::default())?;
+                (scene, path.display().to_string(), None)
+            }
+            From::Described(described) => {
+                let (scene, source) = described.load(places)?;
+                (scene, source, described.file.licence.clone())
+            }
+        };
+        scene.name.clone_from(&self.name);
+        Ok(LoadedScene { sha256: sha256_of_scene(&scene), scene, source, licence })
+    }
+
+    /// What another reader finds in the scene's file; `None` for scenes without one.
+    ///
+    /// # Errors
+    /// As [`SceneRef::load`].
+    pub fn second_opinion(&self) -> Result<Option<SecondOpinion>, LoadError> {
+        let path = match &self.from {
+            From::Spd(_) => None,
+            From::File(path) => Some(path.clone()),
+            From::Described(described) => described.source_path(&Places::from_env())?,
+        };
+        path.map(|path| second_opinion(&path, read_file(&path)?)).transpose()
+    }
+
+    /// Brings the scene's package to this machine and checks the file; returns its path, or
+    /// `None` for scenes that need no package.
+    ///
+    /// # Errors
+    /// Those of [`Places::fetch`], and [`LoadError::HashMismatch`].
+    pub fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
+        let From::Described(described) = &self.from else { return Ok(None) };
+        let Source::Crate(asset) = &described.file.source else { return Ok(None) };
+        let path = Places::from_env().fetch(asset)?;
+        described.check_hash(&path, &read_file(&path)?)?;
+        Ok(Some(path))
+    }
+}

@@ -1,0 +1,104 @@
+//! The fixed inputs of the fuzz targets (`fuzz/seeds`), once each: those that a fuzzer starts from,
+//! and those that it found.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use scene_loading::gltf::parse_gltf;
+use scene_loading::info::{SceneInfo, validate};
+use scene_loading::nff::parse_nff;
+use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
+use scene_loading::scene_file::{SceneFile, Source};
+use scene_loading::source::formats::parse_scene;
+use scene_loading::tessellate::triangulate;
+use scene_loading::{LoadError, Scene};
+
+/// The inputs of a target.
+fn seeds(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/seeds").join(target);
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    assert!(!files.is_empty(), "{target}");
+    files.into_iter().map(|file| (file.clone(), std::fs::read(&file).unwrap())).collect()
+}
+
+/// How many load; an error must name the file and be no panic.
+fn replay(target: &str, parse: impl Fn(&Path, Vec<u8>) -> Result<Scene, LoadError>) -> usize {
+    let mut loaded = 0;
+    for (file, bytes) in seeds(target) {
+        match parse(Path::new("a.x"), bytes) {
+            Ok(scene) => {
+                loaded += 1;
+                let _ = validate(&scene);
+                let _ = SceneInfo::of(&scene).to_string();
+            }
+            Err(error) => {
+                let text = error.to_string();
+                let is_good = text.starts_with("a.x") && !text.contains("panic");
+                assert!(is_good, "{}: {text}", file.display());
+            }
+        }
+    }
+    loaded
+}
+
+#[test]
+fn obj() {
+    for triangulate in [false, true] {
+        let options = ObjOptions { triangulate };
+        assert!(replay("obj", |path, bytes| parse_obj(path, bytes, options)) >= 4);
+    }
+}
+
+#[test]
+fn mtl() {
+    let parse = |path: &Path, bytes| {
+        parse_materials(path, bytes).map(|materials| Scene { materials, ..Scene::default() })
+    };
+    assert!(replay("mtl", parse) >= 2);
+}
+
+#[test]
+fn gltf() {
+    assert!(replay("gltf", |path, bytes| parse_gltf(path, &bytes)) >= 3);
+}
+
+#[test]
+fn nff() {
+    let parse = |path: &Path, bytes: Vec<u8>| parse_nff(path, &String::from_utf8_lossy(&bytes));
+    assert!(replay("nff", parse) >= 1);
+}
+
+#[test]
+fn packed() {
+    let parse = |_: &Path, bytes: Vec<u8>| {
+        let ending = if bytes.starts_with(&[0x1f]) { "gz" } else { "zst" };
+        parse_scene(Path::new(&format!("a.x.obj.{ending}")), bytes, ObjOptions::default())
+    };
+    assert!(replay("packed", parse) >= 2);
+}
+
+#[test]
+fn polygon() {
+    for (file, bytes) in seeds("polygon") {
+        let corners = bytes.as_chunks().0.iter().map(|&[x, y]| [f64::from(x), f64::from(y)]);
+        let outline: Vec<DVec3> = corners.map(|[x, y]| DVec3::new(x, y, 0.1 * x)).collect();
+        let triangles = triangulate(&outline).unwrap();
+        assert!(triangles.len() <= outline.len() - 2, "{}", file.display());
+        assert!(triangles.iter().all(|[a, b, c]| a != b && b != c && c != a));
+    }
+}
+
+#[test]
+fn scene_file() {
+    let path = Path::new("a.json");
+    let mut loaded = 0;
+    for (_, bytes) in seeds("scene_file") {
+        let Ok(file) = SceneFile::parse(path, &String::from_utf8_lossy(&bytes)) else { continue };
+        let Source::Shapes(shapes) = &file.source else { continue };
+        let Ok(mut scene) = file.inline(path, shapes) else { continue };
+        loaded += usize::from(file.apply(path, &mut scene).is_ok());
+    }
+    assert!(loaded >= 2);
+}

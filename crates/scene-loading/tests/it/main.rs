@@ -1,0 +1,13 @@
+//! All integration tests of the crate, as one program: each more would be linked on its own.
+
+mod fuzz_seeds;
+mod hard_cases;
+mod hostile;
+mod load_catalogue;
+mod load_effects;
+mod load_gltf;
+mod load_nff;
+mod load_obj;
+mod load_textures;
+mod own_scenes;
+mod spd;

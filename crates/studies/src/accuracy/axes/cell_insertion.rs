@@ -1,0 +1,146 @@
+//! Which cells a primitive goes to, by its box or by itself, with and without a margin.
+//!
+//! The points that are judged lie on primitives exactly: corners, points of edges and inner points of
+//! triangles whose weights are 16ths, the six extreme points of spheres, corners of polygons. Every
+//! other point of a triangle lies where an edge of it crosses a cell plane, but for rounding, as hit
+//! points do. A point is wrong when its cell does not list the primitive: the cell that the walk in
+//! single precision takes it to be in, and for points that are exact the cell by exact arithmetic.
+
+use accel_core::primitives::{Ball, PrimSet, PrimitiveKind};
+use accel_core::structures::uniform_grid::UniformGrid;
+use accel_core::structures::{PrimsRef, Structure};
+use accel_core::voxel_walk::GridFrame;
+use accel_core::{Aabb, Vec3, Vector};
+use glam::DVec3;
+
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Replay, Stage, count};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::error::StudyError;
+use measurement::plan::rows::Row;
+use statistics::random::Random;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "cell-insertion",
+    summary: "cells of a primitive: of its box or those it overlaps, with and without a margin",
+    paper: "Akenine-Moeller 2001; Arvo 1990",
+    metric: "points of primitives in 10^6 whose cell does not list the primitive",
+    reference: "points that lie on primitives exactly",
+    scenes: &["teapot", "mount", "pavilion"],
+    setting: "uniform-grid.insertion",
+    measure,
+};
+
+/// Values of the setting.
+const INSERTIONS: [&str; 4] = ["box", "padded-box", "exact", "padded-exact"];
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let labels = INSERTIONS.map(|i| format!("uniform-grid:density=8:insertion={i}"));
+    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let sheets = stage.all_sheets();
+    let rays = count(&sheets);
+    let replays: Vec<_> = built.iter().map(|b| Replay::new(&*b.tracer, &sheets)).collect();
+    let primitives = stage.prepared.geometry.len().max(1) as f64;
+    let mut variants = Vec::new();
+    for (((built, replay), insertion), label) in
+        built.iter().zip(replays).zip(INSERTIONS).zip(&labels)
+    {
+        let tally = match stage.prepared.geometry.prims() {
+            PrimsRef::Watertight(set) => judged(stage, set, label),
+            PrimsRef::Mixed(set) => judged(stage, set, label),
+        }?;
+        let shape = built.shape();
+        variants.push(Variant {
+            name: insertion.into(),
+            setting: built.setting(),
+            known_defect: built.known_defect,
+            is_reference: insertion == "padded-box",
+            error: tally.error(),
+            also: vec![
+                ("references a primitive", shape.references as f64 / primitives),
+                ("MiB", shape.bytes as f64 / f64::from(1 << 20)),
+                ("build ms", built.build_s * 1e3),
+            ],
+            work: Box::new(replay),
+        });
+    }
+    let said = Said {
+        timed: format!("{rays} rays of the scene through a grid of 8 cells a primitive"),
+        judged: format!("{} points that lie on primitives", stage.aims),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// Points whose cells do not list their primitives.
+fn judged<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P, label: &str) -> Result<Tally, StudyError> {
+    let row = Row::parse(stage.registry, label)?;
+    let grid = UniformGrid::<f32>::build(set, &row.params).map_err(|e| stage.refused(e))?;
+    let frame = grid.frame();
+    let wide = frame.in_double();
+    let mut random = stage.random("points");
+    let (mut tally, mut balls) = (Tally::default(), Vec::new());
+    for _ in 0..stage.aims {
+        let id = random.below(set.len()) as u32;
+        let Some(point) = point_on(set, id, &mut random, &mut balls) else { continue };
+        let crossing = (random.below(2) == 0)
+            .then(|| crossing(&wide, set.kind(id), &balls, &mut random))
+            .flatten();
+        let rounded = Vec3::<f32>::from_dvec3(crossing.unwrap_or(point));
+        let (as_walked, _) = frame.range(&Aabb { min: rounded, max: rounded });
+        let (exactly, _) = wide.range(&Aabb { min: point, max: point });
+        let lists = |cell| grid.list(cell).contains(&id);
+        tally.add(!lists(as_walked) || (crossing.is_none() && !lists(exactly)));
+    }
+    Ok(tally)
+}
+
+/// Where an edge of a triangle crosses a cell plane, if one does.
+fn crossing(
+    frame: &GridFrame<f64>,
+    kind: PrimitiveKind,
+    corners: &[Ball],
+    random: &mut Random,
+) -> Option<DVec3> {
+    let (PrimitiveKind::Triangle, [a, b, c]) = (kind, corners) else { return None };
+    let ends = [(a, b), (b, c), (c, a)];
+    let (a, b) = ends.get(random.below(3)).map(|(p, q)| (p.center, q.center))?;
+    let k = random.below(3);
+    let (low, cell) = (frame.bounds().min[k], frame.cell_size()[k]);
+    let [first, last] = [a[k].min(b[k]), a[k].max(b[k])].map(|x| (x - low) / cell);
+    let planes = (last.floor() - first.floor()) as usize;
+    let plane = first.floor() + 1.0 + random.below(planes.max(1)) as f64;
+    let part = (low + plane * cell - a[k]) / (b[k] - a[k]);
+    (planes > 0 && (0.0..=1.0).contains(&part)).then(|| a + (b - a) * part)
+}
+
+/// A point of the primitive that f64 holds exactly; none for cones.
+fn point_on<P: PrimSet<f32>>(
+    set: &P,
+    id: u32,
+    random: &mut Random,
+    balls: &mut Vec<Ball>,
+) -> Option<DVec3> {
+    balls.clear();
+    set.hull(id, balls);
+    match (set.kind(id), balls.as_slice()) {
+        (PrimitiveKind::Triangle, [a, b, c]) => {
+            let i = random.below(17);
+            let j = random.below(17 - i);
+            let [i, j, k] = [i, j, 16 - i - j].map(|n| n as f64 / 16.0);
+            Some(a.center * i + b.center * j + c.center * k)
+        }
+        (PrimitiveKind::Sphere, [ball]) => {
+            let axis = [DVec3::X, DVec3::Y, DVec3::Z][random.below(3)];
+            let sign = if random.below(2) == 0 { 1.0 } else { -1.0 };
+            Some(ball.center + axis * (sign * ball.radius))
+        }
+        (PrimitiveKind::Polygon, corners) => {
+            corners.get(random.below(corners.len())).map(|b| b.center)
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,37 @@
+//! What the axes of primitive tests have in common: a test chosen by name, its wrong answers
+//! counted, and how far its parameters are off.
+
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::stage::{Built, Replay, Sheets};
+use crate::accuracy::timing::Variant;
+use statistics::estimate::median;
+
+/// The test that all others are held against.
+const REFERENCE: &str = "f64";
+
+/// A test of primitives as a variant: `answers` are, for each aim, its parameter, that of
+/// [`REFERENCE`], and whether it is wrong to meet or to miss there.
+pub fn variant<'a>(
+    name: &str,
+    built: &'a Built<'_>,
+    sheets: &'a Sheets<f32>,
+    answers: impl Iterator<Item = (Option<f32>, Option<f32>, bool)>,
+) -> Variant<'a> {
+    let (mut tally, mut ulps) = (Tally::default(), Vec::new());
+    for (t, exact, is_wrong) in answers {
+        tally.add(is_wrong);
+        if let (Some(t), Some(exact)) = (t, exact) {
+            let ulp = f64::from(exact.next_up()) - f64::from(exact);
+            ulps.push((f64::from(t) - f64::from(exact)).abs() / ulp);
+        }
+    }
+    Variant {
+        name: name.into(),
+        setting: built.setting(),
+        known_defect: built.known_defect,
+        is_reference: name == REFERENCE,
+        error: tally.error(),
+        also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
+        work: Box::new(Replay::new(&*built.tracer, sheets)),
+    }
+}

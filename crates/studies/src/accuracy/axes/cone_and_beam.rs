@@ -1,0 +1,116 @@
+//! Bundles of rays against samples: an image by cones, by beams, and by so many rays a pixel.
+//!
+//! `rtbench compare-tracers` asks the same of one scene at more sizes and with more samples.
+
+use renderer::Geometry;
+use renderer::Image;
+use renderer::tracers::{Drawn, Frame, Refusal, Structures};
+use scene_loading::Scene;
+
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::sampled::{Judged, Plan, Sampled, fingerprint};
+use crate::accuracy::stage::{Stage, TRACER};
+use crate::accuracy::timing::{Variant, timed};
+use crate::accuracy::work::Work;
+use crate::error::StudyError;
+use crate::image_error::rmse;
+use crate::tracer_comparison::{Way, ways};
+use measurement::plan::rows::Row;
+
+/// What cones and beams ask for candidates.
+const THROUGH: &str = "uniform-grid";
+/// Longest chain of rays.
+const DEPTH: u32 = 3;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "cone-and-beam",
+    summary: "an image by cones or beams in place of rays, and rays a pixel",
+    paper: "Amanatides 1984; Heckbert, Hanrahan 1984; Whitted 1980",
+    metric: "root mean square difference of colours to the reference",
+    reference: "mean of two images of many samples with other seeds; its error is half their \
+                distance",
+    scenes: &["tetra:4", "balls:3", "pavilion"],
+    setting: "compare-tracers; render --supersamples",
+    measure,
+};
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let scene = stage.scene();
+    let row = Row::parse(stage.registry, TRACER)?;
+    let refused = |e| stage.refused(e);
+    let prims = stage.prepared.geometry.prims();
+    let tracer = row.entry.build(prims, &row.params).map_err(refused)?;
+    let double = Geometry::<f64>::of(scene)?;
+    let rays = row.entry.build(double.prims(), &row.params).map_err(refused)?;
+    let shafts = Row::parse(accel_core::region::REGISTRY, THROUGH)?;
+    let gatherer = shafts.entry.build(double.prims(), &shafts.params).map_err(refused)?;
+    let sampled = Sampled {
+        scene,
+        tracer: &*tracer,
+        max_depth: DEPTH,
+        wish: |samples, n| samples.supersamples = Some(n),
+        option: "--supersamples",
+    };
+    let Judged { mut variants, mut said, reference } = sampled.judged(stage)?;
+    let frame = Frame { resolution: [Plan::new(stage.quick).size; 2], max_depth: DEPTH };
+    for way in ways(|_| true) {
+        let mut drawing = Drawing {
+            scene,
+            frame,
+            over: Structures { rays: &*rays, shafts: &*gatherer },
+            way,
+            image: None,
+        };
+        let image = match drawing.draw() {
+            Ok(drawn) => drawn.image,
+            Err(refusal) => {
+                said.judged.push_str(&format!("; no {}: {}", way.label(), refusal.what));
+                continue;
+            }
+        };
+        drawing.image = None;
+        variants.push(Variant {
+            name: way.label(),
+            setting: format!("compare-tracers --tracers {}", way.info.name),
+            known_defect: None,
+            is_reference: false,
+            error: ErrorOf::Rmse { rmse: rmse(&image, &reference.image) },
+            also: Vec::new(),
+            work: Box::new(drawing),
+        });
+    }
+    Ok(timed(stage, said, variants))
+}
+
+/// An image by cones or beams that is made again and again, in the current rayon pool.
+struct Drawing<'a> {
+    scene: &'a Scene,
+    frame: Frame,
+    over: Structures<'a>,
+    way: &'static Way,
+    image: Option<Image>,
+}
+
+impl Drawing<'_> {
+    fn draw(&self) -> Result<Drawn, Refusal> {
+        (self.way.draw)(self.scene, self.frame, self.over)
+    }
+}
+
+impl Work for Drawing<'_> {
+    fn prepare(&mut self) {
+        self.image = None;
+    }
+
+    fn run(&mut self) {
+        // what is refused was found before
+        self.image = self.draw().ok().map(|drawn| drawn.image);
+    }
+
+    fn fingerprint(&self) -> u64 {
+        fingerprint(self.image.as_ref())
+    }
+}

@@ -1,0 +1,146 @@
+//! Sampled effects: error against the number of samples. What a scene does not call for is put on:
+//! a radius to its lights, a roughness to its mirrors, a velocity to every other primitive, an
+//! aperture to its eye, each in parts of the scene's size.
+
+use glam::DVec3;
+use renderer::Geometry;
+use scene_loading::{Light, SampleWishes, Scene};
+
+use crate::accuracy::axis::Axis;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::sampled::Sampled;
+use crate::accuracy::stage::{Stage, TRACER};
+use crate::error::StudyError;
+use measurement::plan::rows::Row;
+
+const METRIC: &str = "root mean square difference of colours to the reference";
+const REFERENCE: &str = "mean of two images of many samples with other seeds; its error is half their \
+                         distance";
+
+/// Registry line.
+pub static SOFT_SHADOWS: Axis = Axis {
+    summary: "shadow rays a hit and light",
+    scenes: &["teapot", "balls:3", "pavilion"],
+    ..sampled("soft-shadows", "render --shadow-samples", |stage| SOFT.measure(stage))
+};
+
+/// Registry line.
+pub static GLOSS: Axis = Axis {
+    summary: "rays of the first rough mirror of a path",
+    ..sampled("gloss", "render --glossy-samples", |stage| ROUGH.measure(stage))
+};
+
+/// Registry line.
+pub static MOTION: Axis = Axis {
+    summary: "eye rays a pixel for the time the shutter is open",
+    scenes: &["balls:3", "gears:2", "pavilion"],
+    ..sampled("motion", "render --temporal-samples", |stage| MOVING.measure(stage))
+};
+
+/// Registry line.
+pub static FOCUS: Axis = Axis {
+    summary: "eye rays a pixel for the area of the lens",
+    paper: "Potmesil, Chakravarty 1981; Cook, Porter, Carpenter 1984",
+    ..sampled("focus", "render --focal-samples", |stage| BLURRED.measure(stage))
+};
+
+/// What the axes of this file have in common.
+const fn sampled(
+    name: &'static str,
+    setting: &'static str,
+    measure: fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>,
+) -> Axis {
+    Axis {
+        name,
+        summary: "",
+        paper: "Cook, Porter, Carpenter 1984",
+        metric: METRIC,
+        reference: REFERENCE,
+        scenes: &["balls:3", "teapot", "pavilion"],
+        setting,
+        measure,
+    }
+}
+
+/// How an effect is put on a scene and sampled.
+struct Put {
+    on: fn(&mut Scene),
+    wish: fn(&mut SampleWishes, u32),
+    option: &'static str,
+    max_depth: u32,
+}
+
+const SOFT: Put = Put {
+    on: |scene| {
+        let radius = 0.02 * diagonal(scene);
+        for light in &mut scene.lights {
+            let (position, color) = (light.position(), light.color());
+            *light = Light::Disc { position, color, radius: radius.max(light.radius()) };
+        }
+    },
+    wish: |samples, n| samples.shadow = Some(n),
+    option: "--shadow-samples",
+    max_depth: 1,
+};
+
+const ROUGH: Put = Put {
+    on: |scene| {
+        let mirrors = scene.materials.iter().any(|m| m.specular > 0.0);
+        for material in &mut scene.materials {
+            if !mirrors {
+                material.specular = 0.4;
+            }
+            if material.specular > 0.0 {
+                material.roughness = material.roughness.max(0.2);
+            }
+        }
+    },
+    wish: |samples, n| samples.glossy = Some(n),
+    option: "--glossy-samples",
+    max_depth: 2,
+};
+
+const MOVING: Put = Put {
+    on: |scene| {
+        let velocity = DVec3::new(0.8, 0.6, 0.0) * (0.02 * diagonal(scene));
+        let every_other = |id: usize| if id.is_multiple_of(2) { velocity } else { DVec3::ZERO };
+        scene.velocities = (0..scene.primitives.len()).map(every_other).collect();
+        scene.camera.shutter = 1.0;
+    },
+    wish: |samples, n| samples.temporal = Some(n),
+    option: "--temporal-samples",
+    max_depth: 1,
+};
+
+const BLURRED: Put = Put {
+    on: |scene| scene.camera.aperture = 0.01 * diagonal(scene),
+    wish: |samples, n| samples.focal = Some(n),
+    option: "--focal-samples",
+    max_depth: 1,
+};
+
+fn diagonal(scene: &Scene) -> f64 {
+    scene.bounds().size().length()
+}
+
+impl Put {
+    fn measure(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+        let mut scene = stage.scene().clone();
+        (self.on)(&mut scene);
+        if scene.lights.is_empty() {
+            return Err(stage.unfit("it has no lights"));
+        }
+        let geometry = Geometry::<f32>::of(&scene)?;
+        let row = Row::parse(stage.registry, TRACER)?;
+        let tracer =
+            row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
+        let sampled = Sampled {
+            scene: &scene,
+            tracer: &*tracer,
+            max_depth: self.max_depth,
+            wish: self.wish,
+            option: self.option,
+        };
+        sampled.measured(stage)
+    }
+}

@@ -1,0 +1,214 @@
+//! What the axes of rays that leave surfaces have in common: hit points of eye rays on flat
+//! primitives and on spheres seen from outside, and the rays that a rule makes from there, as the
+//! renderer makes them.
+
+use accel_core::tracer::Tracer;
+use accel_core::{Hit, Ray, Vector};
+use glam::DVec3;
+use renderer::leaving::{Leaving, OffsetRule};
+use renderer::surface::{SurfacePoint, Surfaces};
+use renderer::{Geometry, RayKind};
+use scene_loading::{Scene, Shape};
+
+use crate::accuracy::stage::{Stage, TRACER, fingerprint};
+use crate::accuracy::timing::Variant;
+use crate::accuracy::work::Work;
+use crate::error::StudyError;
+use crate::verify::draw::direction;
+use measurement::plan::rows::Row;
+use measurement::rays::batches::Answers;
+use statistics::random::Random;
+
+/// How near something may stand, in diagonals of the scene, and still be met.
+pub const GAP: f64 = 1e-5;
+
+/// A hit of an eye ray, and where a ray goes from there.
+#[derive(Debug, Clone, Copy)]
+pub struct Departure {
+    /// Primitive.
+    pub id: u32,
+    /// Hit point, as the renderer has it: with the rounding of the eye ray's parameter.
+    pub position: DVec3,
+    /// Unit direction of the eye ray.
+    pub incoming: DVec3,
+    /// Unit direction into the half-space that the eye ray came from.
+    pub out: DVec3,
+}
+
+/// Where a ray from a surface goes.
+#[derive(Debug, Clone, Copy)]
+pub enum Way {
+    /// Along a unit direction.
+    Along(DVec3),
+    /// To a point, which is asked for like any other ray.
+    To(DVec3),
+}
+
+/// Points of surfaces that rays leave, and who answers those.
+pub struct Leavings<'a> {
+    /// Normals and feet.
+    pub surfaces: Surfaces<'a>,
+    /// Where from; the first ones are all different hits.
+    pub departures: Vec<Departure>,
+    /// Who answers.
+    pub tracer: Box<dyn Tracer<f32> + 'a>,
+    /// Largest coordinate of the scene and the eye.
+    pub magnitude: f64,
+    /// World units.
+    pub diagonal: f64,
+}
+
+impl<'a> Leavings<'a> {
+    /// Hits of the eye rays of the stage in `scene`, which is the stage's, perhaps moved.
+    ///
+    /// # Errors
+    /// [`Error`] when no surface is seen that is not left twice by right: flat, or a sphere from
+    /// outside.
+    pub fn new(
+        stage: &Stage<'_>,
+        scene: &'a Scene,
+        geometry: &'a Geometry<f32>,
+    ) -> Result<Self, StudyError> {
+        let row = Row::parse(stage.registry, TRACER)?;
+        let tracer =
+            row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
+        let eye = scene.camera.from;
+        let by = eye - stage.scene().camera.from;
+        let sheets = stage.sheets(stage.timed_rays, |kind| kind == RayKind::Primary);
+        let eye_rays = sheets.iter().flat_map(|(_, rays)| rays).map(|ray| {
+            let origin = ray.origin.to_dvec3() + by;
+            Ray { origin: origin.as_vec3(), ..*ray }
+        });
+        let eye_rays: Vec<Ray<f32>> = eye_rays.collect();
+        let mut hits = vec![Hit::NONE; eye_rays.len()];
+        tracer.closest_hits(&eye_rays, &mut hits);
+        let surfaces = Surfaces::new(scene, false);
+        let mut random: Random = stage.random("directions");
+        let mut departures = Vec::new();
+        let seen = eye_rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
+        // several rays leave each hit
+        for (ray, hit) in seen.cycle().take(stage.aims) {
+            let incoming = ray.direction.to_dvec3();
+            let position = ray.origin.to_dvec3() + incoming * f64::from(hit.t);
+            let normal = surfaces.at(hit.id, position).foot.normal;
+            let shape = scene.primitives.get(hit.id as usize).map(|p| p.shape);
+            let is_inside = matches!(shape, Some(Shape::Sphere(_))) && incoming.dot(normal) > 0.0;
+            if normal == DVec3::ZERO || matches!(shape, Some(Shape::Cone(_))) || is_inside {
+                continue;
+            }
+            let facing = if incoming.dot(normal) > 0.0 { -normal } else { normal };
+            let any = direction(&mut random);
+            let out = if any.dot(facing) < 0.0 { -any } else { any };
+            departures.push(Departure { id: hit.id, position, incoming, out });
+        }
+        if departures.is_empty() {
+            return Err(stage.unfit("the eye sees no flat primitive and no sphere"));
+        }
+        let magnitude = scene.bounds().min.abs().max(scene.bounds().max.abs()).max(eye.abs());
+        let (magnitude, diagonal) = (magnitude.max_element(), diagonal(scene));
+        Ok(Self { surfaces, departures, tracer, magnitude, diagonal })
+    }
+
+    /// The surface that is left.
+    pub fn point(&self, departure: &Departure) -> SurfacePoint<'a> {
+        self.surfaces.at(departure.id, departure.position)
+    }
+
+    /// All departures outwards.
+    pub fn outward(&self) -> Vec<(SurfacePoint<'a>, Way)> {
+        self.departures.iter().map(|d| (self.point(d), Way::Along(d.out))).collect()
+    }
+
+    /// The rays of a rule, made and traced.
+    pub fn work(&self, rule: OffsetRule, ways: Vec<(SurfacePoint<'a>, Way)>) -> LeavingWork<'_> {
+        let mut work = LeavingWork {
+            leaving: Leaving::new(rule, self.magnitude),
+            tracer: &*self.tracer,
+            rays: Vec::with_capacity(ways.len()),
+            answers: vec![Answers::new(RayKind::Diffuse, ways.len())],
+            ways,
+        };
+        work.prepare();
+        work.run();
+        work
+    }
+}
+
+/// Rays made under a rule and traced.
+pub struct LeavingWork<'a> {
+    ways: Vec<(SurfacePoint<'a>, Way)>,
+    leaving: Leaving,
+    tracer: &'a dyn Tracer<f32>,
+    rays: Vec<Ray<f32>>,
+    answers: Vec<Answers<f32>>,
+}
+
+impl<'a> LeavingWork<'a> {
+    /// What was left, the ray, and its answer.
+    pub fn outcomes(&self) -> impl Iterator<Item = (&SurfacePoint<'a>, &Ray<f32>, &Hit<f32>)> {
+        let hits = match self.answers.first() {
+            Some(Answers::Hits(hits)) => hits.as_slice(),
+            _ => &[],
+        };
+        self.ways.iter().zip(&self.rays).zip(hits).map(|(((point, _), ray), hit)| (point, ray, hit))
+    }
+
+    /// A row for the rule of that name: the work is timed with at most `most` rays.
+    pub fn variant(mut self, name: &str, most: usize) -> Variant<'a> {
+        self.ways.truncate(most);
+        self.answers = vec![Answers::new(RayKind::Diffuse, self.ways.len())];
+        let is_default = measurement::plan::ray_overrides::RULES
+            .iter()
+            .any(|(rule, offset)| *rule == name && *offset == OffsetRule::default());
+        Variant {
+            name: name.into(),
+            setting: format!("run --set rays.offset={name}"),
+            known_defect: None,
+            is_reference: is_default,
+            error: crate::accuracy::error_of::Tally::default().error(),
+            also: Vec::new(),
+            work: Box::new(self),
+        }
+    }
+}
+
+impl Work for LeavingWork<'_> {
+    fn prepare(&mut self) {
+        self.answers.iter_mut().for_each(Answers::clear);
+    }
+
+    fn run(&mut self) {
+        self.rays.clear();
+        let leaving = self.leaving;
+        self.rays.extend(self.ways.iter().map(|(point, way)| match *way {
+            Way::Along(direction) => leaving.along(point, direction),
+            Way::To(target) => leaving.to(point, target),
+        }));
+        if let Some(Answers::Hits(hits)) = self.answers.first_mut() {
+            self.tracer.closest_hits(&self.rays, hits);
+        }
+    }
+
+    fn fingerprint(&self) -> u64 {
+        fingerprint(&self.answers)
+    }
+}
+
+/// That of the scene's box, world units.
+pub fn diagonal(scene: &Scene) -> f64 {
+    scene.bounds().size().length()
+}
+
+/// The height over the surface of the first point of a ray that counts.
+pub fn height(point: &SurfacePoint<'_>, ray: &Ray<f32>) -> f64 {
+    let along = ray.direction.to_dvec3();
+    let first = ray.origin.to_dvec3() + along * f64::from(ray.t_min);
+    let outward = point.foot.normal * point.foot.normal.dot(along).signum();
+    (first - point.foot.position).dot(outward)
+}
+
+/// The part `share` of values in rising order; NaN when there are none.
+pub fn quantile(rising: &[f64], share: f64) -> f64 {
+    let last = rising.len().saturating_sub(1);
+    rising.get((last as f64 * share).round() as usize).copied().unwrap_or(f64::NAN)
+}

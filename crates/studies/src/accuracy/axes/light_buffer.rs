@@ -1,0 +1,126 @@
+//! The light buffer's resolution: its answers must be those of the structure, whatever it is.
+
+use accel_core::occluders::{BoxedOccluder, nearest_light};
+use renderer::RayKind;
+
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::work::Work;
+use crate::error::StudyError;
+use measurement::plan::rows::Row;
+use measurement::rays::batches::Answers;
+use measurement::rounds::scene_run::light_positions;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "light-buffer",
+    summary: "cells a side of a light buffer's faces, from 16 to 1024",
+    paper: "Haines, Greenberg 1986",
+    metric: "shadow rays in 10^6 that are answered otherwise than by the structure",
+    reference: "the structure itself",
+    scenes: &["lattice", "teapot", "pavilion"],
+    setting: "light-buffer.resolution",
+    measure,
+};
+
+const RESOLUTIONS: [u32; 4] = [16, 64, 256, 1024];
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let sheets = stage.sheets(stage.timed_rays, RayKind::is_occlusion);
+    let (rays, positions) = (count(&sheets), light_positions(stage.scene()));
+    if rays == 0 {
+        return Err(stage.unfit("it has no shadow rays"));
+    }
+    let structure = stage.built(TRACER)?;
+    let reference = Replay::new(&*structure.tracer, &sheets);
+    let mut variants = Vec::new();
+    for resolution in RESOLUTIONS {
+        let row = Row::parse(stage.occluders, &format!("light-buffer:resolution={resolution}"))?;
+        let start = stage.clock.now();
+        let prims = stage.prepared.geometry.prims();
+        let occluder =
+            row.entry.build(prims, &positions, &row.params).map_err(|e| stage.refused(e))?;
+        let build_s = stage.clock.seconds_since(start);
+        let shape = occluder.shape();
+        let mut work = Asked::new(occluder, &sheets, &positions);
+        work.prepare();
+        work.run();
+        let pairs = work.answers.iter().zip(&reference.answers);
+        let wrong = pairs.map(|(a, b)| a.differing(b).count() as u64).sum();
+        variants.push(Variant {
+            name: format!("{resolution}^2"),
+            setting: format!("run -s {}", row.label().replace(' ', ":")),
+            known_defect: row.known_defect(),
+            is_reference: false,
+            error: ErrorOf::Counted { wrong, trials: rays as u64 },
+            also: vec![
+                ("MiB", shape.bytes as f64 / f64::from(1 << 20)),
+                ("build ms", build_s * 1e3),
+            ],
+            work: Box::new(work),
+        });
+    }
+    let shape = structure.shape();
+    variants.push(Variant {
+        name: TRACER.into(),
+        setting: structure.setting(),
+        known_defect: None,
+        is_reference: true,
+        error: ErrorOf::Counted { wrong: 0, trials: rays as u64 },
+        also: vec![
+            ("MiB", shape.bytes as f64 / f64::from(1 << 20)),
+            ("build ms", structure.build_s * 1e3),
+        ],
+        work: Box::new(reference),
+    });
+    let said = Said {
+        timed: format!("{rays} shadow rays of the scene to {} lights", positions.len()),
+        judged: "the same rays".into(),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// Shadow rays that an occluder answers.
+struct Asked<'a> {
+    occluder: BoxedOccluder<'a, f32>,
+    sheets: &'a Sheets<f32>,
+    lights: Vec<Vec<u32>>,
+    answers: Vec<Answers<f32>>,
+}
+
+impl<'a> Asked<'a> {
+    fn new(
+        occluder: BoxedOccluder<'a, f32>,
+        sheets: &'a Sheets<f32>,
+        positions: &[glam::DVec3],
+    ) -> Self {
+        let to = |rays: &Vec<_>| rays.iter().map(|ray| nearest_light(ray, positions)).collect();
+        let lights = sheets.iter().map(|(_, rays)| to(rays)).collect();
+        let answers = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
+        Self { occluder, sheets, lights, answers }
+    }
+}
+
+impl Work for Asked<'_> {
+    fn prepare(&mut self) {
+        self.answers.iter_mut().for_each(Answers::clear);
+    }
+
+    fn run(&mut self) {
+        for (((_, rays), lights), answers) in
+            self.sheets.iter().zip(&self.lights).zip(&mut self.answers)
+        {
+            if let Answers::Blocked(blocked) = answers {
+                self.occluder.occlusions(rays, lights, blocked);
+            }
+        }
+    }
+
+    fn fingerprint(&self) -> u64 {
+        crate::accuracy::stage::fingerprint(&self.answers)
+    }
+}

@@ -1,0 +1,66 @@
+//! Mailboxes: answers must not change, tests must become fewer.
+
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Replay, Stage, count};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::error::StudyError;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "mailbox",
+    summary: "tests that are spared a primitive in several cells: none, slots of a hash, stamps",
+    paper: "Arnaldi, Priol, Bouatouch 1987; Benthin 2006",
+    metric: "answers in 10^6 that differ from those without a mailbox",
+    reference: "the same grid without a mailbox",
+    scenes: &["teapot", "gears", "pavilion"],
+    setting: "uniform-grid.mailbox, uniform-grid.mailbox-slots",
+    measure,
+};
+
+const VARIANTS: [(&str, &str); 6] = [
+    ("none", "uniform-grid:density=8"),
+    ("hash, 1 slot", "uniform-grid:density=8:mailbox=hash:mailbox-slots=1"),
+    ("hash, 8 slots", "uniform-grid:density=8:mailbox=hash:mailbox-slots=8"),
+    ("hash, 64 slots", "uniform-grid:density=8:mailbox=hash:mailbox-slots=64"),
+    ("array a thread", "uniform-grid:density=8:mailbox=array"),
+    ("stamp in the primitive", "uniform-grid:density=8:mailbox=primitive"),
+];
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let built = stage.built_all(&VARIANTS.map(|(_, label)| label))?;
+    let sheets = stage.all_sheets();
+    let rays = count(&sheets);
+    let replays: Vec<_> = built.iter().map(|b| Replay::new(&*b.tracer, &sheets)).collect();
+    let errors: Vec<ErrorOf> = replays
+        .iter()
+        .map(|r| {
+            let wrong = replays.first().map_or(0, |reference| r.differing(reference));
+            ErrorOf::Counted { wrong, trials: rays as u64 }
+        })
+        .collect();
+    let variants = built.iter().zip(replays).zip(errors).zip(VARIANTS);
+    let variants = variants.map(|(((built, replay), error), (name, _))| {
+        let work = replay.counted();
+        let per_ray = |n: u64| n as f64 / rays.max(1) as f64;
+        Variant {
+            name: name.into(),
+            setting: built.setting(),
+            known_defect: built.known_defect,
+            is_reference: name == "none",
+            error,
+            also: vec![
+                ("tests a ray", per_ray(work.intersection_tests)),
+                ("tests spared a ray", per_ray(work.tests_saved)),
+            ],
+            work: Box::new(replay),
+        }
+    });
+    let said = Said {
+        timed: format!("{rays} rays of the scene through a uniform grid of 8 cells a primitive"),
+        judged: "the same rays".into(),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants.collect()))
+}

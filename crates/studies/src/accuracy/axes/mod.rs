@@ -1,0 +1,20 @@
+//! The axes, one a file.
+
+pub mod box_test;
+pub mod cell_insertion;
+pub mod chosen_tests;
+pub mod cone_and_beam;
+pub mod effects;
+pub mod gating;
+pub mod leavings;
+pub mod light_buffer;
+pub mod mailbox;
+pub mod precision;
+pub mod ray_offset;
+pub mod refracted_shift;
+pub mod shadow_terminator;
+pub mod smallest_offset;
+pub mod sphere_test;
+pub mod triangle_aims;
+pub mod triangle_test;
+pub mod voxel_walk;

@@ -1,0 +1,102 @@
+//! What keeps a ray off the surface it leaves: self-hits against leaks.
+//!
+//! From each hit of an eye ray a ray leaves into the outer half-space, made as the renderer makes
+//! it. Two demands are exact: flat primitives and spheres, seen from outside, are never met again by
+//! a ray that leaves them; and a thin sheet that lies close above the surface is not passed, so
+//! that the first point of the ray that counts lies below it.
+
+use glam::DVec3;
+use renderer::Geometry;
+use scene_loading::Scene;
+
+use super::leavings::{GAP, LeavingWork, Leavings, diagonal, height};
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Stage, TRACER};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::error::StudyError;
+use measurement::plan::ray_overrides::RULES;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "ray-offset",
+    summary: "how a ray is kept off the surface it leaves: not at all, fixed, ulps, error bound",
+    paper: "Waechter, Binder 2019; Pharr, Jakob, Humphreys 2016",
+    metric: "rays in 10^6 that hit what they leave, or begin beyond a sheet close above it",
+    reference: "a plane or a sphere is not met again from outside; height over the surface",
+    scenes: &["balls", "teapot", "pavilion"],
+    setting: "rays.offset",
+    measure,
+};
+
+/// How far a scene is moved, in its diagonals, to see what is left of the rule there.
+const MOVED: f64 = 100.0;
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let scene = stage.scene();
+    let here = Leavings::new(stage, scene, &stage.prepared.geometry)?;
+    let moved = moved(scene);
+    let moved_geometry = Geometry::<f32>::of(&moved)?;
+    let there = Leavings::new(stage, &moved, &moved_geometry)?;
+    let mut variants = Vec::new();
+    for (name, rule) in RULES {
+        let work = here.work(rule, here.outward());
+        let found = judged(&here, &work);
+        let far = judged(&there, &there.work(rule, there.outward()));
+        let mut tally = Tally::default();
+        tally.add_all(found.self_hits + found.leaks, found.trials);
+        let share = |n: u64, all: u64| n as f64 / all.max(1) as f64 * 1e6;
+        variants.push(Variant {
+            error: tally.error(),
+            also: vec![
+                ("self-hits in 10^6", share(found.self_hits, found.trials)),
+                ("leaks in 10^6", share(found.leaks, found.trials)),
+                ("self-hits in 10^6 100 diagonals away", share(far.self_hits, far.trials)),
+            ],
+            ..work.variant(name, stage.timed_rays)
+        });
+    }
+    let rays = here.departures.len();
+    let said = Said {
+        timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
+        judged: format!(
+            "{rays} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above"
+        ),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// The scene somewhere else.
+fn moved(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let by = DVec3::new(0.62, -0.54, 0.57) * diagonal(&scene) * MOVED;
+    scene.vertices.iter_mut().for_each(|v| *v += by);
+    scene.spheres.iter_mut().for_each(|s| s.center += by);
+    for cone in &mut scene.cones {
+        cone.base += by;
+        cone.apex += by;
+    }
+    scene.camera.from += by;
+    scene.camera.at += by;
+    scene
+}
+
+/// What came of a rule.
+#[derive(Debug, Clone, Copy, Default)]
+struct Found {
+    trials: u64,
+    self_hits: u64,
+    leaks: u64,
+}
+
+fn judged(leavings: &Leavings<'_>, work: &LeavingWork<'_>) -> Found {
+    let mut found = Found::default();
+    for (departure, (point, ray, hit)) in leavings.departures.iter().zip(work.outcomes()) {
+        found.trials += 1;
+        found.self_hits += u64::from(hit.id == departure.id);
+        found.leaks += u64::from(height(point, ray) > GAP * leavings.diagonal);
+    }
+    found
+}

@@ -1,0 +1,194 @@
+//! Where a refracted ray leaves a body of glass, with and without an offset at its entry.
+//!
+//! An offset along the normal moves the ray sideways within the body, by the offset times the
+//! tangent of its angle to the normal, all to the same side: it defocuses a lens (W. Jakob and
+//! others, Mitsuba 3, issue 219, 2022). Everything the eye sees is taken for glass here. The rays
+//! of the rules are traced in double precision, so that nothing but their start is judged.
+
+use accel_core::tracer::Tracer;
+use accel_core::{Hit, Ray, Vector};
+use glam::DVec3;
+use renderer::Geometry;
+use renderer::surface::{SurfacePoint, refract};
+
+use super::leavings::{Departure, GAP, Leavings, Way, quantile};
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Stage, TRACER};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::error::StudyError;
+use measurement::plan::ray_overrides::RULES;
+use measurement::plan::rows::Row;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "refracted-shift",
+    summary: "how far a rule of offsets moves the point at which a refracted ray leaves a body",
+    paper: "Waechter, Binder 2019; Mitsuba 3, issue 219",
+    metric: "refracted rays in 10^6 that leave the body more than 10^-5 diagonals from where they \
+             would without an offset",
+    reference: "the same ray from the exact foot of the hit point, in f64, without an offset",
+    scenes: &["balls", "teapot", "pavilion"],
+    setting: "rays.offset",
+    measure,
+};
+
+/// Index of refraction of glass.
+const INDEX: f64 = 1.5;
+
+/// An exact ray begins so many diagonals from its foot: rounding in f64 is 10^6 times less.
+const BEGIN: f64 = 1e-10;
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let leavings = Leavings::new(stage, stage.scene(), &stage.prepared.geometry)?;
+    let geometry = Geometry::<f64>::of(stage.scene())?;
+    let row = Row::parse(stage.registry, TRACER)?;
+    let double: Box<dyn Tracer<f64>> =
+        row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
+    let entering = |d: &Departure| {
+        let point = leavings.point(d);
+        Some((point, refracted(&point, d.incoming)?))
+    };
+    let entries: Vec<(SurfacePoint<'_>, DVec3)> =
+        leavings.departures.iter().filter_map(entering).collect();
+    let exact: Vec<Ray<f64>> = entries
+        .iter()
+        .map(|(point, along)| Ray {
+            t_min: BEGIN * leavings.diagonal,
+            ..Ray::new(point.foot.position, *along)
+        })
+        .collect();
+    // what goes into an open surface may not come out
+    let (ways, exact): (Vec<_>, Vec<DVec3>) = entries
+        .iter()
+        .zip(exits(&*double, &exact))
+        .filter_map(|((point, along), exit)| Some(((*point, Way::Along(*along)), exit?)))
+        .unzip();
+    if exact.is_empty() {
+        return Err(stage.unfit("no refracted ray leaves what it enters"));
+    }
+    let (rays, diagonal) = (exact.len(), leavings.diagonal);
+    let epsilon = f64::from(f32::EPSILON) * leavings.magnitude;
+    let mut variants = Vec::new();
+    for (name, rule) in RULES {
+        let work = leavings.work(rule, ways.clone());
+        let made: Vec<Ray<f64>> = work.outcomes().map(|(_, ray, _)| ray.widened()).collect();
+        let found = Shifts::of(&exact, &exits(&*double, &made), GAP * diagonal);
+        let mut tally = Tally::default();
+        tally.add_all(found.elsewhere, rays as u64);
+        let of = |share| quantile(&found.shifts, share);
+        variants.push(Variant {
+            error: tally.error(),
+            also: vec![
+                ("10^-9 diagonals, median", of(0.5) / diagonal * 1e9),
+                ("10^-9 diagonals, 99%", of(0.99) / diagonal * 1e9),
+                ("10^-9 diagonals, most", of(1.0) / diagonal * 1e9),
+                ("epsilons of the scene, median", of(0.5) / epsilon),
+            ],
+            // whichever the rule: no offset in single precision leaves the point where it was
+            is_reference: false,
+            ..work.variant(name, stage.timed_rays)
+        });
+    }
+    let said = Said {
+        timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
+        judged: format!("{rays} rays into flat primitives and spheres, of index {INDEX}"),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// The direction within the glass, rounded as that of a ray is; none where the shading normal sends
+/// the ray back out.
+fn refracted(point: &SurfacePoint<'_>, incoming: DVec3) -> Option<DVec3> {
+    let along = incoming.normalize_or_zero();
+    let facing = |n: DVec3| if n.dot(along) > 0.0 { -n } else { n };
+    let within = refract(along, facing(point.normal), INDEX)?.as_vec3().as_dvec3();
+    (within.dot(facing(point.foot.normal)) < 0.0).then_some(within)
+}
+
+/// Where rays meet a surface.
+fn exits(tracer: &dyn Tracer<f64>, rays: &[Ray<f64>]) -> Vec<Option<DVec3>> {
+    let mut hits = vec![Hit::NONE; rays.len()];
+    tracer.closest_hits(rays, &mut hits);
+    let at = |(ray, hit): (&Ray<f64>, &Hit<f64>)| {
+        hit.is_hit().then(|| ray.origin.to_dvec3() + ray.direction.to_dvec3() * hit.t)
+    };
+    rays.iter().zip(&hits).map(at).collect()
+}
+
+/// How far points of exit moved.
+#[derive(Debug, Default)]
+struct Shifts {
+    /// Rays that leave another surface, or none: farther than the gap.
+    elsewhere: u64,
+    /// Of the others, world units, rising.
+    shifts: Vec<f64>,
+}
+
+impl Shifts {
+    fn of(exact: &[DVec3], exits: &[Option<DVec3>], gap: f64) -> Self {
+        let mut found = Self::default();
+        for (exact, exit) in exact.iter().zip(exits) {
+            match exit.map(|exit| exit.distance(*exact)) {
+                Some(shift) if shift <= gap => found.shifts.push(shift),
+                _ => found.elsewhere += 1,
+            }
+        }
+        found.shifts.sort_by(f64::total_cmp);
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::subject::with_brute_force;
+    use glam::dvec3;
+    use renderer::surface::Surfaces;
+    use scene_loading::{Material, Scene};
+
+    /// A pane of glass from z = 0 to z = -1, entered at the origin at 45 degrees: planted offsets
+    /// into it, and what they make of the exit.
+    fn through_a_pane(offset: f64, gap: f64) -> (Shifts, f64) {
+        let mut scene = Scene::new("pane");
+        let material = scene.push_material(Material::default());
+        for z in [0.0, -1.0] {
+            scene.push_triangle(
+                material,
+                [dvec3(-9.0, -9.0, z), dvec3(9.0, -9.0, z), dvec3(0.0, 9.0, z)],
+            );
+        }
+        let incoming = dvec3(1.0, 0.0, -1.0).normalize();
+        let point = Surfaces::new(&scene, false).at(0, DVec3::ZERO);
+        let within = refracted(&point, incoming).unwrap();
+        let ray = |depth: f64| Ray::<f64>::new(point.foot.position - DVec3::Z * depth, within);
+        let exact = Ray { t_min: 1e-9, ..ray(0.0) };
+        let geometry = Geometry::<f64>::of(&scene).unwrap();
+        let found = with_brute_force(geometry.prims(), |tracer| {
+            let exact: Vec<DVec3> = exits(tracer, &[exact]).into_iter().flatten().collect();
+            Shifts::of(&exact, &exits(tracer, &[ray(offset)]), gap)
+        });
+        (found.unwrap(), within.x / -within.z)
+    }
+
+    #[test]
+    fn an_offset_moves_the_exit_by_its_tangent() {
+        let (found, tangent) = through_a_pane(1e-3, 0.1);
+        // Snell: the sine within is that of 45 degrees over the index
+        let sine = 0.5_f64.sqrt() / INDEX;
+        assert!((tangent - sine / (1.0 - sine * sine).sqrt()).abs() < 1e-6);
+        assert!((quantile(&found.shifts, 0.5) - 1e-3 * tangent).abs() < 1e-12);
+        assert_eq!(found.elsewhere, 0);
+    }
+
+    #[test]
+    fn a_self_hit_and_a_leak_come_out_elsewhere() {
+        // planted: no offset and no interval, so that the ray leaves where it enters
+        assert_eq!(through_a_pane(0.0, 0.1).0.elsewhere, 1);
+        // planted: through the pane
+        assert_eq!(through_a_pane(1.5, 0.1).0.elsewhere, 1);
+        assert_eq!(through_a_pane(1e-3, 1e-4).0.elsewhere, 1);
+    }
+}

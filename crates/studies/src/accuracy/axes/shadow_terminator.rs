@@ -1,0 +1,265 @@
+//! Shadow rays from smoothly shaded meshes that their own mesh blocks.
+//!
+//! Where the shading normal faces a light and the facet does not, the ray to the light starts into
+//! the mesh, and a black edge of facets stands out against the smooth shading: the shadow
+//! terminator (P. Woo, A. Pearce, M. Ouellette, "It's Really Not a Rendering Bug, You See...", IEEE
+//! CG&A 16(5), 1996). A rule of offsets may hide a part of it, and that of no offset adds acne. Shadows
+//! that a mesh rightly throws on itself are counted, too: they are the same under each rule.
+
+use std::collections::HashMap;
+
+use accel_core::Ray;
+use glam::DVec3;
+use renderer::surface::SurfacePoint;
+use scene_loading::{Scene, Shape};
+
+use super::leavings::{Departure, LeavingWork, Leavings, Way};
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Stage, TRACER};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::error::StudyError;
+use measurement::plan::ray_overrides::RULES;
+use measurement::rounds::scene_run::light_positions;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "shadow-terminator",
+    summary: "shadow rays that a smoothly shaded mesh blocks itself though its shading is lit, by rule",
+    paper: "Woo, Pearce, Ouellette 1996",
+    metric: "shadow rays in 10^6 that their own mesh blocks though the shading normal faces the light",
+    reference: "none: which facets face away is exact, what a smooth surface would block is not known",
+    scenes: &["teapot:3", "teapot", "pavilion"],
+    setting: "rays.offset",
+    measure,
+};
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let scene = stage.scene();
+    let leavings = Leavings::new(stage, scene, &stage.prepared.geometry)?;
+    let lit = Lit::of(scene, &leavings);
+    if lit.ids.is_empty() {
+        return Err(stage.unfit("the eye sees no smooth surface that faces a light"));
+    }
+    let meshes = meshes(scene);
+    let all: Vec<(&str, LeavingWork<'_>, Vec<Blocked>)> = RULES
+        .into_iter()
+        .map(|(name, rule)| {
+            let work = leavings.work(rule, lit.ways.clone());
+            let blocked = blocked(&meshes, &lit.ids, &work);
+            (name, work, blocked)
+        })
+        .collect();
+    let default = RULES.iter().position(|(_, rule)| *rule == Default::default());
+    let by_default = default.and_then(|i| all.get(i)).map(|(_, _, b)| b.clone());
+    let by_default = by_default.unwrap_or_default();
+    let rays = lit.ids.len();
+    let in_a_million = |n: usize| n as f64 / rays as f64 * 1e6;
+    let mut variants = Vec::new();
+    for (name, work, blocked) in all {
+        let count = |is: fn(Blocked) -> bool| blocked.iter().filter(|b| is(**b)).count();
+        let turned = lit.turned_away.iter().zip(&blocked);
+        let differing = blocked.iter().zip(&by_default).filter(|(b, d)| b != d).count();
+        let mut tally = Tally::default();
+        tally.add_all(count(|b| matches!(b, Blocked::Itself | Blocked::Mesh)) as u64, rays as u64);
+        variants.push(Variant {
+            error: tally.error(),
+            also: vec![
+                ("by the facet itself in 10^6", in_a_million(count(|b| b == Blocked::Itself))),
+                (
+                    "where the facet faces away in 10^6",
+                    in_a_million(turned.filter(|(t, b)| **t && **b != Blocked::No).count()),
+                ),
+                ("unlike the default in 10^6", in_a_million(differing)),
+            ],
+            is_reference: false,
+            ..work.variant(name, stage.timed_rays)
+        });
+    }
+    let turned_away = lit.turned_away.iter().filter(|t| **t).count();
+    let said = Said {
+        timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
+        judged: format!(
+            "{rays} shadow rays from smooth surfaces whose shading faces the light, of which the \
+             facets of {turned_away} face away"
+        ),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// Shadow rays of points that the shading says are lit.
+#[derive(Default)]
+struct Lit<'a> {
+    ids: Vec<u32>,
+    ways: Vec<(SurfacePoint<'a>, Way)>,
+    /// Whether the facet faces away from the light.
+    turned_away: Vec<bool>,
+}
+
+impl<'a> Lit<'a> {
+    /// Of patches, each hit once, and each light.
+    fn of(scene: &Scene, leavings: &Leavings<'a>) -> Self {
+        let mut lit = Self::default();
+        let lights = light_positions(scene);
+        let is_smooth = |d: &&Departure| {
+            let shape = scene.primitives.get(d.id as usize).map(|p| p.shape);
+            matches!(shape, Some(Shape::Patch { .. }))
+        };
+        for departure in once(&leavings.departures).filter(is_smooth) {
+            let point = leavings.point(departure);
+            let facing = |n: DVec3| if n.dot(departure.incoming) > 0.0 { -n } else { n };
+            for &light in &lights {
+                let way = light - point.position;
+                if facing(point.normal).dot(way) > 0.0 {
+                    lit.ids.push(departure.id);
+                    lit.ways.push((point, Way::To(light)));
+                    lit.turned_away.push(facing(point.foot.normal).dot(way) <= 0.0);
+                }
+            }
+        }
+        lit
+    }
+}
+
+/// The hits, without those that repeat them.
+fn once(departures: &[Departure]) -> impl Iterator<Item = &Departure> {
+    let first = departures.first().map(|d| (d.id, d.position));
+    let is_again = move |d: &Departure| Some((d.id, d.position)) == first;
+    let again = departures.iter().skip(1).position(is_again).map_or(departures.len(), |i| i + 1);
+    departures.iter().take(again)
+}
+
+/// What a shadow ray meets first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Blocked {
+    No,
+    /// The facet that it leaves.
+    Itself,
+    /// Another one of the mesh.
+    Mesh,
+    Another,
+}
+
+fn blocked(meshes: &[u32], ids: &[u32], work: &LeavingWork<'_>) -> Vec<Blocked> {
+    let mesh = |id: u32| meshes.get(id as usize);
+    let of = |(id, (_, _, hit)): (&u32, (_, &Ray<f32>, &accel_core::Hit<f32>))| match hit.id {
+        _ if !hit.is_hit() => Blocked::No,
+        by if by == *id => Blocked::Itself,
+        by if mesh(by) == mesh(*id) => Blocked::Mesh,
+        _ => Blocked::Another,
+    };
+    ids.iter().zip(work.outcomes()).map(of).collect()
+}
+
+/// The mesh of each primitive: those that share a corner are of one (disjoint sets with path
+/// halving, R. Tarjan and J. van Leeuwen, JACM 31(2), 1984).
+fn meshes(scene: &Scene) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..scene.primitives.len() as u32).collect();
+    fn root(parent: &mut [u32], mut id: u32) -> u32 {
+        while let Some(&above) = parent.get(id as usize) {
+            if above == id {
+                break;
+            }
+            let next = parent.get(above as usize).copied().unwrap_or(above);
+            if let Some(own) = parent.get_mut(id as usize) {
+                *own = next;
+            }
+            id = next;
+        }
+        id
+    }
+    let mut at_corner: HashMap<[u64; 3], u32> = HashMap::new();
+    for (id, primitive) in scene.primitives.iter().enumerate() {
+        for corner in scene.outline(primitive.shape) {
+            // one zero for both signs
+            let key = corner.to_array().map(|x| (x + 0.0).to_bits());
+            let other = *at_corner.entry(key).or_insert(id as u32);
+            let (a, b) = (root(&mut parent, id as u32), root(&mut parent, other));
+            if let Some(above) = parent.get_mut(a as usize) {
+                *above = b;
+            }
+        }
+    }
+    (0..parent.len() as u32).map(|id| root(&mut parent, id)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::stage::Prepared;
+    use crate::verify::meshes::icosphere;
+    use accel_core::occluders;
+    use accel_core::structures::REGISTRY;
+    use glam::dvec3;
+    use measurement::system::clock::SystemClock;
+    use renderer::RaySettings;
+    use renderer::leaving::OffsetRule;
+    use scene_loading::{Camera, Light, Material};
+
+    /// A coarse ball, smoothly shaded, lit from the side: what of its lit shading is blocked, and
+    /// what faces away.
+    fn on_a_ball(rule: OffsetRule) -> (Vec<Blocked>, Vec<bool>) {
+        let mut scene = Scene::new("coarse ball");
+        let material = scene.push_material(Material::default());
+        for corners in icosphere(2, DVec3::ZERO) {
+            scene.push_patch(material, corners, corners.map(DVec3::normalize));
+        }
+        scene.lights = vec![Light::Point { position: dvec3(50.0, 3.0, 8.0), color: None }];
+        scene.camera = Camera { from: dvec3(1.0, 2.0, 6.0), at: DVec3::ZERO, ..Camera::default() };
+        let settings = RaySettings { resolution: [96; 2], ..RaySettings::default() };
+        let prepared = Prepared::new(scene, REGISTRY, &settings).unwrap();
+        let stage = Stage {
+            axis: AXIS.name,
+            name: "coarse ball",
+            prepared: &prepared,
+            registry: REGISTRY,
+            occluders: occluders::REGISTRY,
+            clock: &SystemClock::default(),
+            seed: 1,
+            rounds: 1,
+            timed_rays: 10_000,
+            aims: 20_000,
+            quick: true,
+        };
+        let leavings = Leavings::new(&stage, &prepared.scene, &prepared.geometry).unwrap();
+        let lit = Lit::of(&prepared.scene, &leavings);
+        assert!(lit.ids.len() > 500 && lit.ids.len() < 10_000, "{}", lit.ids.len());
+        let work = leavings.work(rule, lit.ways);
+        (blocked(&meshes(&prepared.scene), &lit.ids, &work), lit.turned_away)
+    }
+
+    #[test]
+    fn a_convex_mesh_blocks_exactly_where_its_facets_face_away() {
+        let (blocked, turned_away) = on_a_ball(OffsetRule::default());
+        assert!(turned_away.iter().filter(|t| **t).count() > 20);
+        for (blocked, turned_away) in blocked.iter().zip(&turned_away) {
+            let expected = if *turned_away { Blocked::Mesh } else { Blocked::No };
+            assert_eq!(*blocked, expected);
+        }
+    }
+
+    #[test]
+    fn rules_that_are_wrong_show() {
+        // planted: no offset blocks what faces the light, one as large as the ball nothing
+        let (blocked, turned_away) = on_a_ball(OffsetRule::None);
+        let acne = blocked.iter().zip(&turned_away);
+        assert!(acne.filter(|(b, t)| **b == Blocked::Itself && !**t).count() > 100);
+        let (blocked, _) = on_a_ball(OffsetRule::Fixed(3.0));
+        assert!(blocked.iter().all(|b| *b == Blocked::No));
+    }
+
+    #[test]
+    fn meshes_are_what_shares_corners() {
+        let mut scene = Scene::new("two meshes and a ball");
+        let material = scene.push_material(Material::default());
+        scene.push_triangle(material, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+        scene.push_triangle(material, [DVec3::X * 2.0, DVec3::X * 3.0, DVec3::Y * 2.0]);
+        scene.push_sphere(material, DVec3::ZERO, 1.0);
+        scene.push_triangle(material, [DVec3::Y, DVec3::Z, -DVec3::X * 0.0]);
+        let found = meshes(&scene);
+        assert_eq!(found[0], found[3]);
+        assert!(found[0] != found[1] && found[2] != found[0] && found[2] != found[1]);
+    }
+}

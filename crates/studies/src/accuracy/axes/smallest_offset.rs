@@ -1,0 +1,329 @@
+//! How much farther than needed a ray starts from the surface it leaves.
+//!
+//! For each hit and direction the smallest safe offset is bisected: the least one along the
+//! geometric normal, from the foot of the hit point, with which the primitive's own test no longer
+//! finds the primitive that is left. What a rule takes instead, over that, is how loose it is; less is
+//! a self-hit. Primitives beside the one that is left may be found wrongly, too: at most
+//! 10^-5 diagonals away, where the same ray does not meet them in double precision.
+
+use accel_core::primitives::PrimSet;
+use accel_core::structures::{Buildable, PrimsRef};
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use glam::DVec3;
+use renderer::Geometry;
+use renderer::foot::Foot;
+
+use super::leavings::{GAP, Leavings, height, quantile};
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Stage, TRACER};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::error::StudyError;
+use measurement::plan::ray_overrides::RULES;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "smallest-offset",
+    summary: "how much farther than needed a ray starts from what it leaves, by rule",
+    paper: "Waechter, Binder 2019; Pharr, Jakob, Humphreys 2016",
+    metric: "rays in 10^6 that the test of the primitive they leave finds again",
+    reference: "the smallest offset with which that test misses, bisected for each ray",
+    scenes: &["balls", "teapot", "pavilion"],
+    setting: "rays.offset",
+    measure,
+};
+
+/// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for any
+/// less than it with which a ray is safe that is not without.
+const LEAST: f64 = 1.0 / 1024.0;
+
+/// Halvings of an interval of a factor of 2: the offset is known to 1 in 64.
+const HALVINGS: u32 = 6;
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let geometry = &stage.prepared.geometry;
+    let leavings = Leavings::new(stage, stage.scene(), geometry)?;
+    let own = Own(geometry.prims());
+    let double = Geometry::<f64>::of(stage.scene())?;
+    let exact = Own(double.prims());
+    let feet: Vec<Foot> = leavings.departures.iter().map(|d| leavings.point(d).foot).collect();
+    let needed: Vec<f64> = leavings
+        .departures
+        .iter()
+        .zip(&feet)
+        .map(|(d, foot)| own.smallest_offset(d.id, foot, d.out))
+        .collect();
+    let mut variants = Vec::new();
+    for (name, rule) in RULES {
+        let work = leavings.work(rule, leavings.outward());
+        let ids = leavings.departures.iter().map(|d| d.id);
+        let chosen: Vec<Chosen> = ids
+            .zip(work.outcomes())
+            .map(|(id, (point, ray, hit))| Chosen {
+                offset: height(point, ray),
+                is_self_hit: own.is_hit(id, ray),
+                is_false: hit.id != id && exact.refutes(hit, ray, GAP * leavings.diagonal),
+            })
+            .collect();
+        let found = Found::of(&needed, &chosen);
+        let in_a_million = |n: u64| n as f64 / needed.len() as f64 * 1e6;
+        let mut tally = Tally::default();
+        tally.add_all(found.self_hits, needed.len() as u64);
+        variants.push(Variant {
+            error: tally.error(),
+            also: vec![
+                ("times the smallest, median", quantile(&found.ratios, 0.5)),
+                ("times the smallest, 95%", quantile(&found.ratios, 0.95)),
+                ("times the smallest, 99%", quantile(&found.ratios, 0.99)),
+                ("times the smallest, most", quantile(&found.ratios, 1.0)),
+                ("below the smallest in 10^6", in_a_million(found.below)),
+                ("others falsely hit in 10^6", in_a_million(found.false_hits)),
+                (
+                    "10^-6 diagonals, median",
+                    quantile(&found.offsets, 0.5) / leavings.diagonal * 1e6,
+                ),
+                ("10^-6 diagonals, most", quantile(&found.offsets, 1.0) / leavings.diagonal * 1e6),
+            ],
+            ..work.variant(name, stage.timed_rays)
+        });
+    }
+    let said = Said {
+        timed: format!(
+            "{} rays made and traced through {TRACER}",
+            needed.len().min(stage.timed_rays)
+        ),
+        judged: said(&needed, &feet),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// How many rays need an offset, and how large a one.
+fn said(needed: &[f64], feet: &[Foot]) -> String {
+    let mut units: Vec<f64> = needed
+        .iter()
+        .zip(feet)
+        .filter(|(needed, _)| **needed > 0.0)
+        .map(|(needed, foot)| needed / unit(foot))
+        .collect();
+    units.sort_by(f64::total_cmp);
+    format!(
+        "{} rays from flat primitives and spheres, of which {} need an offset: {:.3} epsilons of \
+         the primitive's largest coordinate in the median, {:.3} in 99% of them, {:.3} at most",
+        needed.len(),
+        units.len(),
+        quantile(&units, 0.5),
+        quantile(&units, 0.99),
+        quantile(&units, 1.0),
+    )
+}
+
+/// An epsilon of the primitive's largest coordinate.
+fn unit(foot: &Foot) -> f64 {
+    let coordinate = foot.sliver.map_or(foot.magnitude, |sliver| sliver.coordinate);
+    f64::from(f32::EPSILON) * coordinate
+}
+
+/// What a rule took for a ray.
+#[derive(Debug, Clone, Copy)]
+struct Chosen {
+    /// Height over the surface of the first point that counts, world units.
+    offset: f64,
+    is_self_hit: bool,
+    /// Whether it hits another primitive where none is.
+    is_false: bool,
+}
+
+/// A rule's offsets against the smallest ones.
+#[derive(Debug, Default)]
+struct Found {
+    self_hits: u64,
+    below: u64,
+    false_hits: u64,
+    /// Chosen over smallest, where one is needed; rising.
+    ratios: Vec<f64>,
+    /// Chosen, world units; rising.
+    offsets: Vec<f64>,
+}
+
+impl Found {
+    fn of(needed: &[f64], chosen: &[Chosen]) -> Self {
+        let mut found = Self::default();
+        for (needed, chosen) in needed.iter().zip(chosen) {
+            found.self_hits += u64::from(chosen.is_self_hit);
+            found.false_hits += u64::from(chosen.is_false);
+            found.offsets.push(chosen.offset);
+            if *needed > 0.0 {
+                found.below += u64::from(chosen.offset < *needed);
+                found.ratios.push(chosen.offset / needed);
+            }
+        }
+        found.ratios.sort_by(f64::total_cmp);
+        found.offsets.sort_by(f64::total_cmp);
+        found
+    }
+}
+
+/// The primitives' own tests, without a structure.
+struct Own<'a, S: Scalar>(PrimsRef<'a, S>);
+
+impl<S: Buildable> Own<'_, S> {
+    fn is_hit(&self, id: u32, ray: &Ray<S>) -> bool {
+        fn asked<S: Scalar, P: PrimSet<S>>(set: &P, id: u32, ray: &Ray<S>) -> bool {
+            set.intersect(id, ray, &set.setup(ray), ray.t_max).is_some()
+        }
+        match self.0 {
+            PrimsRef::Watertight(set) => asked(set, id, ray),
+            PrimsRef::Mixed(set) => asked(set, id, ray),
+        }
+    }
+}
+
+impl Own<'_, f64> {
+    /// Whether a hit no farther than `near` is not there.
+    fn refutes(&self, hit: &Hit<f32>, ray: &Ray<f32>, near: f64) -> bool {
+        hit.is_hit() && f64::from(hit.t) <= near && !self.is_hit(hit.id, &ray.widened())
+    }
+}
+
+impl Own<'_, f32> {
+    /// World units; 0 where the rounded foot itself is safe.
+    fn smallest_offset(&self, id: u32, foot: &Foot, out: DVec3) -> f64 {
+        let is_hit = |offset| self.is_hit(id, &lifted(foot, offset, out));
+        let least = LEAST * unit(foot);
+        let mut safe = least * f64::from(1 << 24);
+        // from above: whatever rounding does below, nothing larger is hit
+        while safe > least && !is_hit(safe / 2.0) {
+            safe /= 2.0;
+        }
+        if safe <= least {
+            return if is_hit(0.0) { least } else { 0.0 };
+        }
+        let mut hit = safe / 2.0;
+        for _ in 0..HALVINGS {
+            let middle = (hit + safe) / 2.0;
+            *(if is_hit(middle) { &mut hit } else { &mut safe }) = middle;
+        }
+        safe
+    }
+}
+
+/// A ray that starts so far over the foot, rounded.
+fn lifted(foot: &Foot, offset: f64, out: DVec3) -> Ray<f32> {
+    let side = foot.normal * foot.normal.dot(out).signum();
+    let from = foot.position + side * offset;
+    Ray::new(Vec3::<f32>::from_dvec3(from), Vec3::<f32>::from_dvec3(out))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::draw::{direction, unit as random_unit};
+    use glam::dvec3;
+    use renderer::surface::Surfaces;
+    use scene_loading::{Material, Scene};
+    use statistics::random::Random;
+
+    /// Slanted triangles far from the origin, and rays off them.
+    fn drawn(ask: impl FnOnce(&Own<'_, f32>, &[(u32, Foot, DVec3)])) {
+        let mut random = Random::new(3, "smallest offsets");
+        let mut scene = Scene::new("slanted");
+        let material = scene.push_material(Material::default());
+        for _ in 0..200 {
+            let at = direction(&mut random) * 40.0;
+            let corners = [(); 3].map(|()| at + direction(&mut random) * 3.0);
+            scene.push_triangle(material, corners);
+        }
+        let surfaces = Surfaces::new(&scene, false);
+        let mut rays = Vec::new();
+        for id in 0..scene.primitives.len() as u32 {
+            let outline = scene.outline(scene.primitives[id as usize].shape);
+            for _ in 0..20 {
+                let (u, v) = (random_unit(&mut random) * 0.5, random_unit(&mut random) * 0.5);
+                let p = outline[0] * (1.0 - u - v) + outline[1] * u + outline[2] * v;
+                rays.push((id, surfaces.at(id, p).foot, direction(&mut random)));
+            }
+        }
+        let geometry = Geometry::<f32>::of(&scene).unwrap();
+        ask(&Own(geometry.prims()), &rays);
+    }
+
+    /// A planted rule: so many times the smallest offset.
+    fn planted(times: f64) -> Found {
+        let mut found = Found::default();
+        drawn(|own, rays| {
+            let needed: Vec<f64> =
+                rays.iter().map(|(id, foot, out)| own.smallest_offset(*id, foot, *out)).collect();
+            assert!(needed.iter().filter(|n| **n > 0.0).count() > rays.len() / 10);
+            let chosen = rays.iter().zip(&needed).map(|((id, foot, out), needed)| {
+                let offset = needed * times;
+                let is_self_hit = own.is_hit(*id, &lifted(foot, offset, *out));
+                Chosen { offset, is_self_hit, is_false: false }
+            });
+            found = Found::of(&needed, &chosen.collect::<Vec<_>>());
+        });
+        found
+    }
+
+    #[test]
+    fn the_smallest_offset_is_safe_and_less_is_not() {
+        let exact = planted(1.0);
+        assert_eq!((exact.self_hits, exact.below), (0, 0));
+        assert_eq!((quantile(&exact.ratios, 0.0), quantile(&exact.ratios, 1.0)), (1.0, 1.0));
+        // planted: half of it
+        let half = planted(0.5);
+        assert!(half.self_hits as usize > half.ratios.len() / 2, "{}", half.self_hits);
+        assert_eq!(half.below as usize, half.ratios.len());
+        // planted: nothing at all
+        let none = planted(0.0);
+        assert!(none.self_hits >= half.self_hits && quantile(&none.ratios, 1.0) == 0.0);
+    }
+
+    #[test]
+    fn twice_the_smallest_offset_is_a_ratio_of_two() {
+        let double = planted(2.0);
+        assert_eq!((double.self_hits, double.below), (0, 0));
+        for share in [0.0, 0.5, 0.99, 1.0] {
+            assert_eq!(quantile(&double.ratios, share), 2.0);
+        }
+    }
+
+    #[test]
+    fn a_hit_of_what_is_not_there_is_refuted() {
+        let mut scene = Scene::new("floor");
+        let material = scene.push_material(Material::default());
+        scene.push_triangle(material, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+        let geometry = Geometry::<f64>::of(&scene).unwrap();
+        let exact = Own(geometry.prims());
+        let ray = |z: f32| Ray::<f32>::new(glam::vec3(0.2, 0.2, z), glam::Vec3::Z);
+        let hit = Hit { t: 1e-3, id: 0 };
+        assert!(!exact.refutes(&hit, &ray(-1e-3), 0.1));
+        // planted: from above, where the ray leaves
+        assert!(exact.refutes(&hit, &ray(1e-3), 0.1));
+        assert!(
+            !exact.refutes(&hit, &ray(1e-3), 1e-4) && !exact.refutes(&Hit::NONE, &ray(1e-3), 0.1)
+        );
+    }
+
+    #[test]
+    fn spheres_are_left_outwards() {
+        let mut scene = Scene::new("ball");
+        let material = scene.push_material(Material::default());
+        scene.push_sphere(material, dvec3(30.0, -7.0, 11.0), 2.0);
+        let geometry = Geometry::<f32>::of(&scene).unwrap();
+        let own = Own(geometry.prims());
+        let mut random = Random::new(5, "balls");
+        let mut needs = 0;
+        for _ in 0..2000 {
+            let n = direction(&mut random);
+            let foot = Surfaces::new(&scene, false).at(0, dvec3(30.0, -7.0, 11.0) + n * 2.0).foot;
+            let any = direction(&mut random);
+            let out = if any.dot(n) < 0.0 { -any } else { any };
+            let smallest = own.smallest_offset(0, &foot, out);
+            assert!(smallest < 4.0 * unit(&foot), "{smallest}");
+            needs += u32::from(smallest > 0.0);
+        }
+        assert!(needs > 200, "{needs}");
+    }
+}

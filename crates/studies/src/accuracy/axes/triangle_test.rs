@@ -1,0 +1,98 @@
+//! The test of triangles: what leaks, and what it takes not to.
+
+use accel_core::primitives::chosen::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::primitives::{PrimSet, PrimitiveKind};
+use accel_core::structures::PrimsRef;
+
+use super::chosen_tests;
+use super::triangle_aims::{Aim, Shared};
+use crate::accuracy::axis::Axis;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Stage, TRACER, count};
+use crate::accuracy::timing::{Said, timed};
+use crate::error::StudyError;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "triangle-test",
+    summary: "tests of triangles: Moeller-Trumbore, Pluecker, watertight, f64",
+    paper: "Moeller, Trumbore 1997; Shoemake 1998; Woop, Benthin, Wald 2013",
+    metric: "rays in 10^6, aimed at corners and edges within a mesh, that pass through it",
+    reference: "exact predicates",
+    scenes: &["teapot", "mount", "pavilion"],
+    setting: "STRUCTURE.triangle-test",
+    measure,
+};
+
+/// Values of the setting, and the test each is.
+pub const TESTS: [(&str, TriangleChoice); 6] = [
+    ("moeller-trumbore", TriangleChoice::MoellerTrumbore),
+    ("moeller-trumbore-epsilon", TriangleChoice::Tolerant),
+    ("pluecker", TriangleChoice::Pluecker),
+    ("watertight", TriangleChoice::Watertight),
+    ("watertight-fallback", TriangleChoice::Fallback),
+    ("f64", TriangleChoice::Double),
+];
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let prims = stage.prepared.geometry.prims();
+    let labels = TESTS.map(|(name, _)| format!("{TRACER}:triangle-test={name}"));
+    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let sheets = stage.all_sheets();
+    let rays = count(&sheets);
+    let aims = match prims {
+        PrimsRef::Watertight(set) => aims(stage, set),
+        PrimsRef::Mixed(set) => aims(stage, set),
+    };
+    if aims.is_empty() {
+        return Err(stage.unfit("no edge or corner of it is surrounded by triangles"));
+    }
+    let hit = |triangle: TriangleChoice| {
+        let choice = Choice { triangle, sphere: SphereChoice::Rearranged };
+        let tested = match prims {
+            PrimsRef::Watertight(set) => ChosenTests::of_triangles(set, choice),
+            PrimsRef::Mixed(set) => ChosenTests::of_mixed(set, choice),
+        };
+        let nearest = move |aim: &Aim| {
+            let setup = tested.setup(&aim.ray);
+            let t = |id: &u32| tested.intersect(*id, &aim.ray, &setup, f32::INFINITY);
+            aim.around.iter().filter_map(t).reduce(f32::min)
+        };
+        aims.iter().map(nearest).collect::<Vec<Option<f32>>>()
+    };
+    let exact = hit(TriangleChoice::Double);
+    let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
+        let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
+        chosen_tests::variant(name, built, &sheets, answers)
+    });
+    let said = Said {
+        timed: format!("{rays} rays of the scene through {TRACER}; each test is a call"),
+        judged: format!("{} rays at corners and edges within the mesh", aims.len()),
+        ..Said::default()
+    };
+    let variants = variants.collect();
+    Ok(timed(stage, said, variants))
+}
+
+/// Rays at the corners and edges of the scene's meshes.
+fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
+    let mut balls = Vec::new();
+    let corners = |id: u32| {
+        balls.clear();
+        set.hull(id, &mut balls);
+        match (set.kind(id), balls.as_slice()) {
+            (PrimitiveKind::Triangle, [a, b, c]) => {
+                Some((id, [a, b, c].map(|p| p.center.as_vec3().to_array())))
+            }
+            _ => None,
+        }
+    };
+    let triangles: Vec<_> = (0..set.len() as u32).filter_map(corners).collect();
+    let shared = Shared::new(&triangles);
+    let bounds = set.scene_bounds();
+    let (centre, reach) = ((bounds.min + bounds.max) * 0.5, bounds.size().length());
+    let mut random = stage.random("aims");
+    // some of what is drawn is an outline or open
+    let drawn = (0..stage.aims * 8).filter_map(|_| shared.aim(&mut random, centre, reach));
+    drawn.take(stage.aims).collect()
+}

@@ -1,0 +1,169 @@
+//! The walk through voxels: accumulated, recomputed, driven by an axis, in f64; against whole
+//! numbers.
+//!
+//! The rays that are judged are those of the scene, as seen from the cells of a fine grid and moved to
+//! 1024ths of a cell near by: then the oracle of `verify` says exactly which cells they pierce. A
+//! ray is wrong when its walk passes by a cell that it pierces, however shortly.
+
+use accel_core::Ray;
+use accel_core::cell_walk::CellWalk;
+use accel_core::double_walk::DoubleWalk;
+use accel_core::primitives::PrimSet;
+use accel_core::structures::PrimsRef;
+use accel_core::voxel_walk::GridFrame;
+use accel_core::{Aabb, Vector};
+use glam::{DVec3, Vec3};
+use renderer::RayKind;
+
+use crate::accuracy::axis::Axis;
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Replay, Stage, count};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::error::StudyError;
+use crate::verify::draw::point;
+use crate::verify::parts::integer_walk::IntegerRay;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "voxel-walk",
+    summary: "plane parameters of a walk through voxels: accumulated, recomputed, in f64",
+    paper: "Amanatides, Woo 1987; Fujimoto, Tanaka, Iwata 1986",
+    metric: "rays in 10^6 whose walk passes by a cell that they pierce",
+    reference: "exact integers",
+    scenes: &["teapot", "tree", "pavilion"],
+    setting: "uniform-grid.traversal",
+    measure,
+};
+
+/// Cells an axis, in a full run and in a quick one.
+const CELLS: [u32; 2] = [256, 64];
+
+/// Cells an axis of the grid that rays are judged in: no list is kept for them.
+const FINE: u32 = 1024;
+
+/// One trial of so many that are asked for is made: each visits thousands of cells.
+const SHARE: usize = 5;
+
+/// Kinds of walk, as the setting has them.
+const WALKS: [&str; 4] = ["accumulate", "t-next", "driving-axis", "f64"];
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let n = CELLS[usize::from(stage.quick)];
+    let labels = WALKS.map(|walk| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={walk}"));
+    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let sheets = stage.all_sheets();
+    let replays: Vec<_> = built.iter().map(|b| Replay::new(&*b.tracer, &sheets)).collect();
+    let differing: Vec<u64> = replays
+        .iter()
+        .map(|r| replays.last().map_or(0, |reference| r.differing(reference)))
+        .collect();
+    let aimed = lattice_rays(stage, FINE);
+    let mut found = WALKS.map(|_| (Tally::default(), 0));
+    for aim in &aimed {
+        let pierced = aim.pierced();
+        for ((tally, missed), walk) in found.iter_mut().zip(WALKS) {
+            let passed_by = aim.passed_by(walk, &pierced);
+            tally.add(passed_by > 0);
+            *missed += passed_by;
+        }
+    }
+    let (mut variants, rays) = (Vec::new(), count(&sheets));
+    let parts = built.iter().zip(replays).zip(WALKS).zip(differing).zip(found);
+    for ((((built, replay), walk), differing), (tally, missed)) in parts {
+        variants.push(Variant {
+            name: walk.into(),
+            setting: built.setting(),
+            known_defect: built.known_defect,
+            is_reference: walk == "f64",
+            error: tally.error(),
+            also: vec![
+                ("cells passed by", missed as f64),
+                ("wrong hits in 10^6", differing as f64 / rays.max(1) as f64 * 1e6),
+            ],
+            work: Box::new(replay),
+        });
+    }
+    let said = Said {
+        timed: format!("{rays} rays of the scene through {n}^3 cells"),
+        judged: format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// A ray whose numbers the integer oracle can hold, in the coordinates of cells.
+pub struct LatticeRay {
+    n: u32,
+    ray: Ray<f32>,
+    exact: IntegerRay,
+}
+
+impl LatticeRay {
+    /// In a grid of `n` cells an axis; `None` where the oracle or single precision cannot hold it.
+    pub fn new(n: u32, origin: DVec3, direction: DVec3) -> Option<Self> {
+        let exact = IntegerRay::new(origin, direction)?;
+        let ray = Ray::<f32>::new(origin.as_vec3(), direction.as_vec3());
+        let is_held = ray.origin.as_dvec3() == origin && ray.direction.as_dvec3() == direction;
+        is_held.then_some(Self { n, ray, exact })
+    }
+
+    /// The cells it pierces.
+    pub fn pierced(&self) -> Vec<[i32; 3]> {
+        self.exact.pierced(self.n as i32).into_iter().map(|p| p.cell).collect()
+    }
+
+    /// The cells that a walk visits.
+    pub fn visited(&self, walk: &str) -> Vec<[i32; 3]> {
+        let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(self.n as f32) };
+        let frame = GridFrame::<f32>::new(bounds, [self.n; 3]);
+        match walk {
+            "accumulate" => cells(frame.accumulating_walk_from(&self.ray, 0.0)),
+            "driving-axis" => cells(frame.driving_walk_from(&self.ray, 0.0)),
+            "f64" => cells::<f32>(DoubleWalk::from(&frame.in_double(), &self.ray, 0.0)),
+            _ => cells(frame.walk(&self.ray)),
+        }
+    }
+
+    /// How many pierced cells a walk passes by.
+    fn passed_by(&self, walk: &str, pierced: &[[i32; 3]]) -> usize {
+        let mut visited = self.visited(walk);
+        visited.sort_unstable();
+        pierced.iter().filter(|cell| visited.binary_search(cell).is_err()).count()
+    }
+}
+
+fn cells<S: accel_core::Scalar>(walk: Option<impl CellWalk<S>>) -> Vec<[i32; 3]> {
+    let mut visited = Vec::new();
+    let Some(mut walk) = walk else { return visited };
+    loop {
+        visited.push(walk.coords());
+        if !walk.advance() {
+            return visited;
+        }
+    }
+}
+
+/// The scene's closest-hit rays in a grid of `n` cells an axis, moved onto the lattice, each by up to
+/// a cell so that there are as many as are asked for.
+pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
+    let bounds = match stage.prepared.geometry.prims() {
+        PrimsRef::Watertight(set) => set.scene_bounds(),
+        PrimsRef::Mixed(set) => set.scene_bounds(),
+    };
+    let (low, size) = (bounds.min.to_dvec3(), bounds.size().to_dvec3());
+    let cell = (size / f64::from(n)).max(DVec3::splat(f64::MIN_POSITIVE));
+    let sheets = stage.sheets(stage.aims, |kind| kind != RayKind::Shadow);
+    let rays: Vec<_> = sheets.iter().flat_map(|(_, rays)| rays).collect();
+    let mut random = stage.random("lattice");
+    let drawn = (0..2 * stage.aims / SHARE).filter_map(|_| {
+        let ray = rays.get(random.below(rays.len()))?;
+        let origin = (ray.origin.to_dvec3() - low) / cell + point(&mut random);
+        let along = ray.direction.to_dvec3() / cell;
+        let direction = (along / along.abs().max_element() * f64::from(1 << 16)).round();
+        let aim = LatticeRay::new(n, (origin * 1024.0).round() / 1024.0, direction)?;
+        // most that miss the grid would be right whatever the walk
+        (!aim.visited("f64").is_empty()).then_some(aim)
+    });
+    drawn.take(stage.aims / SHARE).collect()
+}

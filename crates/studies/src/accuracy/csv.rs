@@ -1,0 +1,81 @@
+//! One row an axis, scene and variant.
+
+use csv::Writer;
+
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::AccuracyRecord;
+use presentation::format_error::FormatError;
+
+/// The columns, in order.
+pub const COLUMNS: [&str; 21] = [
+    "axis",
+    "scene",
+    "variant",
+    "setting",
+    "metric",
+    "reference",
+    "error",
+    "wrong",
+    "trials",
+    "reference_error",
+    "below_reference",
+    "time_s",
+    "time_s_low",
+    "time_s_high",
+    "ratio_to_cheapest",
+    "ratio_low",
+    "ratio_high",
+    "standing",
+    "is_reference",
+    "also",
+    "seconds",
+];
+
+/// All finished axes.
+///
+/// # Errors
+/// [`FormatError`].
+pub fn to_string(run: &AccuracyRecord) -> Result<String, FormatError> {
+    let failed = |message: String| FormatError { format: "CSV", message };
+    let mut writer = Writer::from_writer(Vec::new());
+    let mut write =
+        |fields: &[String]| writer.write_record(fields).map_err(|e| failed(e.to_string()));
+    write(&COLUMNS.map(str::to_owned))?;
+    for axis in &run.axes {
+        for scene in &axis.scenes {
+            for row in &scene.rows {
+                let (wrong, trials) = match row.error {
+                    ErrorOf::Counted { wrong, trials } => (wrong.to_string(), trials.to_string()),
+                    ErrorOf::Rmse { .. } => (String::new(), String::new()),
+                };
+                let also: Vec<String> = row.also.iter().map(|(n, x)| format!("{n}={x}")).collect();
+                let seconds: Vec<String> = row.seconds.iter().map(|s| format!("{s:e}")).collect();
+                write(&[
+                    axis.axis.clone(),
+                    scene.scene.clone(),
+                    row.variant.clone(),
+                    row.setting.clone(),
+                    axis.metric.clone(),
+                    axis.reference.clone(),
+                    row.error.value().to_string(),
+                    wrong,
+                    trials,
+                    scene.reference_error.to_string(),
+                    row.is_below_reference.to_string(),
+                    row.time_s.median.to_string(),
+                    row.time_s.low.to_string(),
+                    row.time_s.high.to_string(),
+                    row.ratio.median.to_string(),
+                    row.ratio.low.to_string(),
+                    row.ratio.high.to_string(),
+                    row.standing.name().to_owned(),
+                    row.is_reference.to_string(),
+                    also.join("; "),
+                    seconds.join(" "),
+                ])?;
+            }
+        }
+    }
+    let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
+    String::from_utf8(bytes).map_err(|e| failed(e.to_string()))
+}

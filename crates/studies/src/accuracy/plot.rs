@@ -1,0 +1,78 @@
+//! An axis as a plot: time against error, the front pointed out, one panel a scene.
+
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::{AxisRecord, SceneOutcome, Standing, VariantRecord};
+use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
+
+/// From this ratio of the largest to the smallest on, an axis is logarithmic.
+const WIDE: f64 = 8.0;
+
+/// One panel a scene.
+pub fn to_svg(axis: &AxisRecord) -> String {
+    let panels: Vec<Plot> = axis.scenes.iter().map(|scene| panel(axis, scene)).collect();
+    figure(&panels)
+}
+
+/// The panel of a scene.
+pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
+    let floor = floor(scene);
+    let error = |row: &VariantRecord| match row.error.value() {
+        e if e > 0.0 => e,
+        _ => floor.unwrap_or(0.0),
+    };
+    let is_log = floor.is_some();
+    let point = |row: &VariantRecord| Point {
+        x: error(row),
+        y: row.ratio.median,
+        low: row.ratio.low,
+        high: row.ratio.high,
+    };
+    let mut front: Vec<Point> =
+        scene.rows.iter().filter(|r| r.standing == Standing::OnFront).map(point).collect();
+    front.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let mark = |row: &VariantRecord| Mark {
+        point: point(row),
+        label: row.variant.clone(),
+        ring: match row.standing {
+            Standing::OnFront => Ring::Best,
+            Standing::NotToldApart => Ring::AsGood,
+            Standing::Dominated => Ring::None,
+        },
+        is_in_series: row.standing == Standing::OnFront,
+    };
+    let slowest = scene.rows.iter().map(|r| r.ratio.median).fold(1.0, f64::max);
+    let has_zero = is_log && scene.rows.iter().any(|r| r.error.value() == 0.0);
+    let mut subtitle = format!("timed: {}; bars: 95% intervals", scene.timed);
+    if has_zero {
+        subtitle.push_str("; errors of 0 stand at the left end");
+    }
+    let mut levels = vec![Level { y: 1.0, label: "cheapest = 1".into() }];
+    levels.truncate(usize::from(slowest.is_finite()));
+    Plot {
+        title: format!("{}: {}", axis.axis, scene.scene),
+        subtitle,
+        x: Axis {
+            label: axis.metric.clone(),
+            scale: if is_log { Scale::Log } else { Scale::FromZero },
+        },
+        y: Axis {
+            label: "time / time of the cheapest".into(),
+            scale: if slowest >= WIDE { Scale::Log } else { Scale::FromZero },
+        },
+        series: vec![Series { name: "Pareto front".into(), points: front, is_joined: true }],
+        marks: scene.rows.iter().map(mark).collect(),
+        marks_name: "dominated".into(),
+        levels,
+    }
+}
+
+/// Where errors of 0 stand on a logarithmic axis: half of what the number of trials bounds, or a
+/// third of the least error; none where no error is above 0.
+fn floor(scene: &SceneOutcome) -> Option<f64> {
+    let least = scene.rows.iter().map(|r| r.error.value()).filter(|e| *e > 0.0).reduce(f64::min)?;
+    let bound = scene.rows.iter().find_map(|row| match row.error {
+        ErrorOf::Counted { .. } => row.error.bound(),
+        ErrorOf::Rmse { .. } => None,
+    });
+    Some(bound.map_or(least / 3.0, |b| (b / 2.0).min(least / 3.0)))
+}

@@ -1,0 +1,130 @@
+//! What comes of an axis: rows of variants, by scene.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::accuracy::error_of::ErrorOf;
+use statistics::estimate::Estimate;
+
+/// Where a variant stands among those of its axis on a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Standing {
+    /// No other is as accurate and as fast, and better in one of both.
+    OnFront,
+    /// Only variants whose time no difference was measured to beat it.
+    NotToldApart,
+    /// Another is as accurate and faster, or as fast and more accurate.
+    Dominated,
+}
+
+impl Standing {
+    /// As tables have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OnFront => "front",
+            Self::NotToldApart => "~front",
+            Self::Dominated => "-",
+        }
+    }
+}
+
+/// A variant on a scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VariantRecord {
+    /// Its name.
+    pub variant: String,
+    /// How to have it without this command, in the words of the command line.
+    pub setting: String,
+    /// What is wrong with it by design.
+    pub known_defect: Option<String>,
+    /// It is the one that all others are held against, or has the same answers.
+    pub is_reference: bool,
+    /// How wrong it is.
+    pub error: ErrorOf,
+    /// The error is too near to that of the reference itself to be told.
+    pub is_below_reference: bool,
+    /// Seconds of each round.
+    pub seconds: Vec<f64>,
+    /// Their median.
+    pub time_s: Estimate,
+    /// Time over that of the cheapest variant in the same rounds.
+    pub ratio: Estimate,
+    /// Where it stands.
+    pub standing: Standing,
+    /// More of it, by name.
+    pub also: BTreeMap<String, f64>,
+}
+
+/// An axis on a scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneOutcome {
+    /// Scene.
+    pub scene: String,
+    /// What was timed, in words.
+    pub timed: String,
+    /// What was judged, in words.
+    pub judged: String,
+    /// The reference's own error; 0 where it is exact.
+    pub reference_error: f64,
+    /// Variants in the order of the axis.
+    pub rows: Vec<VariantRecord>,
+    /// What cannot be and yet is, if anything; see [`crate::accuracy::audit`].
+    pub faults: Vec<String>,
+}
+
+impl SceneOutcome {
+    /// The cheapest variant: that to which ratios are taken.
+    pub fn cheapest(&self) -> Option<&VariantRecord> {
+        let width = |row: &VariantRecord| row.ratio.high - row.ratio.low;
+        self.rows.iter().min_by(|a, b| {
+            let is_other = |row: &VariantRecord| row.ratio.median != 1.0;
+            is_other(a).cmp(&is_other(b)).then(width(a).total_cmp(&width(b)))
+        })
+    }
+
+    /// The most accurate variant; of equally accurate ones the cheapest.
+    pub fn most_accurate(&self) -> Option<&VariantRecord> {
+        let error = |row: &VariantRecord| row.error.value();
+        self.rows.iter().min_by(|a, b| {
+            error(a).total_cmp(&error(b)).then(a.ratio.median.total_cmp(&b.ratio.median))
+        })
+    }
+}
+
+/// An axis on all its scenes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisRecord {
+    /// Name.
+    pub axis: String,
+    /// What an error is.
+    pub metric: String,
+    /// What says which answer is right.
+    pub reference: String,
+    /// One a scene.
+    pub scenes: Vec<SceneOutcome>,
+}
+
+/// A whole run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AccuracyRecord {
+    /// As typed.
+    pub command_line: Vec<String>,
+    /// The program.
+    pub tool: measurement::record::Tool,
+    /// The machine.
+    pub machine: measurement::record::Machine,
+    /// The compiler.
+    pub compiler: measurement::record::Compiler,
+    /// Seed of rays, aims, schedules and intervals.
+    pub seed: u64,
+    /// A first look only.
+    pub quick: bool,
+    /// Rounds of each variant.
+    pub rounds: usize,
+    /// Seconds of the whole run so far.
+    pub took_s: f64,
+    /// The axes so far.
+    pub axes: Vec<AxisRecord>,
+}

@@ -1,0 +1,205 @@
+//! Images with samples: their errors, and the reference they are held against.
+//!
+//! The reference is the mean of two images of many samples with different seeds; its own error is
+//! half the distance between the two. Errors that are not ten times that are not told from it.
+
+use accel_core::tracer::Tracer;
+use renderer::{EffectPlan, Image, RenderSettings, render_plan};
+use scene_loading::{SampleWishes, Scene};
+
+use crate::accuracy::audit;
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::Stage;
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::work::Work;
+use crate::effect_plan::plan_of;
+use crate::error::StudyError;
+use crate::image_error::{Converged, rmse};
+use measurement::system::machine;
+use measurement::system::pools::pool;
+
+/// Images of a variant with seeds of their own, over which errors are averaged.
+const SEEDS: u64 = 8;
+
+/// How an experiment samples.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan {
+    /// Pixels of the image, an axis.
+    pub size: u32,
+    /// Samples of the variants.
+    pub samples: &'static [u32],
+    /// Samples of each image of the reference.
+    pub reference: u32,
+}
+
+impl Plan {
+    /// Of a full run, or of a quick one.
+    pub fn new(quick: bool) -> Self {
+        match quick {
+            true => Self { size: 12, samples: &[1, 4, 16], reference: 512 },
+            false => Self { size: 24, samples: &[1, 4, 16, 64, 256], reference: 8192 },
+        }
+    }
+}
+
+/// A sampled effect of a scene, and who traces it.
+pub struct Sampled<'a> {
+    /// The scene, the effect put on.
+    pub scene: &'a Scene,
+    /// Who traces it.
+    pub tracer: &'a dyn Tracer<f32>,
+    /// Longest chain of rays.
+    pub max_depth: u32,
+    /// Sets the number of samples.
+    pub wish: fn(&mut SampleWishes, u32),
+    /// How to have a number of samples without this command.
+    pub option: &'static str,
+}
+
+impl Sampled<'_> {
+    fn plan(&self, size: u32, samples: u32, seed: u64) -> Result<EffectPlan, StudyError> {
+        let mut wishes = SampleWishes::ONE_OF_EACH;
+        (self.wish)(&mut wishes, samples);
+        let settings = RenderSettings {
+            resolution: [size; 2],
+            max_depth: self.max_depth,
+            samples: wishes,
+            seed,
+        };
+        Ok(plan_of(self.scene, &settings)?)
+    }
+
+    fn image(&self, size: u32, samples: u32, seed: u64) -> Result<Image, StudyError> {
+        Ok(render_plan(self.scene, self.tracer, &self.plan(size, samples, seed)?).image)
+    }
+
+    /// All numbers of samples, judged and timed.
+    ///
+    /// # Errors
+    /// [`StudyError`] for more samples than fit, or threads that cannot be started.
+    pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+        let Judged { variants, said, .. } = self.judged(stage)?;
+        Ok(timed(stage, said, variants))
+    }
+
+    /// All numbers of samples, judged, to be timed.
+    ///
+    /// # Errors
+    /// [`StudyError`] for more samples than fit, or threads that cannot be started.
+    pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<Judged<'s>, StudyError> {
+        let plan = Plan::new(stage.quick);
+        // what is not timed may use the whole machine
+        let helper = pool(machine::threads())?;
+        let image = |n, seed| helper.install(|| self.image(plan.size, n, seed));
+        // seeds that no variant has
+        let far = |i: u64| stage.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
+        let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
+        let reference = Converged::of(&a, &b);
+        let mut faults = Vec::new();
+        let mut variants = Vec::new();
+        for &n in plan.samples {
+            let seeds = (0..SEEDS).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
+            let images =
+                seeds.map(|seed| image(n, seed)).collect::<Result<Vec<Image>, StudyError>>()?;
+            let squares: f64 = images.iter().map(|i| rmse(i, &reference.image).powi(2)).sum();
+            let error = (squares / SEEDS as f64).sqrt();
+            if Some(&n) == plan.samples.last() {
+                faults.extend(audit::bad_reference(error, scatter(&images), reference.own_error));
+            }
+            variants.push(Variant {
+                name: format!("{n} samples"),
+                setting: format!("render {}={n}", self.option),
+                known_defect: None,
+                is_reference: false,
+                error: ErrorOf::Rmse { rmse: error },
+                also: vec![("samples", f64::from(n))],
+                work: Box::new(Rendering {
+                    scene: self.scene,
+                    tracer: self.tracer,
+                    plan: self.plan(plan.size, n, stage.seed)?,
+                    image: None,
+                }),
+            });
+        }
+        let said = Said {
+            timed: format!("the image of {0} x {0} pixels, one thread", plan.size),
+            judged: format!(
+                "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
+                plan.reference
+            ),
+            reference_error: reference.own_error,
+            faults,
+        };
+        Ok(Judged { variants, said, reference })
+    }
+}
+
+/// What is known of images with samples before they are timed.
+pub struct Judged<'a> {
+    /// The images.
+    pub variants: Vec<Variant<'a>>,
+    /// What is said of them.
+    pub said: Said,
+    /// What they were held against.
+    pub reference: Converged,
+}
+
+/// An image that is made again and again, in the current rayon pool.
+pub struct Rendering<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Who traces it.
+    pub tracer: &'a dyn Tracer<f32>,
+    /// Its effects.
+    pub plan: EffectPlan,
+    /// The last one.
+    pub image: Option<Image>,
+}
+
+impl Work for Rendering<'_> {
+    fn prepare(&mut self) {
+        self.image = None;
+    }
+
+    fn run(&mut self) {
+        self.image = Some(render_plan(self.scene, self.tracer, &self.plan).image);
+    }
+
+    fn fingerprint(&self) -> u64 {
+        fingerprint(self.image.as_ref())
+    }
+}
+
+/// A number that changes with any bit of an image.
+pub fn fingerprint(image: Option<&Image>) -> u64 {
+    use std::hash::{DefaultHasher, Hash, Hasher};
+    let mut hasher = DefaultHasher::new();
+    let pixels = image.into_iter().flat_map(|image| image.pixels.as_flattened());
+    pixels.for_each(|x| x.to_bits().hash(&mut hasher));
+    hasher.finish()
+}
+
+/// The error of one of several equal images by their distances from each other alone.
+fn scatter(images: &[Image]) -> f64 {
+    let (mut squares, mut pairs) = (0.0, 0.0);
+    for (i, a) in images.iter().enumerate() {
+        for b in images.iter().skip(i + 1) {
+            squares += rmse(a, b).powi(2);
+            pairs += 1.0;
+        }
+    }
+    (squares / f64::max(pairs, 1.0) / 2.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_of_images_from_each_other() {
+        let image = |x: f64| Image { width: 1, height: 2, pixels: vec![[x; 3]; 2] };
+        assert_eq!(scatter(&[image(1.0), image(1.0)]), 0.0);
+        assert!((scatter(&[image(1.0), image(2.0)]) - 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+}

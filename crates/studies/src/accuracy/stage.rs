@@ -1,0 +1,250 @@
+//! A scene ready for the experiments of an axis: its primitives, its rays, and who answers them.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use accel_core::counters::WorkCounters;
+use accel_core::occluders;
+use accel_core::structures::{BuildError, Buildable, Entry, Shape};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::{Hit, Ray, Scalar};
+use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
+use scene_loading::Scene;
+
+use crate::accuracy::work::Work;
+use crate::error::StudyError;
+use measurement::plan::rows::Row;
+use measurement::rays::batches::{Answers, trace};
+use measurement::rounds::error::MeasureError;
+use measurement::system::clock::Clock;
+use statistics::random::Random;
+
+/// Who traces what is not itself varied.
+pub const TRACER: &str = "obvhs-bvh2";
+
+/// A scene and its primitives.
+pub struct Prepared {
+    /// The scene.
+    pub scene: Scene,
+    /// Its primitives in single precision.
+    pub geometry: Geometry<f32>,
+    /// Its rays by kind.
+    pub rays: RayBatches<f32>,
+}
+
+impl Prepared {
+    /// Makes the rays of the scene.
+    ///
+    /// # Errors
+    /// [`StudyError`] when the scene has no usable geometry or nothing can be built over it.
+    pub fn new(
+        scene: Scene,
+        registry: &[Entry],
+        settings: &RaySettings,
+    ) -> Result<Self, StudyError> {
+        let geometry = Geometry::<f32>::of(&scene)?;
+        let row = Row::parse(registry, TRACER)?;
+        let tracer = row
+            .entry
+            .build(geometry.prims(), &row.params)
+            .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
+        let rays = generate_rays(&scene, &*tracer, settings);
+        drop(tracer);
+        Ok(Self { scene, geometry, rays })
+    }
+}
+
+/// What an axis works with on a scene.
+pub struct Stage<'a> {
+    /// Name of the axis.
+    pub axis: &'static str,
+    /// Name of the scene.
+    pub name: &'a str,
+    /// Scene, primitives, rays.
+    pub prepared: &'a Prepared,
+    /// The structures there are.
+    pub registry: &'a [Entry],
+    /// The occluders there are.
+    pub occluders: &'a [occluders::Entry],
+    /// Time.
+    pub clock: &'a dyn Clock,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Rounds of each variant.
+    pub rounds: usize,
+    /// Rays that are traced in a timed pass, at most.
+    pub timed_rays: usize,
+    /// Trials of an exact oracle for a variant.
+    pub aims: usize,
+    /// A first look only.
+    pub quick: bool,
+}
+
+/// A structure over the stage's primitives.
+pub struct Built<'a> {
+    /// Structure and settings.
+    pub label: String,
+    /// What is wrong with it by design.
+    pub known_defect: Option<&'static str>,
+    /// The structure.
+    pub tracer: Box<dyn Tracer<f32> + 'a>,
+    /// Seconds of the build, made once.
+    pub build_s: f64,
+}
+
+impl Built<'_> {
+    /// How to have it in a run.
+    pub fn setting(&self) -> String {
+        format!("run -s {}", self.label.replace(' ', ":"))
+    }
+
+    /// What was built.
+    pub fn shape(&self) -> Shape {
+        self.tracer.shape()
+    }
+}
+
+impl<'a> Stage<'a> {
+    /// The stream of random numbers for a purpose.
+    pub fn random(&self, purpose: &str) -> Random {
+        Random::new(self.seed, &format!("accuracy/{}/{}/{purpose}", self.axis, self.name))
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &'a Scene {
+        &self.prepared.scene
+    }
+
+    /// Builds a structure with settings, as `run -s` takes them.
+    ///
+    /// # Errors
+    /// [`StudyError`] when the settings are not valid or the scene is refused.
+    pub fn built(&self, label: &str) -> Result<Built<'a>, StudyError> {
+        let row = Row::parse(self.registry, label)?;
+        let start = self.clock.now();
+        let tracer = row
+            .entry
+            .build(self.prepared.geometry.prims(), &row.params)
+            .map_err(|source| self.refused(source))?;
+        let build_s = self.clock.seconds_since(start);
+        Ok(Built { label: row.label(), known_defect: row.known_defect(), tracer, build_s })
+    }
+
+    /// Builds several.
+    ///
+    /// # Errors
+    /// As [`Stage::built`].
+    pub fn built_all(&self, labels: &[&str]) -> Result<Vec<Built<'a>>, StudyError> {
+        labels.iter().map(|label| self.built(label)).collect()
+    }
+
+    /// The error for a structure that refuses the scene.
+    pub fn refused(&self, source: BuildError) -> StudyError {
+        MeasureError::Build { scene: self.name.to_owned(), source }.into()
+    }
+
+    /// The error for a scene that has nothing the axis is about.
+    pub fn unfit(&self, reason: &'static str) -> StudyError {
+        StudyError::UnfitScene { axis: self.axis, scene: self.name.to_owned(), reason }
+    }
+
+    /// The rays that are timed: of the kinds that `keep` says, evenly thinned.
+    pub fn sheets(&self, most: usize, keep: impl Fn(RayKind) -> bool) -> Sheets<f32> {
+        sheets(&self.prepared.rays, most, keep)
+    }
+
+    /// The rays that are timed, of all kinds.
+    pub fn all_sheets(&self) -> Sheets<f32> {
+        self.sheets(self.timed_rays, |_| true)
+    }
+}
+
+/// Rays by kind.
+pub type Sheets<S> = Vec<(RayKind, Vec<Ray<S>>)>;
+
+/// At most `most` of the rays, evenly thinned, kinds without rays left out.
+pub fn sheets<S: Buildable>(
+    rays: &RayBatches<S>,
+    most: usize,
+    keep: impl Fn(RayKind) -> bool,
+) -> Sheets<S> {
+    let kinds = || RayKind::ALL.into_iter().filter(|kind| keep(*kind));
+    let all: usize = kinds().map(|kind| rays.rays(kind).len()).sum();
+    let stride = all.div_ceil(most.max(1)).max(1);
+    let thinned =
+        |kind| -> Vec<Ray<S>> { rays.rays(kind).iter().step_by(stride).copied().collect() };
+    kinds().map(|kind| (kind, thinned(kind))).filter(|(_, rays)| !rays.is_empty()).collect()
+}
+
+/// How many rays there are.
+pub fn count<S: Scalar>(sheets: &Sheets<S>) -> usize {
+    sheets.iter().map(|(_, rays)| rays.len()).sum()
+}
+
+/// Answers of one structure to rays.
+pub struct Replay<'a, S: Scalar> {
+    tracer: &'a dyn Tracer<S>,
+    sheets: &'a Sheets<S>,
+    /// One a sheet.
+    pub answers: Vec<Answers<S>>,
+}
+
+impl<'a, S: Buildable> Replay<'a, S> {
+    /// Answers all rays once.
+    pub fn new(tracer: &'a dyn Tracer<S>, sheets: &'a Sheets<S>) -> Self {
+        let answers = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
+        let mut replay = Self { tracer, sheets, answers };
+        replay.prepare();
+        replay.run();
+        replay
+    }
+
+    /// How many answers differ from those of another to the same rays.
+    pub fn differing(&self, other: &Self) -> u64 {
+        let pairs = self.answers.iter().zip(&other.answers);
+        pairs.map(|(a, b)| a.differing(b).count() as u64).sum()
+    }
+
+    /// The work of all rays, counted.
+    pub fn counted(&self) -> WorkCounters {
+        let mut total = WorkCounters::default();
+        for (kind, rays) in self.sheets {
+            total += if kind.is_occlusion() {
+                let mut answers = vec![ShadowCount::default(); rays.len()];
+                self.tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers)
+            } else {
+                self.tracer.count_closest_hits(rays, &mut vec![Hit::NONE; rays.len()])
+            };
+        }
+        total
+    }
+}
+
+impl<S: Buildable> Work for Replay<'_, S> {
+    fn prepare(&mut self) {
+        self.answers.iter_mut().for_each(Answers::clear);
+    }
+
+    fn run(&mut self) {
+        for ((_, rays), answers) in self.sheets.iter().zip(&mut self.answers) {
+            trace(self.tracer, rays, answers);
+        }
+    }
+
+    fn fingerprint(&self) -> u64 {
+        fingerprint(&self.answers)
+    }
+}
+
+/// A number that changes with any of the answers.
+pub fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    for answers in answers {
+        match answers {
+            Answers::Hits(hits) => {
+                hits.iter().for_each(|h| (h.id, h.t.to_f64().to_bits()).hash(&mut hasher));
+            }
+            Answers::Blocked(blocked) => blocked.hash(&mut hasher),
+        }
+    }
+    hasher.finish()
+}

@@ -1,0 +1,269 @@
+//! What each accuracy costs, in plain words, on one page.
+
+use std::fmt::Write;
+
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord};
+use crate::accuracy::tables::facts;
+use crate::accuracy::timing::ratios;
+use presentation::numbers::short;
+use statistics::estimate::{Estimate, geometric_mean_of_medians};
+
+/// What the accuracy of an axis costs: from the cheapest variant to the most accurate one.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cost {
+    /// All variants are equally accurate.
+    NoneAtStake,
+    /// The most accurate one takes no longer: it is the cheapest, or no difference was measured and
+    /// one of a tenth would have been.
+    Free,
+    /// No difference was measured, but one of more than a tenth may be there.
+    NotTold(Estimate),
+    /// Less than a tenth more, over all scenes.
+    Cheap(Estimate),
+    /// More.
+    Expensive(Estimate),
+}
+
+/// A tenth more.
+const TENTH: f64 = 1.1;
+
+/// The cost over all scenes of an axis; none without a scene.
+pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
+    let is_at_stake = |s: &SceneOutcome| {
+        let mut errors = s.rows.iter().map(|r| r.error.value());
+        let first = errors.next();
+        errors.any(|e| Some(e) != first)
+    };
+    if axis.scenes.is_empty() {
+        return None;
+    }
+    if !axis.scenes.iter().any(is_at_stake) {
+        return Some(Cost::NoneAtStake);
+    }
+    let ratios: Vec<Vec<f64>> = axis.scenes.iter().filter_map(ratios_of_accurate).collect();
+    let groups: Vec<&[f64]> = ratios.iter().map(Vec::as_slice).collect();
+    let over_all = geometric_mean_of_medians(&groups, seed)?;
+    Some(match () {
+        () if over_all.low <= 1.0 && over_all.high < TENTH => Cost::Free,
+        () if over_all.low <= 1.0 => Cost::NotTold(over_all),
+        () if over_all.median < TENTH => Cost::Cheap(over_all),
+        () => Cost::Expensive(over_all),
+    })
+}
+
+/// Time of the most accurate variant over that of the cheapest, round by round.
+fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Vec<f64>> {
+    let (accurate, cheapest) = (scene.most_accurate()?, scene.cheapest()?);
+    Some(ratios(&accurate.seconds, &cheapest.seconds))
+}
+
+/// The page.
+pub fn to_markdown(run: &AccuracyRecord) -> String {
+    let mut text = String::from("# What accuracy costs in time\n\n");
+    text.push_str(&facts(run));
+    let mut lists: [Vec<String>; 5] = Default::default();
+    for axis in &run.axes {
+        let Some(cost) = cost(axis, run.seed) else { continue };
+        let line = line(axis, &cost);
+        let list = match cost {
+            Cost::Free => 0,
+            Cost::Cheap(_) => 1,
+            Cost::Expensive(_) => 2,
+            Cost::NotTold(_) => 3,
+            Cost::NoneAtStake => 4,
+        };
+        if let Some(list) = lists.get_mut(list) {
+            list.push(line);
+        }
+    }
+    let heads = [
+        "Free: no difference in time, and one of 10% would have shown",
+        "Costs less than 10%",
+        "Expensive",
+        "Not told: no difference in time was measured, but one of more than 10% may be there",
+        "No accuracy is at stake: all variants give the same answers",
+    ];
+    for (head, lines) in heads.iter().zip(&lists) {
+        let _ = writeln!(text, "## {head}\n");
+        if lines.is_empty() {
+            text.push_str("Nothing.\n\n");
+        }
+        for line in lines {
+            let _ = writeln!(text, "* {line}");
+        }
+        text.push('\n');
+    }
+    let faults: Vec<String> = run
+        .axes
+        .iter()
+        .flat_map(|a| a.scenes.iter().map(move |s| (a, s)))
+        .flat_map(|(a, s)| s.faults.iter().map(move |f| format!("{} on {}: {f}", a.axis, s.scene)))
+        .collect();
+    if !faults.is_empty() {
+        let _ = writeln!(text, "## Faults: these figures are worth nothing\n");
+        faults.iter().for_each(|f| {
+            let _ = writeln!(text, "* {f}");
+        });
+        text.push('\n');
+    }
+    text
+}
+
+/// An axis in words: over all scenes, then scene by scene.
+pub fn line(axis: &AxisRecord, cost: &Cost) -> String {
+    let scenes: Vec<String> = axis.scenes.iter().map(|s| scene(s, cost)).collect();
+    let head = match cost {
+        Cost::Free => "the most accurate variant takes no more time".into(),
+        Cost::Cheap(e) | Cost::Expensive(e) => match e.median < 2.0 {
+            true => {
+                format!("the most accurate variant costs {} more time over all scenes", more(e))
+            }
+            false => format!(
+                "the most accurate variant takes {} times as long over all scenes",
+                times(e)
+            ),
+        },
+        Cost::NotTold(e) => format!(
+            "what the most accurate variant costs over all scenes was not told: {} more time",
+            more(e)
+        ),
+        Cost::NoneAtStake => "answers are the same".into(),
+    };
+    format!("**{}**: {head}. {}.", axis.axis, scenes.join("; "))
+}
+
+fn scene(scene: &SceneOutcome, cost: &Cost) -> String {
+    let (Some(accurate), Some(cheapest)) = (scene.most_accurate(), scene.cheapest()) else {
+        return format!("{}: nothing was measured", scene.scene);
+    };
+    if *cost == Cost::NoneAtStake {
+        let slowest = scene.rows.iter().max_by(|a, b| a.ratio.median.total_cmp(&b.ratio.median));
+        let slowest = slowest.unwrap_or(cheapest);
+        return format!(
+            "on {} {} is the fastest and {} takes {} times as long",
+            scene.scene,
+            cheapest.variant,
+            slowest.variant,
+            times(&slowest.ratio)
+        );
+    }
+    if accurate.variant == cheapest.variant {
+        return format!(
+            "on {} {} is the most accurate ({}) and the cheapest",
+            scene.scene,
+            accurate.variant,
+            error(accurate)
+        );
+    }
+    let cost = if accurate.ratio.holds(1.0) {
+        format!("takes no more time, as far as was measured ({}), than", more(&accurate.ratio))
+    } else if accurate.ratio.median < 2.0 {
+        format!("costs {} more time than", more(&accurate.ratio))
+    } else {
+        format!("takes {} times as long as", times(&accurate.ratio))
+    };
+    format!(
+        "on {} {} {cost} {} and {}",
+        scene.scene,
+        accurate.variant,
+        cheapest.variant,
+        removes(cheapest, accurate)
+    )
+}
+
+fn error(row: &VariantRecord) -> String {
+    match row.error {
+        ErrorOf::Counted { wrong, trials } => format!("{wrong} wrong of {trials}"),
+        ErrorOf::Rmse { rmse } => format!("an error of {rmse:.1e}"),
+    }
+}
+
+/// What the step from one variant to another takes away.
+fn removes(from: &VariantRecord, to: &VariantRecord) -> String {
+    match (from.error, to.error) {
+        (ErrorOf::Rmse { rmse: a }, ErrorOf::Rmse { rmse: b }) if b > 0.0 => {
+            // error^-p of a time: what half the error takes
+            let half = 2.0_f64.powf((to.ratio.median / from.ratio.median).ln() / (a / b).ln());
+            format!(
+                "divides the error by {} (half the error takes {half:.1} times as long)",
+                short(a / b)
+            )
+        }
+        _ => {
+            let gone = from.error.value() - to.error.value();
+            format!("removes {} errors in 10^6 of {}", short(gone), short(from.error.value()))
+        }
+    }
+}
+
+fn more(e: &Estimate) -> String {
+    let percent = |x: f64| format!("{:.1}%", (x - 1.0) * 100.0);
+    format!("{} ({} to {})", percent(e.median), percent(e.low), percent(e.high))
+}
+
+fn times(e: &Estimate) -> String {
+    format!("{:.2} ({:.2} to {:.2})", e.median, e.low, e.high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::record::Standing;
+
+    fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
+        let ratio = seconds / 2.0;
+        let exactly = |x: f64| Estimate { median: x, low: x, high: x };
+        VariantRecord {
+            variant: variant.into(),
+            setting: String::new(),
+            known_defect: None,
+            is_reference: wrong == 0,
+            error: ErrorOf::Counted { wrong, trials: 1_000_000 },
+            is_below_reference: false,
+            seconds: vec![seconds; 3],
+            time_s: exactly(seconds),
+            ratio: exactly(ratio),
+            standing: Standing::OnFront,
+            also: Default::default(),
+        }
+    }
+
+    fn axis(rows: Vec<VariantRecord>) -> AxisRecord {
+        let scene = SceneOutcome {
+            scene: "kitchen".into(),
+            timed: String::new(),
+            judged: String::new(),
+            reference_error: 0.0,
+            rows,
+            faults: Vec::new(),
+        };
+        AxisRecord {
+            axis: "triangle-test".into(),
+            metric: "misses".into(),
+            reference: "exact".into(),
+            scenes: vec![scene],
+        }
+    }
+
+    #[test]
+    fn costs_are_told_and_said() {
+        let of = |rows| cost(&axis(rows), 1).unwrap();
+        assert_eq!(of(vec![row("a", 2.0, 5), row("b", 2.0, 0)]), Cost::Free);
+        let mut noisy = row("b", 2.1, 0);
+        noisy.seconds = vec![1.0, 2.1, 9.0];
+        assert!(matches!(of(vec![row("a", 2.0, 5), noisy]), Cost::NotTold(_)));
+        assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 2.1, 0)]), Cost::Cheap(_)));
+        assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 3.0, 0)]), Cost::Expensive(_)));
+        assert_eq!(of(vec![row("a", 2.0, 0), row("b", 3.0, 0)]), Cost::NoneAtStake);
+        let tests = axis(vec![row("leaky", 2.0, 71), row("watertight", 2.1, 0)]);
+        let said = line(&tests, &cost(&tests, 1).unwrap());
+        assert!(
+            said.contains(
+                "on kitchen watertight costs 5.0% (5.0% to 5.0%) more time than leaky and removes \
+                 71.0 errors in 10^6 of 71.0"
+            ),
+            "{said}"
+        );
+    }
+}

@@ -1,0 +1,126 @@
+//! The tables of an axis.
+
+use std::fmt::Write;
+
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, Standing, VariantRecord};
+use presentation::numbers::{milliseconds, ratio, short};
+use presentation::table::{Cell, Style, Table};
+
+/// What the columns mean.
+pub const GLOSSARY: &[&str] = &[
+    "time: of the work named below the table, median over interleaved rounds; ratio: to the cheapest \
+     variant in the same rounds, with its 95% bootstrap interval, = where it holds 1; error: by the \
+     axis' metric, where it is a rate in 10^6 with its count, and with the bound 3/trials where \
+     nothing was wrong.",
+    "front: no other variant is as accurate and as fast, and better in one of both; ~front: only \
+     variants whose time no difference was measured to are; ref: the variant (or one of its answers) \
+     that the others are held against.",
+];
+
+/// The table of an axis on a scene.
+pub fn table(axis: &AxisRecord, scene: &SceneOutcome) -> Table {
+    let also: Vec<&String> = scene.rows.first().map_or(Vec::new(), |row| row.also.keys().collect());
+    let rows = scene.rows.iter().map(|row| {
+        let mut cells: Vec<Cell> = vec![
+            row.variant.clone().into(),
+            milliseconds(row.time_s.median).into(),
+            ratio(&row.ratio).into(),
+            error(row).into(),
+        ];
+        let more = also.iter().map(|name| {
+            let value = row.also.get(*name).copied();
+            format!("{} {name}", value.map_or("-".into(), short))
+        });
+        let more: Vec<String> = more.collect();
+        let style = if row.standing == Standing::OnFront { Style::Best } else { Style::Plain };
+        cells.push(more.join(", ").into());
+        let reference = if row.is_reference { " ref" } else { "" };
+        cells.push(Cell { text: format!("{}{reference}", row.standing.name()), style });
+        cells
+    });
+    let mut notes = vec![
+        format!("Timed: {}. Judged: {}.", scene.timed, scene.judged),
+        format!("Error: {}. Reference: {}.", axis.metric, axis.reference),
+    ];
+    if scene.reference_error > 0.0 {
+        notes.push(format!("The reference's own error: {:.2e}.", scene.reference_error));
+    }
+    notes.extend(scene.faults.iter().map(|fault| format!("FAULT: {fault}.")));
+    Table {
+        title: format!("{}: {}", axis.axis, scene.scene),
+        header: vec!["variant", "time ms", "ratio [95%]", "error", "also", "stands"],
+        rows: rows.collect(),
+        notes,
+    }
+}
+
+/// The error of a row in words.
+pub fn error(row: &VariantRecord) -> String {
+    if row.is_below_reference {
+        return format!("below reference ({:.1e})", row.error.value());
+    }
+    match (row.error, row.error.bound()) {
+        (_, Some(bound)) => format!("0 (< {})", short(bound)),
+        (ErrorOf::Counted { wrong, trials }, None) => {
+            format!("{} ({wrong} of {trials})", short(row.error.value()))
+        }
+        (ErrorOf::Rmse { rmse: 0.0 }, None) => "0".into(),
+        (ErrorOf::Rmse { rmse }, None) => format!("{rmse:.2e}"),
+    }
+}
+
+/// All tables in Markdown, with where and how they were made.
+pub fn to_markdown(run: &AccuracyRecord) -> String {
+    let mut text = String::from("# What accuracy costs in time: all variants\n\n");
+    text.push_str(&facts(run));
+    for axis in &run.axes {
+        for scene in &axis.scenes {
+            let table = table(axis, scene);
+            let _ = writeln!(text, "## {}\n", table.title);
+            let _ = writeln!(text, "| {} |", table.header.join(" | "));
+            let _ = writeln!(text, "| --- | ---: | ---: | ---: | --- | --- |");
+            for row in &table.rows {
+                let cells: Vec<&str> = row.iter().map(|c| c.text.as_str()).collect();
+                let _ = writeln!(text, "| {} |", cells.join(" | "));
+            }
+            text.push('\n');
+            for note in &table.notes {
+                let _ = writeln!(text, "{note}\n");
+            }
+        }
+    }
+    for line in GLOSSARY {
+        let _ = writeln!(text, "{line}\n");
+    }
+    text
+}
+
+/// Where and how a run was made.
+pub fn facts(run: &AccuracyRecord) -> String {
+    let unknown = || "unknown".to_owned();
+    format!(
+        "- command: `{}`\n- machine: {}, {} threads, {}\n- compiler: {}, opt-level {}\n- rtbench {} at \
+         {}\n- seed {}, {} rounds, one thread; {} in all\n\n",
+        run.command_line.join(" "),
+        run.machine.cpu.clone().unwrap_or_else(unknown),
+        run.machine.threads,
+        run.machine.os,
+        run.compiler.rustc.clone().unwrap_or_else(unknown),
+        run.compiler.opt_level.clone().unwrap_or_else(unknown),
+        run.tool.version,
+        run.tool.git_revision.clone().unwrap_or_else(unknown),
+        run.seed,
+        run.rounds,
+        took(run.took_s),
+    )
+}
+
+/// A time in words.
+pub fn took(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match whole / 60 {
+        0 => format!("{whole} s"),
+        minutes => format!("{minutes} min {} s", whole % 60),
+    }
+}

@@ -1,0 +1,58 @@
+//! Why a study ended early.
+
+use std::path::PathBuf;
+
+use measurement::plan::error::PlanError;
+use measurement::rounds::error::MeasureError;
+use presentation::format_error::FormatError;
+use renderer::{GeometryError, ImageError};
+
+/// Why a study ended early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// What was asked for makes no sense.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A scene could not be measured.
+    #[error(transparent)]
+    Measure(Box<MeasureError>),
+    /// A scene has nothing that an axis of accuracy is about.
+    #[error("{axis}: scene {scene} does not serve: {reason}")]
+    UnfitScene {
+        /// Axis.
+        axis: &'static str,
+        /// Scene.
+        scene: String,
+        /// What it lacks.
+        reason: &'static str,
+    },
+    /// An image could not be written.
+    #[error(transparent)]
+    Image(#[from] UnsavedImage),
+    /// Results could not be turned into text.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+}
+
+/// An image cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub struct UnsavedImage {
+    /// The file.
+    pub path: PathBuf,
+    /// Why.
+    pub source: ImageError,
+}
+
+impl From<MeasureError> for StudyError {
+    fn from(error: MeasureError) -> Self {
+        Self::Measure(Box::new(error))
+    }
+}
+
+impl From<GeometryError> for StudyError {
+    fn from(error: GeometryError) -> Self {
+        MeasureError::from(error).into()
+    }
+}

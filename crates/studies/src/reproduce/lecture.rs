@@ -1,0 +1,225 @@
+//! The two tables of Zachmann's lecture (2007, after Havran and Sixta 1999): build and run times of
+//! five structures on seven scenes, beside ours.
+//!
+//! Seconds of two machines are never compared. Every time is divided by that of uniform D=1 on the
+//! same machine; beside the ratios stands the rank correlation, and a sentence says who won then
+//! and who wins now.
+
+use serde::Deserialize;
+
+use measurement::record::{RowRecord, SceneRecord, Verdict};
+use presentation::numbers::short;
+use statistics::estimate::{Estimate, rank_correlation};
+
+static TABLES: &str = include_str!("../../../../results/published/zachmann2007_tables.csv");
+
+/// The lecture's scenes.
+pub const SCENES: [&str; 7] = ["balls", "gears", "mount", "rings", "teapot", "tetra", "tree"];
+
+/// The lecture's structures and what we put beside them; the first is what ratios are taken to.
+pub const STRUCTURES: [(&str, &str); 5] = [
+    ("uniform D=1.0", "uniform-grid:resolution=heterogeneous:density=1"),
+    ("uniform D=20.0", "uniform-grid:resolution=heterogeneous:density=20"),
+    ("recursive", "recursive-grid"),
+    ("hug", "hug"),
+    ("adaptive", "adaptive-grid"),
+];
+
+/// What came after the lecture, measured with the others.
+pub const MODERN: &str = "obvhs-cwbvh";
+
+#[derive(Deserialize)]
+struct Record {
+    structure: String,
+    scene: String,
+    counter: String,
+    value: f64,
+}
+
+/// The lecture's seconds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Published {
+    structure: String,
+    scene: String,
+    is_build: bool,
+    seconds: f64,
+}
+
+/// All times of the lecture.
+///
+/// # Errors
+/// When the embedded file is damaged; names the line.
+pub fn published() -> Result<Vec<Published>, csv::Error> {
+    csv::Reader::from_reader(TABLES.as_bytes())
+        .deserialize()
+        .map(|record| {
+            let Record { structure, scene, counter, value } = record?;
+            Ok(Published { structure, scene, is_build: counter.starts_with("T_B"), seconds: value })
+        })
+        .collect()
+}
+
+/// A time as the lecture has it and as measured, both divided by uniform D=1's.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Ratios {
+    /// The lecture's, where it has one.
+    pub then: Option<f64>,
+    /// Ours, where the structure was built and right.
+    pub now: Option<Estimate>,
+}
+
+/// A structure on a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// As the lecture names it; none for the modern structure.
+    pub lecture: Option<&'static str>,
+    /// Our row.
+    pub ours: String,
+    /// What is said of its answers.
+    pub verdict: Verdict,
+    /// Of the build.
+    pub build: Ratios,
+    /// Of tracing all rays.
+    pub run: Ratios,
+}
+
+/// A scene's part of both tables.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// Scene.
+    pub scene: String,
+    /// Lines in the lecture's order, the modern structure last.
+    pub lines: Vec<Line>,
+}
+
+impl Comparison {
+    /// Puts the lecture's times beside a measured scene. Rows of the record stand in the order of
+    /// [`STRUCTURES`], then [`MODERN`].
+    pub fn new(scene: &SceneRecord, published: &[Published]) -> Self {
+        let names = STRUCTURES.iter().map(|(name, _)| Some(*name)).chain([None]);
+        let lines = names.zip(&scene.rows).map(|(lecture, row)| {
+            let then = |is_build| {
+                let ratio = Self::then(published, &scene.name, lecture?, is_build);
+                ratio.filter(|r| r.is_finite())
+            };
+            let now = |ratio: Option<Estimate>| ratio.filter(|_| row.verdict == Verdict::Ok);
+            Line {
+                lecture,
+                ours: RowRecord::label(row),
+                verdict: row.verdict,
+                build: Ratios { then: then(true), now: now(row.build_ratio) },
+                run: Ratios { then: then(false), now: now(row.ratio) },
+            }
+        });
+        Self { scene: scene.name.clone(), lines: lines.collect() }
+    }
+
+    fn then(published: &[Published], scene: &str, name: &str, is_build: bool) -> Option<f64> {
+        let seconds = |name: &str| {
+            let of =
+                |p: &&Published| p.structure == name && p.scene == scene && p.is_build == is_build;
+            published.iter().find(of).map(|p| p.seconds)
+        };
+        Some(seconds(name)? / seconds(STRUCTURES[0].0)?)
+    }
+
+    /// Spearman's rank correlation of the lecture's ratios with ours; none with fewer than three
+    /// pairs.
+    pub fn correlation(&self, of: impl Fn(&Line) -> Ratios) -> Option<f64> {
+        let pairs: Vec<(f64, f64)> = self
+            .lines
+            .iter()
+            .map(of)
+            .filter_map(|ratios| Some((ratios.then?, ratios.now?.median)))
+            .collect();
+        rank_correlation(&pairs)
+    }
+
+    /// Who won then, who wins now, and how far ahead the modern structure is: one sentence.
+    pub fn sentence(&self) -> String {
+        let of_lecture = || self.lines.iter().filter(|l| l.lecture.is_some());
+        let then = of_lecture()
+            .filter_map(|l| Some((l.lecture?, l.run.then?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let now = of_lecture()
+            .filter_map(|l| Some((l.lecture?, l.run.now?)))
+            .min_by(|a, b| a.1.median.total_cmp(&b.1.median));
+        let (Some((then, by)), Some((now, ratio))) = (then, now) else {
+            return format!("{}: no verdict, for lack of right and timed rows.", self.scene);
+        };
+        let ties: Vec<&str> = of_lecture()
+            .filter(|l| l.lecture != Some(now))
+            .filter(|l| l.run.now.is_some_and(|r| r.low <= ratio.high))
+            .filter_map(|l| l.lecture)
+            .collect();
+        let mut text = format!(
+            "{}: then {then} won, {} times as fast as uniform D=1; now {now} {}, {} times",
+            self.scene,
+            short(1.0 / by),
+            if now == then { "still wins" } else { "wins" },
+            short(1.0 / ratio.median),
+        );
+        if !ties.is_empty() {
+            text += &format!(" (not told apart from {})", ties.join(", "));
+        }
+        let modern = self.lines.iter().find(|l| l.lecture.is_none());
+        if let Some((line, modern)) = modern.and_then(|l| Some((l, l.run.now?))) {
+            let factor = ratio.median / modern.median;
+            text += &match factor >= 1.0 {
+                true => format!("; {} is {} times faster still", line.ours, short(factor)),
+                false => format!("; {} is {} times slower", line.ours, short(1.0 / factor)),
+            };
+        }
+        text + "."
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(lecture: Option<&'static str>, then: Option<f64>, now: f64) -> Line {
+        let now = Some(Estimate { median: now, low: now * 0.9, high: now * 1.1 });
+        let run = Ratios { then, now };
+        let (ours, verdict) = ("ours".to_owned(), Verdict::Ok);
+        Line { lecture, ours, verdict, build: Ratios::default(), run }
+    }
+
+    #[test]
+    fn the_lecture_s_tables_are_whole() {
+        let all = published().unwrap();
+        for scene in SCENES {
+            for (name, _) in &STRUCTURES[..4] {
+                for is_build in [true, false] {
+                    assert!(Comparison::then(&all, scene, name, is_build).is_some());
+                }
+            }
+        }
+        let ratio = Comparison::then(&all, "tree", "adaptive", false).unwrap();
+        assert!((ratio - 18.38 / 1517.0).abs() < 1e-12);
+        assert_eq!(Comparison::then(&all, "balls", "adaptive", false), None);
+    }
+
+    #[test]
+    fn the_sentence_names_winners_and_ties() {
+        let mut lines = vec![
+            line(Some("uniform D=1.0"), Some(1.0), 1.0),
+            line(Some("recursive"), Some(0.02), 0.03),
+            line(Some("hug"), Some(0.03), 0.025),
+            line(None, None, 0.0125),
+        ];
+        let comparison = Comparison { scene: "tree".into(), lines: lines.clone() };
+        assert_eq!(
+            comparison.sentence(),
+            "tree: then recursive won, 50.0 times as fast as uniform D=1; now hug wins, 40.0 times \
+             (not told apart from recursive); ours is 2.00 times faster still."
+        );
+        assert_eq!(comparison.correlation(|l| l.run), Some(0.5));
+        lines[2].run.now = None;
+        let comparison = Comparison { scene: "tree".into(), lines: lines.clone() };
+        assert!(comparison.sentence().contains("now recursive still wins, 33.3 times;"));
+        assert_eq!(comparison.correlation(|l| l.run), None);
+        lines.clear();
+        assert!(Comparison { scene: "x".into(), lines }.sentence().contains("no verdict"));
+    }
+}

@@ -1,0 +1,121 @@
+//! `rtbench reproduce havran1999`: the published figures beside ours.
+//!
+//! V. Havran, F. Sixta, "Comparison of Hierarchical Grids", Ray Tracing News 12(1), 1999. What
+//! the counters mean was found by experiment; `results/published/README.md` has the rules.
+//! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
+
+mod adaptive;
+mod best;
+mod hug;
+pub mod lecture;
+mod octrees;
+pub mod published;
+mod recursive;
+mod setting;
+mod structures;
+mod uniform;
+pub mod verdict;
+
+use rayon::prelude::*;
+
+pub use setting::{PublishedScene, ReproduceError, Unlisted};
+
+use published::{Figure, table};
+use setting::{Count, Counted, Setting};
+use structures::STRUCTURES;
+use verdict::{Verdict, judge};
+
+/// One figure, published and ours.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Row {
+    /// Scene.
+    pub scene: String,
+    /// Structure as published.
+    pub structure: String,
+    /// Setting as published.
+    pub params: String,
+    /// Counter.
+    pub counter: String,
+    /// Published figure, as printed.
+    pub published: String,
+    /// Ours.
+    pub ours: f64,
+    /// Ours / published.
+    pub ratio: f64,
+    /// Judgement.
+    #[serde(serialize_with = "as_text")]
+    pub verdict: Verdict,
+}
+
+fn as_text<S: serde::Serializer>(v: &Verdict, s: S) -> Result<S::Ok, S::Error> {
+    s.collect_str(v)
+}
+
+/// Names of what can be reproduced: the structures, and the table of their best settings.
+pub fn structures() -> Vec<&'static str> {
+    STRUCTURES.iter().map(|(name, _)| *name).chain([best::TABLE]).collect()
+}
+
+/// Reproduces the figures of one scene for the structures asked for, in the paper's order.
+///
+/// # Errors
+/// [`ReproduceError`].
+pub fn reproduce_scene(
+    scene: &str,
+    structures: &[&str],
+    figures: &[Figure],
+) -> Result<Vec<Row>, ReproduceError> {
+    let published = PublishedScene::new(scene)?;
+    let mut tasks = Vec::new();
+    for (structure, count) in STRUCTURES.iter().filter(|(name, _)| structures.contains(name)) {
+        for (params, figures) in table(figures, structure, scene) {
+            let setting = Setting { structure, params, scene, figures };
+            tasks.push(Task { count: *count, of: setting, shown_as: None });
+        }
+    }
+    if structures.contains(&best::TABLE) {
+        for (params, of_best) in table(figures, best::TABLE, scene) {
+            let best = Setting { structure: best::TABLE, params, scene, figures: of_best };
+            let unknown = || ReproduceError::UnknownSetting(format!("best {params}"));
+            let (count, of) = best::repeated(figures, &best).ok_or_else(unknown)?;
+            tasks.push(Task { count, of, shown_as: Some(best) });
+        }
+    }
+    let rows = tasks
+        .par_iter()
+        .map(|task| Ok(task.compare(&(task.count)(&published, &task.of)?)))
+        .collect::<Result<Vec<_>, ReproduceError>>()?;
+    Ok(rows.concat())
+}
+
+/// A setting to count.
+struct Task<'f> {
+    count: Count,
+    of: Setting<'f>,
+    /// The setting of the table of the best that repeats it.
+    shown_as: Option<Setting<'f>>,
+}
+
+impl Task<'_> {
+    /// Puts our counters beside the published ones; what is repeated is judged as what it repeats.
+    fn compare(&self, ours: &Counted) -> Vec<Row> {
+        let shown = self.shown_as.as_ref().unwrap_or(&self.of);
+        ours.iter()
+            .filter_map(|&(counter, ours)| {
+                let text = shown.figures.get(counter)?;
+                let value: f64 = text.parse().unwrap_or(f64::NAN);
+                let Setting { structure, params, scene, .. } = self.of;
+                Some(Row {
+                    scene: scene.to_owned(),
+                    structure: shown.structure.to_owned(),
+                    params: shown.params.to_owned(),
+                    counter: counter.to_owned(),
+                    published: (*text).to_owned(),
+                    ours,
+                    ratio: if value == 0.0 && ours == 0.0 { 1.0 } else { ours / value },
+                    verdict: judge(structure, params, scene, counter, text, ours),
+                })
+            })
+            .collect()
+    }
+}

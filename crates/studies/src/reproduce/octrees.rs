@@ -1,0 +1,100 @@
+//! The five octree columns of Havran's second table: historical boxes, cells cut while they hold
+//! more than one reference, reversed lists, maximal depths 4 to 7.
+//!
+//! The letter tells the subdivision (centre or adaptive), the year the traversal: Glassner 1984,
+//! Samet 1989, Gargantini and Atkinson 1993. Unlike in the grid tables, N_IT is per hit that was
+//! required (IntersRequired), not per ray.
+
+use accel_core::tracer::{ShadowRule, Tracer};
+use renderer::Geometry;
+
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+
+/// The columns, as named in the table.
+pub const COLUMNS: [&str; 5] =
+    ["Octree84-A", "Octree84-C", "Octree89-C", "Octree93-A", "Octree93-C"];
+
+/// Builds the octree of a column at a published depth (`depth=6`) and counts: steps per ray, tests
+/// per required hit.
+pub(super) fn counters(
+    scene: &PublishedScene,
+    setting: &Setting,
+) -> Result<Counted, ReproduceError> {
+    let tracer = build(&scene.geometry, setting.structure, setting.params)?;
+    let work = scene.count(tracer.as_ref(), ShadowRule::Historical);
+    let required = work.primary_hits + work.secondary_hits + work.shadow_hits;
+    let mut counters = grid_counters(scene, &work);
+    for (name, value) in &mut counters {
+        if *name == "N_IT" {
+            *value = work.counters.intersection_tests as f64 / required.max(1) as f64;
+        }
+    }
+    Ok(counters)
+}
+
+fn build<'g>(
+    geometry: &'g Geometry<f64>,
+    column: &str,
+    params: &str,
+) -> Result<Box<dyn Tracer<f64> + 'g>, ReproduceError> {
+    let entry = registered("octree")?;
+    let subdivision = if column.ends_with("-A") { "adaptive" } else { "centre" };
+    let traversal = match column.get(6..8) {
+        Some("84") => "point-location",
+        Some("89") => "neighbour",
+        _ => "top-down",
+    };
+    let settings = [
+        ("subdivision", subdivision),
+        ("traversal", traversal),
+        ("max-depth", params.strip_prefix("depth=").unwrap_or(params)),
+        ("max-leaf", "1"),
+        ("useless-splits", "20"),
+        ("boxes", "historical"),
+        ("order", "reverse"),
+    ];
+    Ok(entry.build(geometry.prims(), &entry.params(settings)?)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use scene_loading::procedural::generate_as_printed;
+
+    use super::super::published::{figures, table};
+    use super::super::reproduce_scene;
+    use super::super::verdict::Verdict;
+    use super::*;
+
+    #[test]
+    fn centre_subdivision_has_exactly_the_published_cells() {
+        let figures = figures().unwrap();
+        for scene in ["tetra", "balls"] {
+            let geometry = Geometry::<f64>::of(&generate_as_printed(scene).unwrap()).unwrap();
+            let columns = table(&figures, "Octree84-C", scene);
+            assert_eq!(columns.len(), 4);
+            for (params, counters) in columns {
+                let shape = build(&geometry, "Octree84-C", params).unwrap().shape();
+                let ours = [
+                    ("N_IN", shape.inner_cells),
+                    ("N_V", shape.cells),
+                    ("N_EV", shape.empty_cells),
+                    ("N_OIV", shape.references),
+                ];
+                for (counter, value) in ours {
+                    assert_eq!(value.to_string(), counters[counter], "{scene} {params} {counter}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn steps_of_tetra_are_within_one_percent() {
+        let rows =
+            reproduce_scene("tetra", &["Octree84-C", "Octree89-C"], &figures().unwrap()).unwrap();
+        assert_eq!(rows.len(), 2 * 4 * 8);
+        for row in &rows {
+            assert!((row.ratio - 1.0).abs() < 0.01, "{row:?}");
+            assert!(matches!(row.verdict, Verdict::Exact | Verdict::Within), "{row:?}");
+        }
+    }
+}

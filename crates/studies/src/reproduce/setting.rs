@@ -1,0 +1,186 @@
+//! Settings as published, and what ours do in them.
+
+use std::collections::BTreeMap;
+
+use accel_core::Hit;
+use accel_core::structures::{BuildError, Entry, Shape, find};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::{counters::WorkCounters, params::ParamError};
+use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, generate_rays};
+use scene_loading::Scene;
+use scene_loading::procedural::{SpecError, generate_as_printed};
+
+use measurement::settings::suggest::hint;
+/// A name that is not among those that are valid.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unlisted {
+    name: String,
+    hint: String,
+    valid: String,
+}
+
+impl Unlisted {
+    /// A name as typed, where these are valid.
+    pub fn new(name: &str, valid: &[&str]) -> Self {
+        let hint = hint(name, valid.iter().copied());
+        Self { name: name.to_owned(), hint, valid: valid.join(", ") }
+    }
+}
+
+/// Why a reproduction could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReproduceError {
+    /// No such scene in the paper.
+    #[error("the paper has no scene '{}' that we have{}; it has {}", .0.name, .0.hint, .0.valid)]
+    UnknownScene(Unlisted),
+    /// No such scene in the lecture.
+    #[error("the lecture has no scene '{}'{}; it has {}", .0.name, .0.hint, .0.valid)]
+    NotInLecture(Unlisted),
+    /// The lecture's ratios have one reference.
+    #[error("--reference: ratios of the lecture are taken to {0}")]
+    FixedReference(&'static str),
+    /// No such structure among those reproduced.
+    #[error("no published figures for structure '{}'{}; there are {}", .0.name, .0.hint, .0.valid)]
+    UnknownStructure(Unlisted),
+    /// A published setting that has no counterpart here.
+    #[error("no counterpart for the published setting '{0}'")]
+    UnknownSetting(String),
+    /// An embedded file of figures is damaged.
+    #[error("results/published: {0}")]
+    Figures(#[from] csv::Error),
+    /// A scene could not be generated.
+    #[error(transparent)]
+    Scene(#[from] SpecError),
+    /// A scene could not be converted.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A structure could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A setting was refused.
+    #[error(transparent)]
+    Param(#[from] ParamError),
+    /// The registry lacks a structure.
+    #[error("structure '{0}' is not in the registry")]
+    Missing(&'static str),
+}
+
+/// Counters in the paper's symbols.
+pub(super) type Counted = Vec<(&'static str, f64)>;
+
+/// Counts one setting of a structure in a scene, given the figures published for it.
+pub(super) type Count = fn(&PublishedScene, &Setting) -> Result<Counted, ReproduceError>;
+
+/// A setting as published, with its figures.
+pub(super) struct Setting<'f> {
+    pub(super) structure: &'static str,
+    pub(super) params: &'f str,
+    pub(super) scene: &'f str,
+    pub(super) figures: BTreeMap<&'f str, &'f str>,
+}
+
+/// A scene in the published setting: its rays, made once.
+pub struct PublishedScene {
+    pub(crate) geometry: Geometry<f64>,
+    pub(crate) rays: RayBatches<f64>,
+    lights: usize,
+}
+
+/// What a structure did for all rays of a scene.
+pub(crate) struct Work {
+    pub(crate) shape: Shape,
+    pub(crate) counters: WorkCounters,
+    /// Primary, secondary: hits.
+    pub(super) primary_hits: u64,
+    pub(super) secondary_hits: u64,
+    /// Blocked shadow rays, plus glass hit by the others.
+    pub(super) shadow_hits: u64,
+}
+
+impl PublishedScene {
+    /// Generates the scene and its rays.
+    ///
+    /// # Errors
+    /// [`ReproduceError`].
+    pub fn new(name: &str) -> Result<Self, ReproduceError> {
+        let scene: Scene = generate_as_printed(name)?;
+        let geometry = Geometry::<f64>::of(&scene)?;
+        let rays = {
+            // any right structure gives the same rays; a fast one is taken
+            let entry = registered("uniform-grid")?;
+            let tracer = entry.build(geometry.prims(), &entry.params([("density", "8")])?)?;
+            generate_rays(&scene, tracer.as_ref(), &RaySettings::published())
+        };
+        Ok(Self { geometry, rays, lights: scene.lights.len() })
+    }
+
+    /// AllRays: primary, shadow and secondary, untraced ones (total reflection) included.
+    pub(crate) fn all_rays(&self) -> u64 {
+        self.rays.total() as u64 + self.rays.total_internal_reflections
+    }
+
+    /// Counts what `tracer` does for all rays, shadow rays by this rule.
+    pub(crate) fn count(&self, tracer: &dyn Tracer<f64>, rule: ShadowRule) -> Work {
+        let mut counters = WorkCounters::default();
+        let mut hits_of = |kinds: &[RayKind]| {
+            let mut found = 0;
+            for &kind in kinds {
+                let rays = self.rays.rays(kind);
+                let mut hits = vec![Hit::NONE; rays.len()];
+                counters += tracer.count_closest_hits(rays, &mut hits);
+                found += hits.iter().filter(|h| h.is_hit()).count() as u64;
+            }
+            found
+        };
+        let primary_hits = hits_of(&[RayKind::Primary]);
+        let secondary_hits = hits_of(&[RayKind::Reflected, RayKind::Refracted]);
+        let rays = self.rays.rays(RayKind::Shadow);
+        let mut answers = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
+        counters += tracer.count_occlusions(rays, rule, &mut answers);
+        let shadow_hits =
+            answers.iter().map(|a| if a.blocked { 1 } else { u64::from(a.glass) }).sum();
+        Work { shape: tracer.shape(), counters, primary_hits, secondary_hits, shadow_hits }
+    }
+
+    /// The figures that no structure changes.
+    pub(super) fn invariants(&self, work: &Work) -> Counted {
+        let of = |kind| self.rays.rays(kind).len() as u64;
+        let secondary =
+            of(RayKind::Reflected) + of(RayKind::Refracted) + self.rays.total_internal_reflections;
+        let required = work.primary_hits + work.secondary_hits + work.shadow_hits;
+        [
+            ("PrimaryRay", of(RayKind::Primary)),
+            ("UsedIntPrimRay", work.primary_hits),
+            ("ShadowRay", of(RayKind::Shadow)),
+            ("UsedIntShadRay", work.shadow_hits),
+            ("SecondaryRay", secondary),
+            ("UsedIntSecRay", work.secondary_hits),
+            ("AllRays", self.all_rays()),
+            ("IntersRequired", required),
+            ("total_primitives", self.geometry.len() as u64),
+            ("lights", self.lights as u64),
+        ]
+        .map(|(name, value)| (name, value as f64))
+        .to_vec()
+    }
+}
+
+pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, ReproduceError> {
+    find(name).ok_or(ReproduceError::Missing(name))
+}
+
+/// The counters of a grid in the paper's symbols; those of rays per ray.
+pub(crate) fn grid_counters(scene: &PublishedScene, work: &Work) -> Counted {
+    let per_ray = |n: u64| n as f64 / scene.all_rays() as f64;
+    vec![
+        ("N_IN", work.shape.inner_cells as f64),
+        ("N_V", work.shape.cells as f64),
+        ("N_EV", work.shape.empty_cells as f64),
+        ("N_OIV", work.shape.references as f64),
+        ("N_IT", per_ray(work.counters.intersection_tests)),
+        ("N_TS", per_ray(work.counters.traversal_steps)),
+        ("N_ETS", per_ray(work.counters.elementary_steps)),
+        ("N_EETS", per_ray(work.counters.empty_elementary_steps)),
+    ]
+}

@@ -1,0 +1,134 @@
+//! The columns of a run's results: one line each, from which tables and CSV come.
+
+use measurement::record::{
+    Answered, Outliers, RowRecord, SceneRecord, ShapeRecord, Verdict, WorkRecord,
+};
+use presentation::column::{Column, Unit, Value};
+use presentation::numbers;
+use presentation::table::{Cell, Style, dash};
+
+/// The head of the ratios to the reference.
+pub const RATIO: &str = "ratio [95%]";
+
+/// A row of a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct RowOf<'a> {
+    /// The scene.
+    pub scene: &'a SceneRecord,
+    /// The row.
+    pub row: &'a RowRecord,
+    /// Rays of the scene; a verdict that rests on fewer says so.
+    pub all_rays: u64,
+}
+
+impl RowOf<'_> {
+    fn shape(&self, read: fn(&ShapeRecord) -> Option<u64>) -> Value {
+        Value::of(self.row.shape.as_ref().and_then(read), Value::Count)
+    }
+
+    /// N_IT, N_TS, N_ETS or N_EETS, by its place.
+    fn work(&self, counter: usize) -> Value {
+        let per_ray = self.row.work.as_ref().map(WorkRecord::per_ray);
+        Value::of(per_ray.and_then(|work| work.get(counter).copied()), Value::Real)
+    }
+
+    /// Rays a second of a kind, by its place among [`rates`].
+    fn rate(&self, kind: usize) -> Value {
+        Value::of(rates(self.row).get(kind).copied().flatten(), Value::Real)
+    }
+
+    fn outliers(&self, read: fn(&Outliers) -> [u64; 2]) -> Value {
+        let count = (!self.row.samples.is_empty()).then(|| read(&self.row.outliers).iter().sum());
+        Value::of(count, Value::Count)
+    }
+}
+
+/// A row that has no times shows its verdict in their place.
+fn untimed(of: &RowOf<'_>) -> Option<Cell> {
+    let verdict = of.row.verdict;
+    (!verdict.is_timed()).then(|| Cell { text: verdict.name().into(), style: Style::Bad })
+}
+
+/// All columns, in the order of CSV files; behind them come those of each kind of ray, see
+/// [`crate::run::kind_tables`].
+#[rustfmt::skip]
+pub fn columns<'a>() -> [Column<RowOf<'a>>; 31] {
+    use Unit::{Bytes, None, PerRay, Ratio, Seconds};
+    use Value::{Count, Measured, Real, Text};
+    let c = Column::new;
+    [
+        c(&["scene"], "", None, |of: &RowOf<'a>| Text(of.scene.name.clone())),
+        c(&["primitives"], "", None, |of| Count(of.scene.primitives)),
+        c(&["structure"], "", None, |of| Text(of.row.structure.clone())),
+        c(&["settings"], "", None, |of| Text(of.row.settings.clone())),
+        c(&["resolution"], "", None, |of| {
+            let voxels = of.row.shape.as_ref().and_then(|shape| shape.resolution);
+            Value::of(voxels.map(numbers::resolution), Text)
+        }),
+        c(&["n_in"], "N_IN", None, |of| of.shape(|shape| Some(shape.n_in))),
+        c(&["n_v"], "N_V", None, |of| of.shape(|shape| Some(shape.n_v))),
+        c(&["n_ev"], "N_EV", None, |of| of.shape(|shape| Some(shape.n_ev))),
+        c(&["n_oiv"], "N_OIV", None, |of| of.shape(|shape| Some(shape.n_oiv))),
+        c(&["n_it"], "N_IT", PerRay, |of| of.work(0)),
+        c(&["n_ts"], "N_TS", PerRay, |of| of.work(1)),
+        c(&["n_ets"], "N_ETS", PerRay, |of| of.work(2)),
+        c(&["n_eets"], "N_EETS", PerRay, |of| of.work(3)),
+        c(&["saved_part"], "", None, |of| {
+            Value::of(of.row.work.as_ref().and_then(WorkRecord::saved_part), Real)
+        }),
+        c(&["answers"], "", None, |of| Text(of.row.answers.name().to_owned())),
+        c(&["rays"], "rays", None, |of| Count(of.row.rays)).or(|of| untimed(of).map(|_| dash())),
+        c(&["memory_bytes"], "MiB", Bytes, |of| of.shape(|shape| Some(shape.memory_bytes))),
+        c(&["pending_cells"], "", None, |of| of.shape(|shape| shape.pending_cells)),
+        c(&["build_s", "build_s_low", "build_s_high"], "build ms", Seconds, |of| Value::of(of.row.build_s, Measured)).or(untimed),
+        c(&["trace_s", "trace_s_low", "trace_s_high"], "trace ms", Seconds, |of| Value::of(of.row.trace_s, Measured)).or(untimed),
+        c(&["render_s"], "image ms", Seconds, |of| Value::of(of.row.render_s, Real)).or(untimed),
+        c(&["first_image_s"], "", Seconds, |of| Value::of(of.row.first_image_s(), Real)),
+        c(&["ratio_to_reference", "ratio_low", "ratio_high"], RATIO, Ratio, |of| Value::of(of.row.ratio, Measured)).or(untimed),
+        c(&["primary_mrays"], "primary", None, |of| of.rate(0)),
+        c(&["shadow_mrays"], "shadow", None, |of| of.rate(1)),
+        c(&["secondary_mrays"], "second.", None, |of| of.rate(2)),
+        c(&["diffuse_mrays"], "diffuse", None, |of| of.rate(3)),
+        c(&["mismatches"], "", None, |of| {
+            use Verdict::{NotBuilt, OverLimit, Panicked};
+            let is_judged = !matches!(of.row.verdict, NotBuilt | Panicked | OverLimit);
+            Value::of(is_judged.then_some(of.row.mismatches), Count)
+        }),
+        c(&["verdict"], "verdict", None, |of| Text(of.row.verdict.name().to_owned()))
+            .or(|of| Some(verdict_cell(of.row, of.all_rays))),
+        c(&["build_outliers"], "", None, |of| of.outliers(|outliers| outliers.build)),
+        c(&["trace_outliers"], "", None, |of| of.outliers(|outliers| outliers.trace)),
+    ]
+}
+
+/// Millions of rays a second: primary, shadow, secondary, diffuse.
+fn rates(row: &RowRecord) -> [Option<f64>; 4] {
+    let of = |kind: &str| row.mrays.get(kind).copied();
+    // Rays over seconds, from the rates of both kinds.
+    let seconds = |kind: &str| {
+        let rays = *row.rays_by_kind.get(kind)? as f64;
+        Some((rays, rays / of(kind)?))
+    };
+    let secondary = match (seconds("reflected"), seconds("refracted")) {
+        (Some((r1, s1)), Some((r2, s2))) => Some((r1 + r2) / (s1 + s2)),
+        (one, other) => one.or(other).map(|(r, s)| r / s),
+    };
+    [of("primary"), of("shadow"), secondary, of("diffuse")]
+}
+
+/// The verdict, and how many of the rays it rests on where that is not all of them.
+fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
+    let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
+    let text = match row.verdict {
+        Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => row.verdict.name().to_owned(),
+        Verdict::Ok if row.answers == Answered::ShadowRays => {
+            format!("ok on {} shadow rays", row.checked_rays)
+        }
+        Verdict::Ok if row.checked_rays < all_rays => format!("ok on {} rays", row.checked_rays),
+        Verdict::Ok => "ok".to_owned(),
+        Verdict::Wrong | Verdict::WrongAsShipped => {
+            format!("{}: {} of {}", row.verdict.name(), row.mismatches, row.checked_rays)
+        }
+    };
+    Cell { text, style }
+}

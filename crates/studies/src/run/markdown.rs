@@ -1,0 +1,120 @@
+//! A run in Markdown.
+
+use std::fmt::Write;
+
+use crate::run::tables::GLOSSARY;
+use crate::run::{kind_tables, tables};
+use measurement::rays::order::Orders;
+use measurement::record::{RunRecord, Settings};
+use measurement::settings::Lights;
+use presentation::format_error::FormatError;
+use presentation::markdown::push_table;
+use presentation::table::Table;
+
+/// [`to_string`] as an exporter.
+///
+/// # Errors
+/// None.
+pub fn exported(run: &RunRecord) -> Result<String, FormatError> {
+    Ok(to_string(run))
+}
+
+/// The whole run: where and how it was measured, a table a scene, the summary, the symbols.
+pub fn to_string(run: &RunRecord) -> String {
+    let by_kind = run.settings.by_kind;
+    let mut all: Vec<Table> = Vec::new();
+    for scene in &run.scenes {
+        all.push(tables::scene_table(run, scene, false));
+        all.extend(by_kind.then(|| kind_tables::scene_table(run, scene, false)));
+    }
+    if !run.summary.is_empty() {
+        all.push(tables::summary_table(run, false));
+        all.extend(by_kind.then(|| kind_tables::summary_table(run, false)));
+        all.extend(by_kind.then(|| kind_tables::picture_table(run)));
+    }
+    document("rtbench results", run, &all, GLOSSARY)
+}
+
+/// Where and how a run was measured, tables, and what their symbols mean.
+pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str]) -> String {
+    let mut text = format!("# {title}\n\n");
+    if let Some(shard) = &run.shard {
+        let _ =
+            writeln!(text, "**Part {} of the run; `rtbench merge` joins them.**\n", shard.shard());
+    }
+    if !run.complete {
+        let (finished, all) = (run.scenes.len(), run.planned.len());
+        let _ = writeln!(text, "**Incomplete: {finished} of {all} scenes.**\n");
+    }
+    for line in facts(run) {
+        let _ = writeln!(text, "- {line}");
+    }
+    for warning in &run.warnings {
+        let _ = writeln!(text, "- warning: {warning}");
+    }
+    for part in &run.parts {
+        let (index, command) = (part.index, part.command_line.join(" "));
+        let cpu = part.machine.cpu.as_deref().unwrap_or("unknown");
+        let _ = writeln!(text, "- part {index} of {}: `{command}` on {cpu}", run.parts.len());
+    }
+    text.push('\n');
+    for table in tables {
+        push_table(&mut text, table);
+    }
+    for line in glossary {
+        let _ = writeln!(text, "{line}\n");
+    }
+    text
+}
+
+fn facts(run: &RunRecord) -> Vec<String> {
+    let (machine, compiler, settings) = (&run.machine, &run.compiler, &run.settings);
+    let unknown = || "unknown".to_owned();
+    let mut clock = String::new();
+    if let Some(governor) = &machine.governor {
+        let _ = write!(clock, ", governor {governor}");
+    }
+    if let Some(boost) = machine.boost {
+        let _ = write!(clock, ", boost {}", if boost { "on" } else { "off" });
+    }
+    let averages = run.load.map(|load| load.average);
+    if let [Some(before), Some(after)] = averages {
+        let _ = write!(clock, ", load average {before:.2} before, {after:.2} after");
+    }
+    let mut facts = vec![
+        format!("command: `{}`", run.command_line.join(" ")),
+        format!(
+            "machine: {}, {} threads, {} MiB, {}{clock}",
+            machine.cpu.clone().unwrap_or_else(unknown),
+            machine.threads,
+            machine.memory_bytes.unwrap_or(0) >> 20,
+            machine.os
+        ),
+        format!(
+            "compiler: {}, {}, opt-level {}, features {}",
+            compiler.rustc.clone().unwrap_or_else(unknown),
+            compiler.target.clone().unwrap_or_else(unknown),
+            compiler.opt_level.clone().unwrap_or_else(unknown),
+            compiler.target_features.join(" ")
+        ),
+        format!(
+            "rtbench {} at {}",
+            run.tool.version,
+            run.tool.git_revision.clone().unwrap_or_else(unknown)
+        ),
+        format!(
+            "image {}x{}, depth {}, {}, {} thread(s), seed {}",
+            settings.resolution[0],
+            settings.resolution[1],
+            settings.max_depth,
+            settings.precision,
+            settings.threads,
+            settings.seed
+        ),
+    ];
+    if settings.order != Orders::Scanline.name() || settings.lights != Lights::Each.name() {
+        let Settings { order, lights, .. } = settings;
+        facts.push(format!("rays in order: {order}; shadow rays to lights: {lights}"));
+    }
+    facts
+}

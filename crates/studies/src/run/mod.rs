@@ -1,0 +1,9 @@
+//! The record of a run as tables, Markdown and CSV.
+
+pub mod columns;
+pub mod csv;
+pub mod kind_tables;
+pub mod markdown;
+pub mod picture_time;
+pub mod tables;
+pub mod text;

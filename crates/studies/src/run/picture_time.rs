@@ -1,0 +1,214 @@
+//! The time to a picture: the build, one million primary rays, and the shadow rays of their hits.
+//!
+//! A structure that traces fast but is built slowly is no gain where the scene changes with every
+//! picture. The sum says what a picture without reflections costs, so that build and trace need not be
+//! weighed by taste. It is derived from what rounds measured: rays in the order of the image, each
+//! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all rays
+//! by its ratio to the reference on that sample, as in [`crate::report::costs`].
+//!
+//! What it is compared with is the fastest row of obvhs in the same scene, whichever preset that is.
+
+use std::collections::BTreeMap;
+
+use accel_core::structures::{obvhs_bvh2, obvhs_cwbvh};
+
+use measurement::record::query::Query;
+use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
+use statistics::estimate::{Estimate, estimate, geometric_mean_of_medians, median};
+
+/// Primary rays of the picture.
+pub const PRIMARY_RAYS: f64 = 1e6;
+
+/// What a row takes, round by round.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureTime {
+    /// Structure and settings.
+    pub label: String,
+    /// How it was asked.
+    pub query: Query,
+    /// It is a row of obvhs.
+    pub is_obvhs: bool,
+    /// Seconds, by round.
+    pub rounds: BTreeMap<u32, f64>,
+    /// Their median.
+    pub seconds: f64,
+}
+
+impl PictureTime {
+    /// Of a row that answers all rays rightly; none where primary and shadow rays were not both
+    /// timed in the order of the image.
+    pub fn of(scene: &SceneRecord, row: &RowRecord) -> Option<Self> {
+        if row.verdict != Verdict::Ok || row.answers != Answered::AllRays {
+            return None;
+        }
+        let reference = scene.rows.iter().find(|r| r.is_reference && r.verdict.is_timed());
+        let of = |sample: &Sample| Some((sample.round, seconds(scene, row, reference, sample)?));
+        let rounds: BTreeMap<u32, f64> = row.samples.iter().filter_map(of).collect();
+        Some(Self {
+            label: row.label(),
+            query: row.query,
+            is_obvhs: [obvhs_bvh2::INFO.name, obvhs_cwbvh::INFO.name].contains(&&*row.structure),
+            seconds: median(&rounds.values().copied().collect::<Vec<_>>())?,
+            rounds,
+        })
+    }
+
+    /// Its time over that of another row, paired by round.
+    pub fn quotients(&self, other: &Self) -> Vec<f64> {
+        let quotient = |(round, own): (&u32, &f64)| Some(own / other.rounds.get(round)?);
+        self.rounds.iter().filter_map(quotient).filter(|q| q.is_finite()).collect()
+    }
+}
+
+/// All rows of a scene that have one, in its order.
+pub fn of_scene(scene: &SceneRecord) -> Vec<PictureTime> {
+    scene.rows.iter().filter_map(|row| PictureTime::of(scene, row)).collect()
+}
+
+/// The row of obvhs that is done first.
+pub fn fastest_obvhs(times: &[PictureTime]) -> Option<&PictureTime> {
+    fastest(times, |time| time.is_obvhs)
+}
+
+/// Of all others that are asked so, the one that is done first.
+pub fn fastest_other(times: &[PictureTime], query: Query) -> Option<&PictureTime> {
+    fastest(times, |time| !time.is_obvhs && time.query == query)
+}
+
+fn fastest(times: &[PictureTime], is_meant: impl Fn(&PictureTime) -> bool) -> Option<&PictureTime> {
+    let meant = times.iter().filter(|time| is_meant(time));
+    meant.min_by(|a, b| a.seconds.total_cmp(&b.seconds))
+}
+
+/// The row's time over that of the fastest row of obvhs, by scene: medians over the rounds by the
+/// name of the scene, and their geometric mean. None where no scene has both.
+pub fn over_scenes(
+    scenes: &[SceneRecord],
+    label: &str,
+    seed: u64,
+) -> Option<(BTreeMap<String, f64>, Estimate)> {
+    let mut by_scene = BTreeMap::new();
+    let mut groups = Vec::new();
+    for scene in scenes {
+        let times = of_scene(scene);
+        let own = times.iter().find(|time| time.label == label);
+        let (Some(own), Some(obvhs)) = (own, fastest_obvhs(&times)) else { continue };
+        let quotients = own.quotients(obvhs);
+        let Some(middle) = estimate(&quotients, seed) else { continue };
+        by_scene.insert(scene.name.clone(), middle.median);
+        groups.push(quotients);
+    }
+    let groups: Vec<&[f64]> = groups.iter().map(Vec::as_slice).collect();
+    let mean = if groups.is_empty() { None } else { geometric_mean_of_medians(&groups, seed) };
+    Some((by_scene, mean?))
+}
+
+/// The sum for a visit.
+fn seconds(
+    scene: &SceneRecord,
+    row: &RowRecord,
+    reference: Option<&RowRecord>,
+    sample: &Sample,
+) -> Option<f64> {
+    let primary = *scene.rays.get("primary").filter(|n| **n > 0)? as f64;
+    let traced = ["primary", "shadow"]
+        .map(|kind| all_rays_s(scene, row, reference, sample, kind))
+        .into_iter()
+        .sum::<Option<f64>>()?;
+    Some(sample.build_s + traced * (PRIMARY_RAYS / primary))
+}
+
+/// Seconds for all rays of a kind that the scene has.
+fn all_rays_s(
+    scene: &SceneRecord,
+    row: &RowRecord,
+    reference: Option<&RowRecord>,
+    sample: &Sample,
+    kind: &str,
+) -> Option<f64> {
+    let own = *sample.trace_s.get(kind)?;
+    let all = *scene.rays.get(kind)? as f64;
+    let timed_on = |row: &RowRecord| row.rays_by_kind.get(kind).map(|n| (*n).max(1) as f64);
+    let through_reference = || {
+        let reference = reference.filter(|reference| reference.stride < row.stride)?;
+        let same_round = reference.samples.iter().find(|s| s.round == sample.round)?;
+        let on_same_rays = sample.reference_by_kind.get(kind).filter(|s| **s > 0.0)?;
+        Some(own / on_same_rays * same_round.trace_s.get(kind)? * (all / timed_on(reference)?))
+    };
+    through_reference().or_else(|| Some(own * (all / timed_on(row)?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use measurement::record::RunRecord;
+    use measurement::record::made_up::run;
+
+    /// Rows take their time for primary rays, twice that for shadow rays, a tenth to build.
+    fn made(rows: &[(&str, &[f64])]) -> RunRecord {
+        let mut record = run(&[("tetra", rows)]);
+        let scene = &mut record.scenes[0];
+        scene.rays = [("primary".into(), 500_000), ("shadow".into(), 300_000)].into();
+        for row in &mut scene.rows {
+            row.rays_by_kind = scene.rays.clone();
+            for sample in &mut row.samples {
+                for seconds in [&mut sample.trace_s, &mut sample.reference_by_kind] {
+                    let primary = seconds["primary"];
+                    seconds.insert("shadow".into(), 2.0 * primary);
+                }
+            }
+        }
+        record
+    }
+
+    #[test]
+    fn a_picture_is_the_build_a_million_primary_rays_and_their_shadow_rays() {
+        let record = made(&[("obvhs-cwbvh", &[1.0, 1.0, 1.0])]);
+        let times = of_scene(&record.scenes[0]);
+        // 0.1 to build; of half a million rays 1 and of their shadow rays 2, both twice
+        assert!((times[0].seconds - 6.1).abs() < 1e-12, "{times:?}");
+    }
+
+    #[test]
+    fn the_fastest_are_found_and_batches_stand_apart() {
+        let mut record = made(&[
+            ("obvhs-cwbvh", &[2.0, 2.2]),
+            ("obvhs-bvh2 preset=fastest", &[1.0, 1.1]),
+            ("uniform-grid", &[3.0, 3.3]),
+            ("irregular-grid query=batch", &[0.5, 0.55]),
+            ("hug", &[0.1, 0.1]),
+        ]);
+        record.scenes[0].rows[3].query = Query::Batch;
+        // what is wrong is never the fastest
+        record.scenes[0].rows[4].verdict = Verdict::WrongAsShipped;
+        let times = of_scene(&record.scenes[0]);
+        assert_eq!(times.len(), 4);
+        assert_eq!(fastest_obvhs(&times).unwrap().label, "obvhs-bvh2 preset=fastest");
+        assert_eq!(fastest_other(&times, Query::OneRay).unwrap().label, "uniform-grid");
+        let batch = fastest_other(&times, Query::Batch).unwrap();
+        assert_eq!(batch.label, "irregular-grid query=batch");
+        let (by_scene, mean) = over_scenes(&record.scenes, &batch.label, 1).unwrap();
+        assert!((mean.median - 0.5).abs() < 1e-12 && (by_scene["tetra"] - 0.5).abs() < 1e-12);
+        assert_eq!(over_scenes(&record.scenes, "hug", 1), None);
+    }
+
+    #[test]
+    fn a_sampled_row_stands_for_all_rays_by_its_ratio() {
+        let mut record = made(&[("obvhs-cwbvh", &[1.0]), ("uniform-grid", &[5.0])]);
+        // on every eighth ray, which the reference answers in 0.25 in place of an eighth of 1
+        let row = &mut record.scenes[0].rows[1];
+        row.stride = 8;
+        row.rays_by_kind.values_mut().for_each(|n| *n /= 8);
+        row.samples[0].reference_by_kind.values_mut().for_each(|s| *s /= 4.0);
+        let times = of_scene(&record.scenes[0]);
+        // 20 times the reference's 3 seconds for all rays, twice; 0.5 to build
+        assert!((times[1].seconds - (0.5 + 2.0 * (20.0 + 20.0 * 2.0))).abs() < 1e-9, "{times:?}");
+    }
+
+    #[test]
+    fn without_shadow_rays_there_is_no_picture() {
+        let mut record = made(&[("obvhs-cwbvh", &[1.0])]);
+        record.scenes[0].rows[0].samples[0].trace_s.remove("shadow");
+        assert_eq!(of_scene(&record.scenes[0]), []);
+    }
+}

@@ -1,0 +1,244 @@
+//! The tables of a run, before any markup: text and Markdown differ only in how they draw them.
+
+use crate::run::columns::{self, RATIO, RowOf};
+use measurement::rays::order::Orders;
+use measurement::record::query::{self, Query};
+use measurement::record::{
+    Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label,
+};
+use presentation::column::headed;
+use presentation::numbers;
+use presentation::table::{Cell, Style, Table, dash};
+
+/// The columns of [`columns::columns`] that a scene's table has, in its order.
+const HEADS: [&str; 19] = [
+    "N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS", "MiB", "rays", "build ms",
+    "trace ms", "image ms", RATIO, "primary", "shadow", "second.", "diffuse", "verdict",
+];
+
+/// The block of a scene: structures down, counters and times across. Rows of a structure beyond
+/// its first are named by their settings alone when `indent` is set.
+pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table {
+    // rates are those of rays in the order of the image
+    let has = |kind: &str| {
+        run.settings.order != Orders::Shuffled.name() && run.settings.rays.iter().any(|k| k == kind)
+    };
+    let is_shown = |head: &&str| match *head {
+        "primary" | "shadow" | "diffuse" => has(head),
+        "second." => has("reflected") || has("refracted"),
+        _ => true,
+    };
+    let columns = columns::columns();
+    let shown = HEADS.iter().filter(|head| is_shown(head));
+    let shown: Vec<_> = shown.filter_map(|head| headed(&columns, head)).collect();
+    let has_batches = scene.rows.iter().any(|row| row.query == Query::Batch);
+    let mut header = vec!["structure"];
+    header.extend(has_batches.then_some("query"));
+    header.extend(shown.iter().map(|column| column.head));
+    let all_rays = scene.distinct_rays();
+    let mut previous = "";
+    let rows = scene.rows.iter().map(|row| {
+        let name = name_in_column(&row.structure, &row.settings, previous, indent);
+        previous = &row.structure;
+        let mut cells = vec![name.into()];
+        cells.extend(has_batches.then(|| row.query.name().to_owned().into()));
+        cells.extend(shown.iter().map(|column| column.cell(&RowOf { scene, row, all_rays })));
+        cells
+    });
+    let mut rows: Vec<Vec<Cell>> = rows.collect();
+    let ratios = scene.rows.iter().map(|row| {
+        // a ratio over shadow rays alone is none to compare with the others
+        let is_comparable = row.verdict == Verdict::Ok && row.answers == Answered::AllRays;
+        row.ratio.filter(|_| is_comparable)
+    });
+    mark_best(&mut rows, header.iter().position(|h| *h == RATIO), ratios);
+    Table { title: scene_title(scene), header, rows, notes: scene_notes(scene) }
+}
+
+/// The name of a row; of one below another row of its structure, its settings where they may be
+/// indented.
+pub fn name_in_column(structure: &str, settings: &str, previous: &str, indent: bool) -> String {
+    if indent && structure == previous && !settings.is_empty() {
+        format!("  {settings}")
+    } else {
+        label(structure, settings)
+    }
+}
+
+/// Marks the smallest ratio of the column.
+fn mark_best(
+    rows: &mut [Vec<Cell>],
+    column: Option<usize>,
+    ratios: impl Iterator<Item = Option<statistics::estimate::Estimate>>,
+) {
+    let best = ratios
+        .enumerate()
+        .filter_map(|(i, ratio)| Some((i, ratio?.median)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    if let (Some((row, _)), Some(column)) = (best, column)
+        && let Some(cell) = rows.get_mut(row).and_then(|r| r.get_mut(column))
+    {
+        cell.style = Style::Best;
+    }
+}
+
+/// What a scene consists of, and its rays.
+pub fn scene_title(scene: &SceneRecord) -> String {
+    let rays: Vec<String> = scene.rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
+    format!("{}: {} primitives; rays: {}", scene.name, scene.primitives, rays.join(", "))
+}
+
+/// What is to be said of a scene's rows, and how their answers were judged.
+pub fn scene_notes(scene: &SceneRecord) -> Vec<String> {
+    let oracle = &scene.oracle;
+    let mut notes = vec![match &oracle.reference {
+        Some(reference) => format!(
+            "Answers compared with those of {reference}, ray by ray; those with f64 brute force on \
+             {} rays, {} of them borderline.",
+            oracle.checked, oracle.borderline
+        ),
+        None if scene.rays.is_empty() => format!("{}.", scene.source),
+        None => "No structure's answers were confirmed by f64 brute force; all rows were compared \
+                 with brute force on a sample."
+            .into(),
+    }];
+    if scene.rows.iter().any(|row| row.query == Query::Batch) {
+        notes.push(query::NOTE.into());
+    }
+    notes.extend(outlier_note(scene));
+    notes.extend(oracle.refused.iter().map(|r| format!("Refused as reference: {r}")));
+    for row in &scene.rows {
+        let name = row.label();
+        notes.extend(saved_note(row));
+        notes.extend(on_demand_note(row));
+        notes.extend(shadow_note(row));
+        let reasons = [&row.error, &row.example, &row.known_defect];
+        match row.verdict {
+            Verdict::Ok => {}
+            Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => {
+                let reason = row.error.as_deref().unwrap_or(row.verdict.name());
+                notes.push(format!("{name}: {reason}"));
+            }
+            Verdict::Wrong | Verdict::WrongAsShipped => {
+                let said: Vec<&str> = reasons.iter().filter_map(|r| r.as_deref()).collect();
+                notes.push(format!("{name}: {}", said.join("; ")));
+            }
+        }
+    }
+    notes
+}
+
+/// How many rounds were far from the others, and where most of them were.
+fn outlier_note(scene: &SceneRecord) -> Option<String> {
+    let count = |row: &RowRecord| [row.outliers.build, row.outliers.trace].map(|[a, b]| a + b);
+    let rows = || scene.rows.iter().filter(|row| !row.samples.is_empty());
+    let [builds, traces] =
+        rows().map(count).fold([0, 0], |[a, b], [builds, traces]| [a + builds, b + traces]);
+    let samples: usize = rows().map(|row| row.samples.len()).sum();
+    let most = rows().max_by_key(|row| count(row).iter().sum::<u64>())?;
+    (builds + traces > 0).then(|| {
+        format!(
+            "Far from the other rounds (Tukey), and counted like them: {builds} builds, {traces} \
+             traces of {samples}; most of {}.",
+            most.label()
+        )
+    })
+}
+
+/// What a mailbox was good for.
+fn saved_note(row: &RowRecord) -> Option<String> {
+    let part = row.work.as_ref()?.saved_part()?;
+    Some(format!("{}: the mailbox spared {:.1}% of the tests", row.label(), part * 100.0))
+}
+
+/// Which rays the figures of an occluder are over.
+fn shadow_note(row: &RowRecord) -> Option<String> {
+    (row.answers == Answered::ShadowRays).then(|| {
+        format!(
+            "{}: answers shadow rays only; its trace time and ratio are over these",
+            row.label()
+        )
+    })
+}
+
+/// What a structure that builds on demand never built, and when its first image was done.
+fn on_demand_note(row: &RowRecord) -> Option<String> {
+    let pending = row.shape.as_ref()?.pending_cells?;
+    let first = match row.first_image_s() {
+        Some(s) => format!("; first image {} ms after the start", numbers::milliseconds(s)),
+        None => String::new(),
+    };
+    Some(format!("{}: {pending} cells were never asked to divide{first}", row.label()))
+}
+
+/// The summary over all scenes.
+pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
+    let has_batches = run.summary.iter().any(|row| row.batch_scenes > 0);
+    let mut header = vec!["structure"];
+    if has_batches {
+        header.push("query");
+    }
+    header.extend(["scenes", "trace ratio [95%]", "build ratio [95%]", "verdict"]);
+    let mut previous = "";
+    let mut rows = Vec::new();
+    for row in &run.summary {
+        let name = name_in_column(&row.structure, &row.settings, previous, indent);
+        previous = &row.structure;
+        let mut cells: Vec<Cell> = vec![name.into()];
+        if has_batches {
+            cells.push(Query::over_scenes(row.batch_scenes, row.scenes).into());
+        }
+        cells.push(row.scenes.to_string().into());
+        let bad = || Cell { text: row.verdict.name().into(), style: Style::Bad };
+        for estimate in [row.ratio, row.build_ratio] {
+            cells.push(match estimate {
+                _ if row.verdict == Verdict::Wrong => bad(),
+                Some(e) => numbers::ratio(&e).into(),
+                None => dash(),
+            });
+        }
+        cells.push(summary_verdict(row));
+        rows.push(cells);
+    }
+    let ratios = run.summary.iter().map(|r| {
+        let is_comparable = r.verdict == Verdict::Ok && r.answers == Answered::AllRays;
+        r.ratio.filter(|_| is_comparable)
+    });
+    mark_best(&mut rows, header.iter().position(|h| *h == "trace ratio [95%]"), ratios);
+    let mut notes = vec![format!(
+        "Ratios to {}: geometric means over {} scene(s).",
+        run.settings.reference,
+        run.scenes.len()
+    )];
+    if has_batches {
+        notes.push(query::NOTE.into());
+    }
+    Table { title: "All scenes".into(), header, rows, notes }
+}
+
+fn summary_verdict(row: &SummaryRow) -> Cell {
+    let text = match row.verdict {
+        Verdict::Ok if row.answers == Answered::ShadowRays => {
+            return "ok (shadow rays)".to_owned().into();
+        }
+        Verdict::Ok => return "ok".to_owned().into(),
+        v @ (Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit) => {
+            format!("{} in {} scenes", v.name(), row.not_built_scenes)
+        }
+        v => format!("{}: {} rays in {} scenes", v.name(), row.mismatches, row.wrong_scenes),
+    };
+    Cell { text, style: Style::Bad }
+}
+
+/// What the symbols mean.
+pub const GLOSSARY: &[&str] = &[
+    "N_IN hierarchical cells, N_V elementary cells, N_EV empty ones, N_OIV references in cells; \
+     per ray: N_IT intersection tests, N_TS traversal steps, N_ETS elementary steps, N_EETS \
+     steps into empty cells (Havran and Sixta 1999).",
+    "build, trace: medians over the rounds, one sample each a round; trace is the time for the \
+     rays of the column beside it. image: the whole picture through the renderer, once.",
+    "ratio: trace time divided by the reference's for the same rays in the same round, with its \
+     95% bootstrap interval; below 1 is faster; = where the interval holds 1: no difference was \
+     measured. primary, shadow, second., diffuse: millions of rays a second of one kind (second.: \
+     reflected and refracted).",
+];

@@ -1,0 +1,131 @@
+//! A scene in several sizes as tables: one a size, and the slopes over all of them.
+
+use std::io::{self, Write};
+
+use crate::run::columns::{RATIO, RowOf, columns as run_columns};
+use crate::run::markdown;
+use crate::run::tables::{scene_notes, scene_title};
+use crate::scale::columns::{SizeRow, asked, columns};
+use crate::scale::quantities::{QUANTITIES, rows};
+use measurement::record::scale::SlopeRecord;
+use measurement::record::{RowRecord, RunRecord, SceneRecord};
+use presentation::column::headed;
+use presentation::numbers;
+use presentation::table::{Cell, Style, Table, dash};
+use presentation::text;
+
+/// Prints the table of a size.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_size(
+    out: &mut dyn Write,
+    run: &RunRecord,
+    scene: &SceneRecord,
+    colors: bool,
+) -> io::Result<()> {
+    text::write_table(out, &size_table(run, scene), colors)
+}
+
+/// Prints the slopes, and what the columns of all tables mean.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_slopes(out: &mut dyn Write, run: &RunRecord, colors: bool) -> io::Result<()> {
+    text::write_table(out, &slope_table(run), colors)?;
+    text::write_notes(out, GLOSSARY, colors)
+}
+
+/// All tables in Markdown, the slopes first.
+pub fn to_markdown(run: &RunRecord) -> String {
+    let sizes = run.scenes.iter().map(|scene| size_table(run, scene));
+    let tables: Vec<Table> = std::iter::once(slope_table(run)).chain(sizes).collect();
+    markdown::document("rtbench scale", run, &tables, GLOSSARY)
+}
+
+/// The columns of a size: its own, and those of a run.
+const HEADS: [&str; 8] =
+    ["build ms", "ns/prim", "ns/ray", "MiB", "B/prim", "peak MiB", RATIO, "verdict"];
+
+fn size_table(run: &RunRecord, scene: &SceneRecord) -> Table {
+    let size = run.scale.as_ref().and_then(|scale| scale.size(&scene.name));
+    let all_rays = scene.rays.values().sum();
+    let (own, of_run) = (columns(), run_columns());
+    let rows = scene.rows.iter().map(|row| {
+        let of = SizeRow { of: RowOf { scene, row, all_rays }, size };
+        let cell = |head: &str| match (headed(&own, head), headed(&of_run, head)) {
+            (Some(column), _) => column.cell(&of),
+            (None, Some(column)) if head == "verdict" => column.cell(&of.of),
+            // the verdict says why there is none
+            (None, Some(column)) => column.value_cell(&of.of),
+            (None, None) => dash(),
+        };
+        std::iter::once(row.label().into()).chain(HEADS.into_iter().map(cell)).collect()
+    });
+    Table {
+        title: format!("{}; asked for {}", scene_title(scene), asked(size, ", ")),
+        header: std::iter::once("structure").chain(HEADS).collect(),
+        rows: rows.collect(),
+        notes: scene_notes(scene),
+    }
+}
+
+fn slope_table(run: &RunRecord) -> Table {
+    let scale = run.scale.as_ref();
+    let row = |row: &&RowRecord| {
+        let label = row.label();
+        let slopes: Vec<Option<&SlopeRecord>> = QUANTITIES
+            .iter()
+            .map(|quantity| scale.and_then(|scale| scale.slope(&label, quantity.name)))
+            .collect();
+        let sizes = slopes.iter().flatten().map(|slope| slope.sizes).max().unwrap_or(0);
+        let mut cells = vec![label.into(), sizes.to_string().into()];
+        cells.extend(slopes.into_iter().map(|slope| slope.map_or_else(dash, slope_cell)));
+        cells
+    };
+    let scene = scale.map_or("", |scale| scale.scene.as_str());
+    let mut notes = Vec::new();
+    if let Some(scale) = scale {
+        notes.push(format!(
+            "Limits: {} s a build, {} MiB a process that loads the scene and builds one row.",
+            scale.time_limit_s,
+            numbers::mebibytes(scale.max_memory_bytes)
+        ));
+    }
+    Table {
+        title: format!("{scene}: slopes over the number of primitives, log-log"),
+        header: vec![
+            "structure",
+            "sizes",
+            "build [95%]",
+            "trace [95%]",
+            "memory [95%]",
+            "peak [95%]",
+        ],
+        rows: rows(&run.scenes).iter().map(row).collect(),
+        notes,
+    }
+}
+
+fn slope_cell(slope: &SlopeRecord) -> Cell {
+    let text = match slope.low.zip(slope.high) {
+        Some((low, high)) => format!("{:.2} [{low:.2}, {high:.2}]", slope.slope),
+        None => format!("{:.2} [?]", slope.slope),
+    };
+    Cell { text, style: Style::Plain }
+}
+
+/// What the columns mean.
+const GLOSSARY: &[&str] = &[
+    "build: median over the rounds, ns/prim the same for each primitive; ns/ray: trace time of a \
+     ray, over the kinds in the title; MiB: bytes of the structure, B/prim the same for each \
+     primitive; peak MiB: what a process that does nothing else takes more at the peak of the build \
+     than before it, the structure included. ratio: trace time to the reference's, with its 95% \
+     bootstrap interval.",
+    "slopes: the power of the number of primitives that a quantity grows with, by least squares \
+     over the logarithms of the sizes measured, with the 95% interval of Student's distribution \
+     from how far the sizes lie off the line; [?] where two sizes leave nothing to tell that from. \
+     1 is linear; n log n is about 1.1 between a thousand and ten million.",
+    "over limit: the build took more time or memory than the limits allow; the row is not measured \
+     there and not tried at larger sizes.",
+];

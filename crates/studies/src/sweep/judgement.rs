@@ -1,0 +1,146 @@
+//! Which value is best, which are as good, and how the rules of thumb do beside them.
+
+use crate::sweep::{Line, Sweep};
+use measurement::record::{RowRecord, SceneRecord, Verdict};
+use statistics::estimate::Estimate;
+
+/// How a swept value stands among the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// The lowest tracing time.
+    Best,
+    /// Its interval overlaps that of the best: no difference was measured.
+    NotToldApart,
+    /// Slower.
+    Slower,
+}
+
+/// What is said of a row of the sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// Among the swept values; none for other rows and for rows without a time.
+    pub standing: Option<Standing>,
+    /// Tracing time over that of the best value.
+    pub to_best: Option<f64>,
+    /// Elementary cells per primitive.
+    pub cells_per_primitive: Option<f64>,
+    /// `best`, `rule: woo`...
+    pub marks: Vec<String>,
+}
+
+/// Judges the rows of a scene: one judgement for each line.
+pub fn judge(sweep: &Sweep<'_>, scene: &SceneRecord) -> Vec<Judgement> {
+    let costs = costs(scene);
+    let rows = || scene.rows.iter().zip(&sweep.lines).zip(&costs);
+    let competing: Vec<Option<Estimate>> = rows()
+        .map(|((row, line), cost)| cost.filter(|_| line.is_swept && row.verdict == Verdict::Ok))
+        .collect();
+    let standings = standings(&competing);
+    let best = competing.iter().flatten().map(|e| e.median).min_by(f64::total_cmp);
+    rows()
+        .zip(standings)
+        .enumerate()
+        .map(|(i, (((row, line), cost), standing))| Judgement {
+            standing,
+            to_best: cost.zip(best).filter(|(_, b)| *b > 0.0).map(|(c, b)| c.median / b),
+            cells_per_primitive: cells_per_primitive(row, scene.primitives),
+            marks: marks(line, standing, i == sweep.plan.baseline),
+        })
+        .collect()
+}
+
+/// The tracing time of each row as it can be compared: its ratio to the reference on the same
+/// rays, or seconds a ray where the reference has no time.
+pub fn costs(scene: &SceneRecord) -> Vec<Option<Estimate>> {
+    let has_ratios = scene.rows.iter().any(|r| r.ratio.is_some());
+    let cost = |row: &RowRecord| {
+        if has_ratios {
+            return row.ratio;
+        }
+        let rays = row.rays.max(1) as f64;
+        let of = |e: Estimate| Estimate {
+            median: e.median / rays,
+            low: e.low / rays,
+            high: e.high / rays,
+        };
+        row.trace_s.map(of)
+    };
+    scene.rows.iter().map(cost).collect()
+}
+
+/// How each cost stands among all that there are; of equal ones, the first is the best.
+pub fn standings(costs: &[Option<Estimate>]) -> Vec<Option<Standing>> {
+    let known = costs.iter().enumerate().filter_map(|(i, cost)| Some((i, (*cost)?)));
+    let best = known.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
+    let of = |(i, cost): (usize, &Option<Estimate>)| {
+        let (cost, (first, best)) = ((*cost)?, best?);
+        Some(match () {
+            () if i == first => Standing::Best,
+            () if cost.low <= best.high && best.low <= cost.high => Standing::NotToldApart,
+            () => Standing::Slower,
+        })
+    };
+    costs.iter().enumerate().map(of).collect()
+}
+
+fn cells_per_primitive(row: &RowRecord, primitives: u64) -> Option<f64> {
+    Some(row.shape.as_ref()?.n_v as f64 / primitives.max(1) as f64)
+}
+
+fn marks(line: &Line, standing: Option<Standing>, is_baseline: bool) -> Vec<String> {
+    let mut marks = Vec::new();
+    match standing {
+        Some(Standing::Best) => marks.push("best".to_owned()),
+        Some(Standing::NotToldApart) => marks.push("~best".to_owned()),
+        Some(Standing::Slower) | None => {}
+    }
+    if line.is_default {
+        marks.push("default".to_owned());
+    }
+    marks.extend(line.rules.iter().map(|rule| format!("rule: {rule}")));
+    if is_baseline {
+        marks.push("reference".to_owned());
+    }
+    marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(low: f64, median: f64, high: f64) -> Option<Estimate> {
+        Some(Estimate { median, low, high })
+    }
+
+    #[test]
+    fn overlapping_intervals_are_not_told_apart() {
+        let costs = [
+            estimate(4.0, 5.0, 6.0),
+            estimate(2.0, 3.0, 3.5),
+            None,
+            estimate(1.9, 2.0, 2.2),
+            estimate(2.2, 2.3, 2.4),
+            estimate(2.25, 2.3, 2.4),
+        ];
+        use Standing::{Best, NotToldApart, Slower};
+        assert_eq!(
+            standings(&costs),
+            [Some(Slower), Some(NotToldApart), None, Some(Best), Some(NotToldApart), Some(Slower)]
+        );
+    }
+
+    #[test]
+    fn of_equal_costs_the_first_is_the_best() {
+        let equal = [estimate(1.0, 1.0, 1.0), estimate(1.0, 1.0, 1.0)];
+        assert_eq!(standings(&equal), [Some(Standing::Best), Some(Standing::NotToldApart)]);
+        assert_eq!(standings(&[None, None]), [None, None]);
+    }
+
+    #[test]
+    fn marks_say_all_that_a_row_is() {
+        let line = Line { is_default: true, rules: vec!["woo"], ..Line::default() };
+        let marks = marks(&line, Some(Standing::Best), true);
+        assert_eq!(marks, ["best", "default", "rule: woo", "reference"]);
+        assert!(super::marks(&Line::default(), Some(Standing::Slower), false).is_empty());
+    }
+}

@@ -1,0 +1,305 @@
+//! One parameter of one structure over its values: the plan of `rtbench sweep`.
+//!
+//! Every value is a row of an ordinary [`Plan`], so that all of them are checked, interleaved and
+//! timed as rows of a run are. Beside them stand rows to compare with: the parameter's default,
+//! the rules of thumb for the number of voxels where the parameter decides it, and the row that
+//! ratios are taken to.
+
+pub mod csv;
+pub mod judgement;
+pub mod plot;
+mod rules;
+pub mod table;
+pub mod values;
+
+use accel_core::params::{ParamKind, ParamSpec};
+use accel_core::structures::Entry;
+
+use crate::sweep::values::Range;
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::{self, Assignments, Row};
+use measurement::plan::{DEFAULT_BASELINE, Plan, baseline};
+use measurement::scenes::{LoadError, SceneSource};
+use measurement::settings::MeasuringSettings;
+
+/// What cannot be swept.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SweepError {
+    /// `--from` and `--to` for words.
+    #[error("{structure}.{parameter} has no range, it takes {valid}: name some with --values")]
+    NoRange {
+        /// Structure.
+        structure: &'static str,
+        /// Parameter.
+        parameter: &'static str,
+        /// Its values.
+        valid: String,
+    },
+    /// Nothing lies between the ends.
+    #[error("--from {from} must be below --to {to}")]
+    EmptyRange {
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+    },
+    /// Equal ratios from zero or less.
+    #[error("equal ratios cannot start at --from {from}: it must be above 0, or use --linear")]
+    NotPositive {
+        /// First value.
+        from: f64,
+    },
+    /// The swept parameter is given a value.
+    #[error("{parameter} is swept and cannot be set to a value at the same time")]
+    SetsSwept {
+        /// Parameter.
+        parameter: &'static str,
+    },
+    /// What is no plan either.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// No such scene or set.
+    #[error(transparent)]
+    Scene(#[from] LoadError),
+}
+
+/// What a sweep is asked for.
+#[derive(Debug, Clone, Default)]
+pub struct SweepSettings {
+    /// Scenes, scene sets or scene files.
+    pub scenes: Vec<String>,
+    /// The structure, with its other settings if any.
+    pub structure: String,
+    /// The parameter.
+    pub parameter: String,
+    /// Its values.
+    pub values: Vec<String>,
+    /// In their place its first value, a number.
+    pub from: Option<f64>,
+    /// Its last value.
+    pub to: Option<f64>,
+    /// Number of values.
+    pub steps: u16,
+    /// Equal steps between values, not equal ratios.
+    pub linear: bool,
+    /// Settings of other parameters: `resolution=woo`.
+    pub settings: Vec<String>,
+    /// How to measure.
+    pub measuring: MeasuringSettings,
+}
+
+/// What a row of the plan stands for.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Line {
+    /// The value of the parameter; none for rules of thumb and the row of ratios.
+    pub value: Option<String>,
+    /// One of the values asked for.
+    pub is_swept: bool,
+    /// The parameter has its default.
+    pub is_default: bool,
+    /// Rules of thumb that give this row.
+    pub rules: Vec<&'static str>,
+}
+
+/// What a plot of the sweep has on its horizontal axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Abscissa {
+    /// Cells per primitive: rules of thumb have a place there too.
+    CellsPerPrimitive,
+    /// The value, on a logarithmic axis or a linear one.
+    Number {
+        /// Logarithmic.
+        is_log: bool,
+    },
+    /// The values one beside the other.
+    Words,
+}
+
+/// A validated sweep.
+#[derive(Debug)]
+pub struct Sweep<'r> {
+    /// The rows, and how they are measured.
+    pub plan: Plan<'r>,
+    /// What each row of the plan stands for.
+    pub lines: Vec<Line>,
+    /// The structure.
+    pub structure: &'static str,
+    /// Its other settings, as typed; empty for the defaults.
+    pub settings: String,
+    /// The parameter.
+    pub parameter: &'static ParamSpec,
+    /// The horizontal axis of plots.
+    pub abscissa: Abscissa,
+}
+
+impl<'r> Sweep<'r> {
+    /// Validates what is asked for.
+    ///
+    /// # Errors
+    /// [`SweepError`] naming what is valid.
+    pub fn new(
+        args: &SweepSettings,
+        registry: &'r [Entry],
+        scenes: &dyn SceneSource,
+    ) -> Result<Self, SweepError> {
+        let swept = Swept::new(args, registry)?;
+        let values = swept.values(args)?;
+        let abscissa = swept.abscissa(&values, args.linear);
+        let mut lines = Lines::default();
+        for value in values {
+            let line = lines.of(swept.row(&value)?);
+            (line.value, line.is_swept) = (Some(value), true);
+        }
+        let line = lines.of(Row::of(swept.entry, &swept.settings)?);
+        line.value.get_or_insert_with(|| swept.parameter.default.to_owned());
+        line.is_default = true;
+        if rules::apply_to(swept.entry, swept.parameter) {
+            for (rule, settings) in rules::settings(&swept.settings) {
+                lines.of(Row::of(swept.entry, &settings)?).rules.push(rule);
+            }
+        }
+        let baseline = lines.baseline(registry, args.measuring.reference.as_deref())?;
+        let Lines { rows, lines } = lines;
+        let scenes = scenes.resolve(&args.scenes)?;
+        Ok(Self {
+            plan: Plan::over(scenes, rows, baseline, &args.measuring, registry)?,
+            lines,
+            structure: swept.entry.info.name,
+            settings: swept.settings_text(),
+            parameter: swept.parameter,
+            abscissa,
+        })
+    }
+}
+
+impl Sweep<'_> {
+    /// Whether the values are numbers, which have an order.
+    pub fn has_numbers(&self) -> bool {
+        matches!(self.parameter.kind, ParamKind::Integer { .. } | ParamKind::Real { .. })
+    }
+}
+
+/// The structure, its settings and the parameter, as typed.
+struct Swept<'r, 't> {
+    entry: &'r Entry,
+    parameter: &'static ParamSpec,
+    /// Of the other parameters.
+    settings: Assignments<'t>,
+}
+
+impl<'r, 't> Swept<'r, 't> {
+    fn new(args: &'t SweepSettings, registry: &'r [Entry]) -> Result<Self, SweepError> {
+        let (entry, mut settings) = rows::parse_settings(registry, &args.structure)?;
+        let parameter = rows::find_param(entry, &args.parameter)?;
+        for text in &args.settings {
+            settings.push(text.split_once('=').ok_or_else(|| PlanError::Malformed {
+                text: text.clone(),
+                expected: "PARAM=VALUE, like resolution=woo",
+            })?);
+        }
+        Row::of(entry, &settings)?;
+        if settings.iter().any(|(name, _)| *name == parameter.name) {
+            return Err(SweepError::SetsSwept { parameter: parameter.name });
+        }
+        Ok(Self { entry, parameter, settings })
+    }
+
+    /// The row of a value.
+    fn row(&self, value: &str) -> Result<Row<'r>, PlanError> {
+        let mut settings = self.settings.clone();
+        settings.push((self.parameter.name, value));
+        Row::of(self.entry, &settings)
+    }
+
+    /// The values that the command line names or spans, in ascending order where they are numbers.
+    fn values(&self, args: &SweepSettings) -> Result<Vec<String>, SweepError> {
+        let (Some(from), Some(to)) = (args.from, args.to) else {
+            for value in &args.values {
+                self.row(value)?;
+            }
+            return Ok(values::in_order(self.parameter.kind, &args.values));
+        };
+        let is_whole = match self.parameter.kind {
+            ParamKind::Real { .. } => false,
+            ParamKind::Integer { .. } => true,
+            ParamKind::Choice(_) | ParamKind::Resolution => {
+                return Err(SweepError::NoRange {
+                    structure: self.entry.info.name,
+                    parameter: self.parameter.name,
+                    valid: self.parameter.kind.to_string(),
+                });
+            }
+        };
+        for end in [from, to] {
+            self.row(&end.to_string())?;
+        }
+        if from >= to {
+            return Err(SweepError::EmptyRange { from, to });
+        }
+        if from <= 0.0 && !args.linear {
+            return Err(SweepError::NotPositive { from });
+        }
+        let range = Range { from, to, steps: usize::from(args.steps), is_linear: args.linear };
+        Ok(if is_whole { range.whole_numbers() } else { range.real_numbers() })
+    }
+
+    fn abscissa(&self, values: &[String], is_linear: bool) -> Abscissa {
+        if rules::apply_to(self.entry, self.parameter) {
+            return Abscissa::CellsPerPrimitive;
+        }
+        match self.parameter.kind {
+            ParamKind::Integer { .. } | ParamKind::Real { .. } => {
+                Abscissa::Number { is_log: !is_linear && values::spread_by_ratios(values) }
+            }
+            ParamKind::Choice(_) | ParamKind::Resolution => Abscissa::Words,
+        }
+    }
+
+    fn settings_text(&self) -> String {
+        let settings: Vec<_> = self.settings.iter().map(|(n, v)| format!("{n}={v}")).collect();
+        settings.join(" ")
+    }
+}
+
+/// Rows without duplicates, with what each stands for.
+#[derive(Default)]
+struct Lines<'r> {
+    rows: Vec<Row<'r>>,
+    lines: Vec<Line>,
+}
+
+impl<'r> Lines<'r> {
+    /// Index of the row, which is added when it is not there yet.
+    fn index(&mut self, row: Row<'r>) -> usize {
+        self.rows.iter().position(|r| *r == row).unwrap_or_else(|| {
+            self.rows.push(row);
+            self.rows.len() - 1
+        })
+    }
+
+    /// What the row stands for.
+    fn of(&mut self, row: Row<'r>) -> &mut Line {
+        let index = self.index(row);
+        if self.lines.len() <= index {
+            self.lines.resize_with(index + 1, Line::default);
+        }
+        &mut self.lines[index]
+    }
+
+    /// Index of the row that ratios are taken to: the one named, else the default of
+    /// [`DEFAULT_BASELINE`], else the first.
+    fn baseline(
+        &mut self,
+        registry: &'r [Entry],
+        reference: Option<&str>,
+    ) -> Result<usize, PlanError> {
+        let default = registry.iter().find(|e| e.info.name == DEFAULT_BASELINE);
+        let index = match (reference, default) {
+            (None, Some(entry)) => self.index(Row::defaults(entry)?),
+            _ => baseline(registry, &mut self.rows, reference)?,
+        };
+        self.lines.resize_with(self.rows.len(), Line::default);
+        Ok(index)
+    }
+}

@@ -1,0 +1,350 @@
+//! Images by samples, by cones and by beams: what each takes, and how far each is from the right
+//! one.
+//!
+//! The question is the lecture's, which calls beams and cones "not really practical, far too
+//! expensive" (G. Zachmann, "Computer Graphics", Bremen 2007). Samples are traced in f32 through
+//! the fastest structure, as their users would; cones and beams in f64, where areas need it.
+
+pub mod equal_error;
+pub mod plot;
+pub mod queries;
+pub mod reference;
+pub mod report;
+
+use std::collections::BTreeMap;
+
+use accel_core::region::Work;
+use accel_core::tracer::Tracer;
+use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
+use renderer::{Image, render_plan};
+use scene_loading::{Scene, Shape};
+
+use crate::accuracy::pareto::{Place, standings};
+use crate::accuracy::record::Standing;
+use crate::accuracy::timing::ratios;
+use crate::image_error::{Converged, edge_rmse, edges, rmse};
+use equal_error::{AtError, SampledImage, at_error};
+use measurement::rounds::interleaved::{Visit, interleaved};
+use measurement::system::clock::Clock;
+use reference::Sampled;
+use statistics::estimate::{Estimate, estimate};
+
+/// A way to draw with cones or beams.
+pub struct Way {
+    /// The tracer.
+    pub info: &'static TracerInfo,
+    /// Its settings where they are not the default ones.
+    pub settings: &'static str,
+    /// The tracer with these settings.
+    pub draw: fn(&Scene, Frame, Structures<'_>) -> Result<Drawn, Refusal>,
+}
+
+impl Way {
+    /// Tracer and settings.
+    pub fn label(&self) -> String {
+        format!("{} {}", self.info.name, self.settings).trim_end().to_owned()
+    }
+}
+
+/// The ways without samples, in the order of the table: one entry each.
+static WAYS: &[Way] = &[
+    Way {
+        info: &cone::INFO,
+        settings: "",
+        draw: |scene, frame, over| cone::draw(scene, frame, &cone::Settings::default(), over),
+    },
+    Way {
+        info: &cone::INFO,
+        settings: "subdivisions=0",
+        draw: |scene, frame, over| {
+            let plain = cone::Settings { subdivisions: 0, ..Default::default() };
+            cone::draw(scene, frame, &plain, over)
+        },
+    },
+    Way {
+        info: &beam::INFO,
+        settings: "",
+        draw: |scene, frame, over| beam::draw(scene, frame, &beam::Settings::default(), over),
+    },
+];
+
+/// The ways of the tracers that are asked for.
+pub fn ways(is_asked: impl Fn(&TracerInfo) -> bool) -> impl Iterator<Item = &'static Way> {
+    WAYS.iter().filter(move |way| is_asked(way.info))
+}
+
+/// What a comparison is made with.
+pub struct Question<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What samples are traced through.
+    pub sampler: &'a dyn Tracer<f32>,
+    /// What cones and beams ask.
+    pub structures: Structures<'a>,
+    /// Size, depth and seed.
+    pub frame: Sampled,
+    /// Numbers of samples a pixel, in rising order.
+    pub samples: &'a [u32],
+    /// The tracers to compare, by name.
+    pub tracers: &'a [&'static str],
+    /// How often each image is made.
+    pub rounds: u32,
+}
+
+/// A row: an image by one way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The tracer.
+    pub tracer: &'static str,
+    /// Its settings where they are not the default ones.
+    pub settings: String,
+    /// Samples a pixel, for the tracer by samples.
+    pub samples: Option<u32>,
+    /// What was measured, or why the tracer refuses the scene.
+    pub outcome: Result<Measured, Refusal>,
+}
+
+impl Row {
+    /// `whitted 16`, `cone subdivisions=0`.
+    pub fn label(&self) -> String {
+        match self.samples {
+            Some(n) => format!("{} {n}", self.tracer),
+            None => format!("{} {}", self.tracer, self.settings).trim_end().to_owned(),
+        }
+    }
+}
+
+/// What was measured of an image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Seconds of each round.
+    pub seconds: Vec<f64>,
+    /// Root mean square error.
+    pub error: f64,
+    /// The same over the pixels of edges, if there are any.
+    pub edge_error: Option<f64>,
+    /// The error is not ten times that of the reference.
+    pub is_below_reference: bool,
+    /// Time over that of the cheapest row, round by round.
+    pub ratio: Option<Estimate>,
+    /// Whether another row is faster and has a smaller error.
+    pub standing: Standing,
+    /// What was counted.
+    pub counts: BTreeMap<&'static str, u64>,
+    /// The image.
+    pub image: Image,
+    /// What samples would have taken for the same error; none for samples themselves.
+    pub by_samples: Option<AtError>,
+}
+
+impl Measured {
+    /// Median of the seconds.
+    pub fn median(&self) -> f64 {
+        statistics::estimate::median(&self.seconds).unwrap_or(f64::NAN)
+    }
+}
+
+/// Draws with every tracer that is asked for, `rounds` times in seeded random order, in the
+/// current rayon pool. Times are those of the image alone: structures are built before.
+pub fn compare(question: &Question<'_>, reference: &Converged, clock: &dyn Clock) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut makers: Vec<Box<dyn Fn() -> Result<Made, Refusal> + '_>> = Vec::new();
+    let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
+    let Question { scene, frame, .. } = *question;
+    if is_asked(&whitted::INFO) {
+        for &samples in question.samples {
+            let plan = frame.plan(scene, samples, frame.seed);
+            rows.push((whitted::INFO.name, "", Some(samples)));
+            makers.push(Box::new(move || Ok(Made::by_samples(question, &plan))));
+        }
+    }
+    let size = Frame { resolution: frame.resolution, max_depth: frame.max_depth };
+    for way in ways(is_asked) {
+        rows.push((way.info.name, way.settings, None));
+        makers.push(Box::new(move || (way.draw)(scene, size, question.structures).map(Made::from)));
+    }
+    let mut made: Vec<Option<Result<Made, Refusal>>> = rows.iter().map(|_| None).collect();
+    let mut seconds = vec![Vec::new(); rows.len()];
+    let is_left = |round| round < question.rounds as usize;
+    interleaved(rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
+        if matches!(made[row], Some(Err(_))) {
+            return;
+        }
+        let start = clock.now();
+        let image = makers[row]();
+        seconds[row].push(clock.seconds_since(start));
+        made[row].get_or_insert(image);
+    });
+    let edges = edges(&reference.image);
+    let finished = rows.into_iter().zip(made).zip(seconds).filter_map(|((row, made), seconds)| {
+        let (tracer, settings, samples) = row;
+        let outcome = made?.map(|made| {
+            let error = rmse(&made.image, &reference.image);
+            Measured {
+                seconds,
+                error,
+                edge_error: edge_rmse(&made.image, &reference.image, &edges),
+                is_below_reference: reference.hides(error),
+                ratio: None,
+                standing: Standing::Dominated,
+                counts: made.counts,
+                image: made.image,
+                by_samples: None,
+            }
+        });
+        Some(Row { tracer, settings: settings.to_owned(), samples, outcome })
+    });
+    let mut rows: Vec<Row> = finished.collect();
+    judge(&mut rows, reference, frame.seed);
+    rows
+}
+
+/// An image and what was counted.
+struct Made {
+    image: Image,
+    counts: BTreeMap<&'static str, u64>,
+}
+
+impl Made {
+    fn by_samples(question: &Question<'_>, plan: &renderer::EffectPlan) -> Self {
+        let rendered = render_plan(question.scene, question.sampler, plan);
+        let counts = BTreeMap::from([("rays", rendered.counts.total())]);
+        Self { image: rendered.image, counts }
+    }
+}
+
+impl From<Drawn> for Made {
+    fn from(drawn: Drawn) -> Self {
+        let Work { shafts, found, tests, .. } = drawn.work;
+        let mut counts =
+            BTreeMap::from([("queries", shafts), ("candidates", found), ("hull tests", tests)]);
+        counts.extend(drawn.counts);
+        Self { image: drawn.image, counts }
+    }
+}
+
+/// Finds the Pareto front, and what samples take for the errors of the others.
+fn judge(rows: &mut [Row], reference: &Converged, seed: u64) {
+    let measured = |row: &Row| row.outcome.as_ref().ok().cloned();
+    let cheapest = rows
+        .iter()
+        .filter_map(measured)
+        .min_by(|a, b| a.median().total_cmp(&b.median()))
+        .map(|m| m.seconds)
+        .unwrap_or_default();
+    let (mut places, mut placed) = (Vec::new(), Vec::new());
+    for (i, row) in rows.iter_mut().enumerate() {
+        let Ok(m) = &mut row.outcome else { continue };
+        m.ratio = estimate(&ratios(&m.seconds, &cheapest), seed);
+        let Some(time) = m.ratio else { continue };
+        // errors below the reference's are not told from it
+        let error = if m.is_below_reference { reference.own_error } else { m.error };
+        places.push(Place { time, error });
+        placed.push(i);
+    }
+    for (standing, i) in standings(&places).into_iter().zip(placed) {
+        if let Ok(m) = &mut rows[i].outcome {
+            m.standing = standing;
+        }
+    }
+    let series: Vec<SampledImage> = rows
+        .iter()
+        .filter_map(|row| {
+            let (samples, m) = (f64::from(row.samples?), row.outcome.as_ref().ok()?);
+            Some(SampledImage { samples, error: m.error, seconds: m.median() })
+        })
+        .collect();
+    for row in rows.iter_mut().filter(|row| row.samples.is_none()) {
+        if let Ok(m) = &mut row.outcome {
+            m.by_samples = at_error(&series, m.error);
+        }
+    }
+}
+
+/// Kinds of primitives that a comparison can leave out.
+pub const KINDS: [&str; 5] = ["spheres", "cones", "polygons", "triangles", "patches"];
+
+/// The scene without the primitives of these kinds of [`KINDS`]; ids move up.
+pub fn without(mut scene: Scene, kinds: &[String]) -> Scene {
+    let kind = |shape: Shape| match shape {
+        Shape::Sphere(_) => KINDS[0],
+        Shape::Cone(_) => KINDS[1],
+        Shape::Polygon { .. } => KINDS[2],
+        Shape::Triangle { .. } => KINDS[3],
+        Shape::Patch { .. } => KINDS[4],
+    };
+    let stays: Vec<bool> =
+        scene.primitives.iter().map(|p| kinds.iter().all(|k| k != kind(p.shape))).collect();
+    fn keep<T>(list: &mut Vec<T>, stays: &[bool]) {
+        let mut i = 0;
+        list.retain(|_| {
+            i += 1;
+            stays[i - 1]
+        });
+    }
+    keep(&mut scene.primitives, &stays);
+    keep(&mut scene.velocities, &stays);
+    keep(&mut scene.texcoords, &stays);
+    if !kinds.is_empty() {
+        scene.name = format!("{} without {}", scene.name, kinds.join(" and "));
+    }
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(samples: Option<u32>, seconds: f64, error: f64) -> Row {
+        let measured = Measured {
+            seconds: vec![seconds; 3],
+            error,
+            edge_error: None,
+            is_below_reference: false,
+            ratio: None,
+            standing: Standing::Dominated,
+            counts: BTreeMap::new(),
+            image: Image { width: 0, height: 0, pixels: Vec::new() },
+            by_samples: None,
+        };
+        Row { tracer: "whitted", settings: String::new(), samples, outcome: Ok(measured) }
+    }
+
+    #[test]
+    fn dominated_rows_are_not_on_the_front() {
+        let mut rows = vec![
+            row(Some(1), 1.0, 0.4),
+            row(Some(4), 4.0, 0.2),
+            row(Some(16), 16.0, 0.1),
+            // planted: slower and worse than 4 samples
+            row(None, 5.0, 0.21),
+            // better than 16 samples for less
+            row(None, 8.0, 0.05),
+        ];
+        let blank = Image { width: 0, height: 0, pixels: Vec::new() };
+        judge(&mut rows, &Converged::of(&blank, &blank), 1);
+        let front: Vec<bool> = rows
+            .iter()
+            .map(|r| r.outcome.as_ref().unwrap().standing == Standing::OnFront)
+            .collect();
+        assert_eq!(front, [true, true, false, false, true]);
+        let by_samples = |i: usize| rows[i].outcome.as_ref().unwrap().by_samples;
+        assert!(matches!(by_samples(3), Some(AtError::Reached { seconds, .. }) if seconds < 4.0));
+        assert_eq!(by_samples(4), Some(AtError::Never { samples: 16.0, seconds: 16.0 }));
+        assert_eq!(by_samples(0), None);
+    }
+
+    #[test]
+    fn kinds_are_left_out_with_all_that_belongs_to_them() {
+        let mut scene = Scene::new("three");
+        let m = scene.push_material(scene_loading::Material::default());
+        scene.push_sphere(m, glam::DVec3::ZERO, 1.0);
+        scene.push_triangle(m, [glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z]);
+        scene.last_moves(glam::DVec3::X);
+        scene.push_sphere(m, glam::DVec3::ONE, 1.0);
+        let scene = without(scene, &["spheres".to_owned()]);
+        assert_eq!(scene.primitives.len(), 1);
+        assert_eq!(scene.velocity(0), glam::DVec3::X);
+        assert_eq!(scene.name, "three without spheres");
+    }
+}

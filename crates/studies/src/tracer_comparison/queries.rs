@@ -1,0 +1,209 @@
+//! What it costs to find the candidates of a beam or cone: one query a pixel, through every
+//! structure that answers shafts. Brute force is what they are compared with.
+
+use accel_core::region::{self, Gathered, Gatherer, Shaft, Work};
+use accel_core::structures::{BuildError, PrimsRef};
+use glam::DVec2;
+use renderer::camera::{EyeRays, Sampling};
+use scene_loading::{Bounds, Camera};
+
+use measurement::rounds::interleaved::{Visit, interleaved};
+use measurement::system::clock::Clock;
+use statistics::estimate::{Estimate, estimate};
+
+/// Brute force asks about as many hulls a round at most, the structure in question all shafts.
+const MOST_TESTS: usize = 1 << 25;
+
+/// What the queries of a structure cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QueryRow {
+    /// Its name.
+    pub structure: &'static str,
+    /// Queries a round: all pixels, or every so many of them.
+    pub queries: usize,
+    /// Microseconds a query.
+    pub microseconds: Estimate,
+    /// Its time over that of brute force on the same shafts in the same rounds.
+    pub ratio: Estimate,
+    /// What the queries of one round did.
+    pub work: Work,
+    /// Queries that did not find what the ray through the pixel's centre hits: a wrong row.
+    pub missed: usize,
+}
+
+/// A pyramid a pixel.
+pub fn pixel_shafts(camera: &Camera, resolution: [u32; 2], bounds: Bounds) -> Vec<Shaft> {
+    let eye = EyeRays::new(camera, resolution, Sampling::PixelCentres);
+    let apex = eye.origin();
+    // twice as far as the farthest corner
+    let corner = (bounds.min - apex).abs().max((bounds.max - apex).abs());
+    let reach = 2.0 * corner.length().max(f64::MIN_POSITIVE);
+    let [w, h] = resolution;
+    let shaft = |x, y| {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let corners = corners.map(|at| eye.direction_within(x, y, DVec2::from(at)));
+        Shaft::pyramid(apex, &corners, reach)
+    };
+    (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(|(x, y)| shaft(x, y)).collect()
+}
+
+/// A structure to be asked.
+struct Asked {
+    name: &'static str,
+    gatherer: Box<dyn Gatherer>,
+    seconds: Vec<f64>,
+    work: Work,
+    missed: usize,
+}
+
+/// How often queries are repeated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rounds {
+    /// Rounds.
+    pub rounds: u32,
+    /// Seed of their orders and of the intervals.
+    pub seed: u64,
+    /// Primitives of the scene: how many tests brute force makes a query.
+    pub primitives: usize,
+}
+
+/// How many queries do not find what they must.
+fn missed(gatherer: &dyn Gatherer, shafts: &[&(Shaft, Option<u32>)]) -> usize {
+    let mut gathered = Gathered::default();
+    let misses = |(shaft, seen): &&&(Shaft, Option<u32>)| {
+        let Some(seen) = seen else { return false };
+        gatherer.gather(shaft, &mut gathered);
+        !gathered.ids.contains(seen)
+    };
+    shafts.iter().filter(misses).count()
+}
+
+/// Asks every structure of `registry` for the candidates of all shafts, `rounds` times in seeded
+/// random order, on the calling thread. `seen` is what a ray within each shaft hits, if anything:
+/// it must be among the candidates.
+///
+/// # Errors
+/// [`BuildError`] of the first structure that cannot be built.
+pub fn measure(
+    registry: &[region::Entry],
+    prims: PrimsRef<'_, f64>,
+    shafts: &[(Shaft, Option<u32>)],
+    rounds: Rounds,
+    clock: &dyn Clock,
+) -> Result<Vec<QueryRow>, BuildError> {
+    let stride = (shafts.len() * rounds.primitives).div_ceil(MOST_TESTS).max(1);
+    let sample: Vec<&(Shaft, Option<u32>)> = shafts.iter().step_by(stride).collect();
+    let mut asked = Vec::new();
+    for entry in registry {
+        let gatherer = entry.build(prims, &entry.params([])?)?;
+        let missed = missed(gatherer.as_ref(), &sample);
+        let (name, seconds, work) = (entry.info.name, Vec::new(), Work::default());
+        asked.push(Asked { name, gatherer, seconds, work, missed });
+    }
+    let seed = rounds.seed;
+    let is_left = |round| round < rounds.rounds as usize;
+    interleaved(asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
+        let Asked { gatherer, seconds, work, .. } = &mut asked[row];
+        let mut gathered = Gathered::default();
+        let start = clock.now();
+        for (shaft, _) in &sample {
+            gatherer.gather(shaft, &mut gathered);
+            std::hint::black_box(&gathered.ids);
+        }
+        seconds.push(clock.seconds_since(start));
+        *work = gathered.work;
+    });
+    let brute = asked.iter().find(|a| a.name == "brute-force").or(asked.first());
+    let Some(base) = brute.map(|b| b.seconds.clone()) else { return Ok(Vec::new()) };
+    let row = |a: &Asked| {
+        let per_query: Vec<f64> =
+            a.seconds.iter().map(|s| s * 1e6 / sample.len().max(1) as f64).collect();
+        let ratios: Vec<f64> =
+            a.seconds.iter().zip(&base).map(|(s, b)| s / b.max(f64::MIN_POSITIVE)).collect();
+        Some(QueryRow {
+            structure: a.name,
+            queries: sample.len(),
+            microseconds: estimate(&per_query, seed)?,
+            ratio: estimate(&ratios, seed)?,
+            work: a.work,
+            missed: a.missed,
+        })
+    };
+    Ok(asked.iter().filter_map(row).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+    use std::time::Duration;
+
+    use accel_core::params::Params;
+    use accel_core::primitives::PrimSet;
+    use accel_core::region::ShaftWalk;
+    use accel_core::sink::Sink;
+    use accel_core::structures::uniform_grid::{INFO, UniformGrid};
+    use accel_core::structures::{Shape, Structure};
+    use accel_core::{Hit, Ray, Vec3, Vector};
+    use renderer::Geometry;
+
+    use super::*;
+    use measurement::scenes::{Installed, SceneSource};
+    use measurement::system::clock::SteppingClock;
+
+    /// A grid that loses two of three cells.
+    struct Loser(UniformGrid<f64>);
+
+    impl Structure<f64> for Loser {
+        fn build<P: PrimSet<f64>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+            Structure::build(prims, params).map(Self)
+        }
+
+        fn walk<K: Sink<f64>>(&self, ray: &Ray<f64>, sink: &mut K) {
+            self.0.walk(ray, sink);
+        }
+
+        fn shape(&self) -> Shape {
+            Structure::<f64>::shape(&self.0)
+        }
+    }
+
+    impl ShaftWalk for Loser {
+        fn walk_shaft(&self, shaft: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
+            let mut number = 0;
+            self.0.walk_shaft(shaft, &mut |ids, depth| {
+                number += 1;
+                if number % 3 == 0 { cell(ids, depth) } else { ControlFlow::Continue(()) }
+            });
+        }
+    }
+
+    #[test]
+    fn structures_that_lose_candidates_are_wrong() {
+        let scene = Installed.resolve(&["tetra:3".to_owned()]).unwrap()[0].load().unwrap().scene;
+        let geometry = Geometry::<f64>::of(&scene).unwrap();
+        let eye = EyeRays::new(&scene.camera, [24; 2], Sampling::PixelCentres);
+        let rays: Vec<Ray<f64>> = (0..24 * 24)
+            .map(|i| {
+                let direction = eye.direction(i % 24, i / 24);
+                Ray::new(Vec3::<f64>::from_dvec3(eye.origin()), Vec3::<f64>::from_dvec3(direction))
+            })
+            .collect();
+        let entry = accel_core::structures::find("brute-force").unwrap();
+        let tracer = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
+        let mut hits = vec![Hit::NONE; rays.len()];
+        tracer.closest_hits(&rays, &mut hits);
+        let shafts: Vec<_> = pixel_shafts(&scene.camera, [24; 2], scene.bounds())
+            .into_iter()
+            .zip(hits.iter().map(|h| h.is_hit().then_some(h.id)))
+            .collect();
+        let rounds = Rounds { rounds: 2, seed: 1, primitives: scene.primitives.len() };
+        let clock = SteppingClock::new(Duration::from_millis(1));
+        let asked = |registry: &[region::Entry]| {
+            measure(registry, geometry.prims(), &shafts, rounds, &clock).unwrap()
+        };
+        let rows = asked(region::REGISTRY);
+        assert!(rows.iter().all(|r| r.missed == 0 && r.ratio.holds(1.0)), "{rows:?}");
+        let planted = [region::Entry::new(&INFO, region::build::<Loser>)];
+        assert!(asked(&planted)[0].missed > 0);
+    }
+}

@@ -1,0 +1,371 @@
+//! A comparison as tables, CSV, JSON and a plot.
+
+use std::fmt::Write as _;
+
+use accel_core::region::Work;
+use serde_json::{Value, json};
+
+use super::equal_error::AtError;
+use super::plot::{Placed, error_over_time};
+use super::queries::QueryRow;
+use super::{Measured, Row};
+use crate::accuracy::record::Standing;
+use crate::image_error::Converged;
+use measurement::record::Machine;
+use presentation::csv::{number, written};
+use presentation::format_error::FormatError;
+use presentation::markdown::push_table;
+use presentation::numbers::{milliseconds, ratio, short};
+use presentation::svg_plot::figure;
+use presentation::table::{Cell, Style, Table};
+use statistics::estimate::{Estimate, estimate};
+
+/// Columns of the CSV, in order.
+const COLUMNS: [&str; 17] = [
+    "scene",
+    "tracer",
+    "settings",
+    "samples",
+    "image_s",
+    "image_s_low",
+    "image_s_high",
+    "ratio_to_cheapest",
+    "ratio_low",
+    "ratio_high",
+    "rmse",
+    "edge_rmse",
+    "reference_error",
+    "below_reference",
+    "on_front",
+    "time_to_samples_of_equal_error",
+    "refused",
+];
+
+/// A finished comparison.
+pub struct Report {
+    /// Name of the scene.
+    pub scene: String,
+    /// Its primitives.
+    pub primitives: usize,
+    /// Width and height of the images.
+    pub resolution: [u32; 2],
+    /// What samples were traced through, and cones and beams.
+    pub through: [String; 2],
+    /// Threads that traced.
+    pub threads: usize,
+    /// Seed of everything.
+    pub seed: u64,
+    /// The command line.
+    pub command_line: Vec<String>,
+    /// What it ran on.
+    pub machine: Machine,
+    /// What images were compared with.
+    pub reference: Converged,
+    /// Samples a pixel of each of its two images.
+    pub reference_samples: u32,
+    /// The images.
+    pub rows: Vec<Row>,
+    /// The candidate queries; empty where no tracer that makes them took part.
+    pub queries: Vec<QueryRow>,
+}
+
+impl Report {
+    /// A structure did not find what it must.
+    pub fn is_failure(&self) -> bool {
+        self.queries.iter().any(|q| q.missed > 0)
+    }
+
+    fn measured(&self) -> impl Iterator<Item = (&Row, &Measured)> {
+        self.rows.iter().filter_map(|row| Some((row, row.outcome.as_ref().ok()?)))
+    }
+
+    /// Seconds of an image with their interval.
+    fn seconds(&self, m: &Measured) -> Option<Estimate> {
+        estimate(&m.seconds, self.seed)
+    }
+
+    /// Images down; time, error and what they mean across.
+    pub fn images(&self) -> Table {
+        let [w, h] = self.resolution;
+        let mut table = Table {
+            title: format!(
+                "{}: images of {w} x {h} by samples, cones and beams ({} primitives)",
+                self.scene, self.primitives
+            ),
+            header: vec![
+                "tracer",
+                "image ms",
+                "to cheapest [95%]",
+                "RMSE",
+                "edge RMSE",
+                "front",
+                "time / samples of equal error",
+                "counted",
+            ],
+            ..Table::default()
+        };
+        for row in &self.rows {
+            table.rows.push(match &row.outcome {
+                Ok(measured) => self.image_cells(row, measured),
+                Err(refusal) => {
+                    let mut cells = vec![row.label().into()];
+                    cells.extend(vec!["-".to_owned().into(); table.header.len() - 2]);
+                    let text = format!("refused: it has {}", refusal.what);
+                    cells.push(Cell { text, style: Style::Dim });
+                    cells
+                }
+            });
+        }
+        let (own_error, samples) = (self.reference.own_error, self.reference_samples);
+        table.notes.push(format!(
+            "reference: the mean of two images of {samples} samples a pixel; its own error is \
+             {}; errors below ten times that are marked <",
+            short(own_error)
+        ));
+        table.notes.push(format!(
+            "samples in f32 through {}, cones and beams in f64 through {}; {} thread(s); \
+             structures are built before; edge: pixels that differ from a neighbour by 0.05",
+            self.through[0], self.through[1], self.threads
+        ));
+        table.notes.extend(self.verdicts());
+        table
+    }
+
+    fn image_cells(&self, row: &Row, m: &Measured) -> Vec<Cell> {
+        let below = if m.is_below_reference { "<" } else { "" };
+        let counted: Vec<String> = m.counts.iter().map(|(k, n)| format!("{n} {k}")).collect();
+        let texts = [
+            row.label(),
+            milliseconds(m.median()),
+            m.ratio.map_or("-".into(), |r| ratio(&r)),
+            format!("{below}{}", short(m.error)),
+            m.edge_error.map_or("-".into(), short),
+            front(m.standing).to_owned(),
+            m.by_samples.map_or(String::new(), |at| against(m.median(), at)),
+            counted.join(", "),
+        ];
+        let style = if m.standing == Standing::OnFront { Style::Best } else { Style::Plain };
+        texts.into_iter().map(|text| Cell { text, style }).collect()
+    }
+
+    /// What the table says of cones and beams, in words.
+    fn verdicts(&self) -> Vec<String> {
+        let say = |(row, m): (&Row, &Measured)| {
+            let label = row.label();
+            Some(match m.by_samples? {
+                AtError::Reached { samples, seconds } => {
+                    let ratio = m.median() / seconds;
+                    let (times, than) =
+                        if ratio >= 1.0 { (ratio, "longer") } else { (1.0 / ratio, "less") };
+                    format!(
+                        "{label}: as near to the reference as {} samples a pixel, and took {} \
+                         times {than} than they do",
+                        short(samples),
+                        short(times)
+                    )
+                }
+                AtError::AtOnce { seconds } => format!(
+                    "{label}: no nearer to the reference than the fewest samples, and took {} \
+                     times as long",
+                    short(m.median() / seconds)
+                ),
+                AtError::Never { samples, seconds } => format!(
+                    "{label}: nearer to the reference than {samples} samples a pixel, in {} of \
+                     their time",
+                    short(m.median() / seconds)
+                ),
+            })
+        };
+        self.measured().filter_map(say).collect()
+    }
+
+    /// Structures down; what a candidate query of a pixel costs across.
+    pub fn query_table(&self) -> Option<Table> {
+        let first = self.queries.first()?;
+        let mut table = Table {
+            title: format!("{}: candidates of a pixel's beam or cone, one thread", self.scene),
+            header: vec![
+                "structure",
+                "us/query",
+                "to brute force [95%]",
+                "cells",
+                "references",
+                "hull tests",
+                "found",
+                "verdict",
+            ],
+            ..Table::default()
+        };
+        for q in &self.queries {
+            let per_query = |n: u64| short(n as f64 / q.work.shafts.max(1) as f64);
+            let (verdict, style) = match q.missed {
+                0 => ("ok".to_owned(), Style::Plain),
+                n => (format!("wrong: {n} queries miss what their ray hits"), Style::Bad),
+            };
+            let times = match q.missed {
+                0 => [short(q.microseconds.median), ratio(&q.ratio)],
+                _ => ["-".into(), "-".into()],
+            };
+            let mut texts = vec![q.structure.to_owned()];
+            texts.extend(times);
+            let Work { cells, references, tests, found, .. } = q.work;
+            texts.extend([cells, references, tests, found].map(per_query));
+            texts.push(verdict);
+            table.rows.push(texts.into_iter().map(|text| Cell { text, style }).collect());
+        }
+        table.notes.push(format!(
+            "{} queries a round, rounds interleaved; counts are means a query",
+            first.queries
+        ));
+        Some(table)
+    }
+
+    /// Both tables in Markdown.
+    pub fn to_markdown(&self) -> String {
+        let mut text = String::new();
+        let _ = writeln!(text, "# rtbench compare-tracers\n");
+        let _ = writeln!(text, "- command: `{}`\n", self.command_line.join(" "));
+        push_table(&mut text, &self.images());
+        if let Some(table) = self.query_table() {
+            push_table(&mut text, &table);
+        }
+        text
+    }
+
+    /// One row an image.
+    ///
+    /// # Errors
+    /// [`FormatError`].
+    pub fn to_csv(&self) -> Result<String, FormatError> {
+        written(|writer| {
+            writer.write_record(COLUMNS)?;
+            for row in &self.rows {
+                writer.write_record(self.fields(row))?;
+            }
+            Ok(())
+        })
+    }
+
+    fn fields(&self, row: &Row) -> Vec<String> {
+        let samples = row.samples.map(|n| n.to_string()).unwrap_or_default();
+        let mut fields =
+            vec![self.scene.clone(), row.tracer.to_owned(), row.settings.clone(), samples];
+        match &row.outcome {
+            Ok(m) => {
+                for e in [self.seconds(m), m.ratio] {
+                    fields.extend(
+                        [e.map(|e| e.median), e.map(|e| e.low), e.map(|e| e.high)].map(number),
+                    );
+                }
+                fields.extend(
+                    [Some(m.error), m.edge_error, Some(self.reference.own_error)].map(number),
+                );
+                let is_on_front = m.standing == Standing::OnFront;
+                fields.extend([m.is_below_reference, is_on_front].map(|b| b.to_string()));
+                let equal = match m.by_samples {
+                    Some(AtError::Reached { seconds, .. }) => Some(m.median() / seconds),
+                    _ => None,
+                };
+                fields.push(number(equal));
+                fields.push(String::new());
+            }
+            Err(refusal) => {
+                fields.resize(COLUMNS.len() - 1, String::new());
+                fields.push(refusal.to_string());
+            }
+        }
+        fields
+    }
+
+    /// Everything but the images, raw samples too.
+    ///
+    /// # Errors
+    /// [`FormatError`].
+    pub fn to_json(&self) -> Result<String, FormatError> {
+        let rows: Vec<Value> = self
+            .rows
+            .iter()
+            .map(|row| {
+                let name = json!({
+                    "tracer": row.tracer, "settings": row.settings, "samples": row.samples,
+                });
+                let outcome = match &row.outcome {
+                    Ok(m) => json!({
+                        "seconds": m.seconds, "rmse": m.error, "edge_rmse": m.edge_error,
+                        "below_reference": m.is_below_reference, "standing": m.standing,
+                        "counts": m.counts,
+                    }),
+                    Err(refusal) => json!({ "refused": refusal.to_string() }),
+                };
+                json!({ "row": name, "outcome": outcome })
+            })
+            .collect();
+        let queries: Vec<Value> = self
+            .queries
+            .iter()
+            .map(|q| {
+                json!({
+                    "structure": q.structure, "queries": q.queries,
+                    "microseconds": q.microseconds, "ratio_to_brute_force": q.ratio,
+                    "cells": q.work.cells, "references": q.work.references,
+                    "hull_tests": q.work.tests, "found": q.work.found, "missed": q.missed,
+                })
+            })
+            .collect();
+        let all = json!({
+            "command_line": self.command_line,
+            "machine": self.machine,
+            "scene": self.scene,
+            "primitives": self.primitives,
+            "resolution": self.resolution,
+            "through": self.through,
+            "threads": self.threads,
+            "seed": self.seed,
+            "reference": {
+                "samples": self.reference_samples, "own_error": self.reference.own_error,
+            },
+            "images": rows,
+            "queries": queries,
+        });
+        serde_json::to_string_pretty(&all)
+            .map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+    }
+
+    /// Error over time, both logarithmic.
+    pub fn to_svg(&self) -> String {
+        let images = self.measured().filter_map(|(row, m)| {
+            Some(Placed {
+                seconds: self.seconds(m)?.median,
+                error: m.error,
+                samples: row.samples,
+                label: row.label(),
+                standing: m.standing,
+            })
+        });
+        let own_error = self.reference.own_error;
+        let images = images.collect();
+        figure(&[error_over_time(&self.scene, self.resolution, self.threads, own_error, images)])
+    }
+}
+
+/// Whether anything beats a row: `*` where nothing does, `~` where it is not told apart.
+fn front(standing: Standing) -> &'static str {
+    match standing {
+        Standing::OnFront => "*",
+        Standing::NotToldApart => "~",
+        Standing::Dominated => "",
+    }
+}
+
+/// The time over that of samples with the same error.
+fn against(seconds: f64, at: AtError) -> String {
+    match at {
+        AtError::Reached { samples, seconds: theirs } => {
+            format!("{} ({} samples)", short(seconds / theirs), short(samples))
+        }
+        AtError::AtOnce { seconds: theirs } => format!("{} (fewest)", short(seconds / theirs)),
+        AtError::Never { samples, seconds: theirs } => {
+            format!("under {} (over {samples} samples)", short(seconds / theirs))
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Rays along planes on which the cells of nested grids end, a little askew.
+//!
+//! Blocks and checkerboards of unit cubes: a grid over them, and the grids within its cells, have
+//! planes where the cubes have faces. A ray runs along one axis; its other two coordinates are whole
+//! numbers, and its direction leaves those planes by 10^-45 to 10^-3, or not at all. Rounding may
+//! then put it on either side of a plane, and a parent and its child may disagree.
+
+use accel_core::primitives::PrimitiveError;
+use accel_core::structures::Buildable;
+use glam::{DVec3, dvec3};
+
+use crate::case;
+use crate::verify::draw::{one_of, signed, unit};
+use crate::verify::meshes::{Cubes, cube};
+use crate::verify::model::Model;
+use crate::verify::registry::Case;
+use crate::verify::round::{Expected, Near, Round, ray};
+use statistics::random::Random;
+
+/// Reports from elsewhere and `recursive-grid`: HARD_CASES, planes of nested cells.
+pub const GR12: Case = case!(
+    "Gr12",
+    "whole numbers",
+    nested_planes,
+    "rays 10^-45 to 10^-3 off the planes of nested cells, in blocks of unit cubes",
+    5,
+    &[]
+);
+
+/// Cubes along a side of the largest checkerboard, and of the largest block: of that only the
+/// outside is ever hit.
+const MOST_CUBES: [f64; 2] = [24.0, 12.0];
+
+/// What rounding can do to the place of a ray, in epsilons of the distance to the farthest corner.
+const ROUNDING: f64 = 64.0;
+
+fn nested_planes<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
+    let is_solid = random.below(4) == 0;
+    let most = if is_solid { MOST_CUBES[1] } else { MOST_CUBES[0] };
+    // small ones more often: large ones take long to build
+    let part = unit(random).powf(1.5);
+    let cubes = Cubes { side: 2 + ((most - 1.0) * part) as i32, is_solid };
+    let triangles: Vec<_> = cubes.all().flat_map(cube).collect();
+    let mut round = Round::new(Model::triangles(&triangles)?);
+    let columns = Columns::new(cubes);
+    let mut near = Near { lists: columns.lists(), of: Vec::new() };
+    for _ in 0..rays {
+        let aim = Aim::draw(random, cubes.side);
+        let reach = f64::from(cubes.side) + aim.outside;
+        let tolerance = ROUNDING * S::EPSILON.to_f64() * reach;
+        round.push(ray(aim.origin(cubes.side), aim.direction()), aim.expected(&cubes, tolerance));
+        near.of.push(columns.list_of(aim.axis, aim.at));
+    }
+    round.near = Some(near);
+    Ok(round)
+}
+
+/// A ray along an axis.
+struct Aim {
+    axis: usize,
+    /// 1: towards rising coordinates; -1.
+    sign: f64,
+    /// How far from the cubes it starts.
+    outside: f64,
+    /// Its coordinates on the next axis, and on the one after.
+    at: [i32; 2],
+    /// What its direction has there.
+    off: [f64; 2],
+}
+
+impl Aim {
+    fn draw(random: &mut Random, side: i32) -> Self {
+        let mut at = || random.below(side as usize + 1) as i32;
+        let at = [at(), at()];
+        // f32 holds it, and the origin stays near (8 times the largest coordinate)
+        let outside = (3.0 + 10.0 * unit(random)) as f32;
+        Self {
+            axis: random.below(3),
+            sign: one_of(random, &[1.0, -1.0]),
+            outside: f64::from(outside),
+            at,
+            off: off_planes(random),
+        }
+    }
+
+    fn placed(&self, along: f64, [next, last]: [f64; 2]) -> DVec3 {
+        match self.axis {
+            0 => dvec3(along, next, last),
+            1 => dvec3(last, along, next),
+            _ => dvec3(next, last, along),
+        }
+    }
+
+    fn origin(&self, side: i32) -> DVec3 {
+        let start = if self.sign > 0.0 { 0.0 } else { f64::from(side) };
+        self.placed(start - self.sign * self.outside, self.at.map(f64::from))
+    }
+
+    fn direction(&self) -> DVec3 {
+        self.placed(self.sign, self.off)
+    }
+
+    /// The first cube of the columns in which the ray lies, on their faces included; but it may
+    /// meet one earlier in a column that it passes within the rounding.
+    fn expected(&self, cubes: &Cubes, tolerance: f64) -> Expected {
+        let side = cubes.side;
+        let (mut lies, mut touches) = (f64::INFINITY, f64::INFINITY);
+        for next in [self.at[0] - 1, self.at[0]] {
+            for last in [self.at[1] - 1, self.at[1]] {
+                let Some(depth) = (0..side).find(|&depth| {
+                    let along = if self.sign > 0.0 { depth } else { side - 1 - depth };
+                    cubes.has(self.cube([along, next, last]))
+                }) else {
+                    continue;
+                };
+                let t = self.outside + f64::from(depth);
+                let sides = [next < self.at[0], last < self.at[1]];
+                let beside = |k: usize| {
+                    let is_there = if sides[k] { self.off[k] <= 0.0 } else { self.off[k] >= 0.0 };
+                    if is_there { 0.0 } else { self.off[k].abs() * t }
+                };
+                let away = beside(0).max(beside(1));
+                if away == 0.0 {
+                    lies = lies.min(t);
+                }
+                // it is in that column's neighbour, and closest to it at the end it starts from
+                if away < tolerance {
+                    touches = touches.min(t);
+                }
+            }
+        }
+        let slack = 4.0 * tolerance / ROUNDING;
+        if lies.is_finite() {
+            Expected::Hit { id: None, t: [touches - slack, lies + slack] }
+        } else if touches.is_finite() {
+            Expected::Anything
+        } else {
+            Expected::Miss
+        }
+    }
+
+    fn cube(&self, [along, next, last]: [i32; 3]) -> [i32; 3] {
+        match self.axis {
+            0 => [along, next, last],
+            1 => [last, along, next],
+            _ => [next, last, along],
+        }
+    }
+}
+
+/// What a direction has on the other two axes: of one size or of two, of either sign.
+fn off_planes(random: &mut Random) -> [f64; 2] {
+    let next = off_plane(random);
+    let last = if random.below(2) == 0 { next } else { off_plane(random) };
+    [next, last].map(|size| f64::copysign(size, signed(random)))
+}
+
+/// How far a direction leaves a plane; f32 holds it.
+fn off_plane(random: &mut Random) -> f64 {
+    // the least of f32, where less would become nothing
+    let least = f64::from(f32::from_bits(1));
+    let size: f64 = match random.below(8) {
+        0 => 0.0,
+        // the cosine of a quarter turn, in f64 and in f32
+        1 => one_of(random, &[6.123e-17, 4.371e-8]),
+        _ => 10.0_f64.powf(-45.0 + 42.0 * unit(random)).max(least),
+    };
+    f64::from(size as f32)
+}
+
+/// The triangles of the cubes by columns along each axis.
+struct Columns {
+    side: usize,
+    /// Ids by axis, next and last axis.
+    ids: Vec<Vec<u32>>,
+}
+
+impl Columns {
+    fn new(cubes: Cubes) -> Self {
+        let side = cubes.side as usize;
+        let mut this = Self { side, ids: vec![Vec::new(); 3 * side * side] };
+        for (number, at) in (0_u32..).zip(cubes.all()) {
+            for axis in 0..3 {
+                let [next, last] = [(axis + 1) % 3, (axis + 2) % 3].map(|k| at[k] as usize);
+                if let Some(ids) = this.ids.get_mut((axis * side + next) * side + last) {
+                    ids.extend(number * 12..(number + 1) * 12);
+                }
+            }
+        }
+        this
+    }
+
+    /// For each line of whole coordinates the ids of the four columns around it: all that a ray
+    /// can meet that leaves the line by less than a cube.
+    fn lists(&self) -> Vec<Vec<u32>> {
+        let lines = self.side + 1;
+        let line = |i: usize| (i / (lines * lines), [i / lines % lines, i % lines]);
+        let around = |(axis, [next, last]): (usize, [usize; 2])| {
+            let mut ids = Vec::new();
+            for next in next.saturating_sub(1)..=next.min(self.side - 1) {
+                for last in last.saturating_sub(1)..=last.min(self.side - 1) {
+                    let column = self.ids.get((axis * self.side + next) * self.side + last);
+                    ids.extend(column.into_iter().flatten());
+                }
+            }
+            ids.sort_unstable();
+            ids
+        };
+        (0..3 * lines * lines).map(|i| around(line(i))).collect()
+    }
+
+    fn list_of(&self, axis: usize, at: [i32; 2]) -> usize {
+        let lines = self.side + 1;
+        (axis * lines + at[0] as usize) * lines + at[1] as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::subject::with_brute_force;
+    use accel_core::Hit;
+
+    #[test]
+    fn the_four_columns_are_all_that_a_ray_can_meet() {
+        for seed in 0..6 {
+            let random = &mut Random::new(seed, "columns");
+            let round = nested_planes::<f32>(random, 60).unwrap();
+            let all = Round {
+                near: None,
+                ..nested_planes::<f32>(&mut Random::new(seed, "columns"), 60).unwrap()
+            };
+            let mut hits = vec![Hit::NONE; round.rays.len()];
+            with_brute_force(all.model.prims(), |t| t.closest_hits(&all.rays, &mut hits)).unwrap();
+            let near = crate::verify::judge::closest_near(&round);
+            assert_eq!(near, hits, "{seed}");
+            assert!(hits.iter().filter(|h| h.is_hit()).count() > 20);
+        }
+    }
+}

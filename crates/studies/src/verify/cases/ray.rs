@@ -1,0 +1,194 @@
+//! Awkward rays.
+
+use accel_core::primitives::PrimitiveError;
+use accel_core::structures::Buildable;
+use accel_core::{Ray, Vector};
+use glam::{DVec3, dvec3};
+
+use super::{
+    extreme_components, intervals, lattice_point, lattice_round, lattice_soup, point_within,
+    sign_direction, soup_round, toward,
+};
+use crate::case;
+use crate::verify::draw::{direction, one_of, signed, unit, whole};
+use crate::verify::meshes::{sheet, soup};
+use crate::verify::model::Model;
+use crate::verify::registry::{Case, Group};
+use crate::verify::round::{Expected, Round, ray};
+use crate::verify::twin::{Original, Same, Twin};
+use statistics::random::Random;
+
+/// The group.
+pub static GROUP: Group = Group {
+    name: "ray",
+    cases: &[R1, R2, R3, R4, R5, R6, R7, intervals::R8, extreme_components::R9],
+};
+
+const R1: Case = case!("R1", "exact, mirrored", signs, "directions of -1, -0, 0 and 1");
+const R2: Case =
+    case!("R2", "closed form", tiny_components, "a component of 1e-45 to 1e-7, a small far target");
+const R3: Case = case!("R3", "scaled", scaled_directions, "directions times 2^-60 to 2^60");
+const R4: Case =
+    case!("R4", "must miss", meaningless, "zero, infinite or NaN rays, empty intervals");
+const R5: Case =
+    case!("R5", "exact", interval_ends, "t_min or t_max at the hit, and an ulp beside it");
+const R6: Case = case!("R6", "exact", far_origins, "origins 10^7 scene sizes away");
+const R7: Case = case!(
+    "R7",
+    "exact, mirrored",
+    on_the_box,
+    "origins on faces, edges and corners of the scene's box"
+);
+
+fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let triangles = lattice_soup(random, 60);
+    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
+        let d = sign_direction(random);
+        (lattice_point(random) - d * whole(random, 20).abs(), d)
+    })?;
+    let other_zeros = |r: &Ray<S>| {
+        let d = r.direction.to_dvec3();
+        let flipped = DVec3::from_array(d.to_array().map(|x| if x == 0.0 { -x } else { x }));
+        ray(r.origin.to_dvec3(), flipped)
+    };
+    let twin = Twin {
+        name: "zeros of the other sign".into(),
+        same: Same::Bits,
+        model: Model::triangles(&triangles)?,
+        rays: round.rays.iter().map(other_zeros).collect(),
+        factor: 1.0,
+        ids: Vec::new(),
+    };
+    let mirrored =
+        Original { triangles: &triangles, rays: &round.rays }.mirrored(random.below(8) as u8);
+    round.twins.push(twin);
+    round.twins.extend(mirrored);
+    Ok(round)
+}
+
+fn tiny_components<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
+    const HALF: f64 = 1e-4;
+    const FAR: f64 = 1e3;
+    let [a, b] = [-HALF, HALF];
+    let corner = |y: f64, z: f64| dvec3(0.0, y, z);
+    let square =
+        [[corner(a, a), corner(b, a), corner(b, b)], [corner(a, a), corner(b, b), corner(a, b)]];
+    let mut round = Round::new(Model::triangles(&square)?);
+    for _ in 0..rays {
+        let tiny = one_of(random, &[1e-45, 1e-38, 1e-20, 1e-7, f64::from(f32::EPSILON)]);
+        let (dy, dz) = (one_of(random, &[tiny, -tiny]), one_of(random, &[tiny, -tiny, 0.0, -0.0]));
+        let sign = one_of(random, &[1.0, -1.0]);
+        let (y, z) = (signed(random) * 2.0 * HALF, signed(random) * 2.0 * HALF);
+        let reached = (y + FAR * dy).abs().max((z + FAR * dz).abs());
+        let expected = match reached / HALF {
+            x if x < 0.99 => Expected::hit_at(FAR, FAR * 1e-6),
+            x if x > 1.01 => Expected::Miss,
+            _ => Expected::Anything,
+        };
+        round.push(ray(dvec3(-sign * FAR, y, z), dvec3(sign, dy, dz)), expected);
+    }
+    Ok(round)
+}
+
+fn scaled_directions<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
+    let triangles = soup(random, 100, 0.3);
+    let mut round: Round<S> = soup_round(random, rays, &triangles, |random| {
+        let target = point_within(random, &triangles);
+        toward(random, target, 2.0)
+    })?;
+    let original = Original { triangles: &triangles, rays: &round.rays };
+    let exponents = [one_of(random, &[-60, -37, -10]), one_of(random, &[-1, 3, 20]), 60];
+    let twins: Vec<_> =
+        exponents.into_iter().filter_map(|e| original.with_direction_scaled(e)).collect();
+    round.twins = twins;
+    Ok(round)
+}
+
+fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let triangles = soup(random, 100, 0.3);
+    let mut round = Round::new(Model::triangles(&triangles)?);
+    for i in 0..rays {
+        let target = point_within(random, &triangles);
+        let (origin, along) = toward(random, target, 2.0);
+        let mut bad: Ray<S> = ray(origin, along);
+        let strange = one_of(random, &[f64::NAN, f64::INFINITY, f64::NEG_INFINITY]);
+        let spoiled = |p: DVec3, k: usize| {
+            let mut p = p.to_array();
+            p.iter_mut().skip(k).take(1).for_each(|x| *x = strange);
+            DVec3::from_array(p)
+        };
+        match i % 6 {
+            0 => bad = ray(spoiled(origin, random.below(3)), along),
+            1 => bad = ray(origin, spoiled(along, random.below(3))),
+            2 => bad = ray(origin, DVec3::splat(one_of(random, &[0.0, -0.0]))),
+            3 => bad.t_min = S::from_f64(f64::NAN),
+            4 => bad.t_max = S::from_f64(f64::NAN),
+            _ => (bad.t_min, bad.t_max) = (S::ONE, S::from_f64(unit(random) * 0.99)),
+        }
+        round.push(bad, Expected::Miss);
+    }
+    Ok(round)
+}
+
+fn interval_ends<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
+    let triangles = sheet(12, |_, _| 0.0);
+    let mut round = Round::new(Model::triangles(&triangles)?);
+    for _ in 0..rays {
+        // eighths: all products and sums of the test are exact, and so is t
+        let mut eighths = |below: usize| random.below(below) as f64 / 8.0;
+        let (x, y, height) = (eighths(97), eighths(97), 0.125 + eighths(64));
+        let down = one_of(random, &[1.0, -1.0]);
+        let mut ray: Ray<S> = ray(dvec3(x, y, height * down), dvec3(0.0, 0.0, -down));
+        let t = S::from_f64(height);
+        let (t_min, t_max, is_hit) = match random.below(6) {
+            0 => (t, S::INFINITY, true),
+            1 => (t.next_up(), S::INFINITY, false),
+            2 => (t.next_down(), S::INFINITY, true),
+            3 => (S::ZERO, t, true),
+            4 => (S::ZERO, t.next_down(), false),
+            _ => (t, t, true),
+        };
+        (ray.t_min, ray.t_max) = (t_min, t_max);
+        let hit = Expected::Hit { id: None, t: [height, height] };
+        round.push(ray, if is_hit { hit } else { Expected::Miss });
+    }
+    Ok(round)
+}
+
+fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let triangles = soup(random, 60, 1.0);
+    soup_round(random, rays, &triangles, |random| {
+        let target = point_within(random, &triangles);
+        let from = direction(random) * one_of(random, &[1e4, 1e6, 1e7]) * 3.5;
+        (target + from, -from)
+    })
+}
+
+fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let side = f64::from(super::LATTICE);
+    let mut triangles = lattice_soup(random, 60);
+    // the scene's box is that of the lattice
+    triangles.push([DVec3::ZERO, dvec3(side, 0.0, 0.0), dvec3(0.0, side, side)]);
+    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
+        let mut origin = lattice_point(random).to_array();
+        for _ in 0..=random.below(3) {
+            let end = one_of(random, &[0.0, side]);
+            let axis = random.below(3);
+            origin.iter_mut().skip(axis).take(1).for_each(|x| *x = end);
+        }
+        (DVec3::from_array(origin), sign_direction(random))
+    })?;
+    let original = Original { triangles: &triangles, rays: &round.rays };
+    let twin = original.mirrored(random.below(8) as u8);
+    round.twins.extend(twin);
+    Ok(round)
+}

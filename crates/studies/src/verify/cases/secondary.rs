@@ -1,0 +1,338 @@
+//! Rays that leave surfaces: they must neither hit what they leave nor miss what stands close.
+//!
+//! The rays are made as the renderer makes them, from hits that brute force found.
+
+use accel_core::primitives::PrimitiveError;
+use accel_core::structures::Buildable;
+use accel_core::{Hit, Ray, Vector};
+use glam::{DVec3, dvec3};
+use renderer::Geometry;
+use renderer::leaving::{Leaving, OffsetRule};
+use renderer::surface::{SurfacePoint, Surfaces};
+use scene_loading::{Cone, Material, Scene};
+
+use super::shells;
+use crate::case;
+use crate::verify::draw::{direction, one_of, point, unit};
+use crate::verify::meshes::icosphere;
+use crate::verify::model::Model;
+use crate::verify::registry::{Case, Group};
+use crate::verify::round::{Expected, Round, ray};
+use crate::verify::subject::with_brute_force;
+use statistics::random::Random;
+
+/// The group.
+pub static GROUP: Group =
+    Group { name: "secondary", cases: &[S1, S2, S3, S3_BALL, S4, shells::S7] };
+
+const S1: Case = case!(
+    "S1",
+    "convexity",
+    leaving_a_shape,
+    "rays that leave a convex shape of a size of 10^-8 to 10^8"
+);
+const S2: Case = case!(
+    "S2",
+    "convexity",
+    leaving_far_away,
+    "rays that leave a ball or a mesh up to 10^6 of its sizes from the origin"
+);
+const S3: Case =
+    case!("S3", "closed form", between_planes, "shadow rays through a gap of 10^-3, none may leak");
+const S3_BALL: Case =
+    case!("S3ball", "closed form", under_a_ball, "shadow rays where a ball touches its plane");
+const S4: Case =
+    case!("S4", "closed form", to_a_light_on_a_surface, "shadow rays to a light on a triangle");
+
+/// Rays that leave one hit point.
+const A_HIT: usize = 20;
+
+/// The cases as `verify` asks them: under the default rule.
+macro_rules! by_default {
+    ($($name:ident as $under:ident),*) => {$(
+        fn $name<S: Buildable>(
+            random: &mut Random,
+            rays: usize,
+        ) -> Result<Round<S>, PrimitiveError> {
+            $under(random, rays, OffsetRule::default())
+        }
+    )*};
+}
+
+by_default!(
+    leaving_a_shape as leaving_a_shape_under,
+    leaving_far_away as leaving_far_away_under,
+    between_planes as between_planes_under,
+    under_a_ball as under_a_ball_under,
+    to_a_light_on_a_surface as to_a_light_on_a_surface_under
+);
+
+/// Draws a round whose rays leave surfaces under a rule.
+pub type Draw<S> = fn(&mut Random, usize, OffsetRule) -> Result<Round<S>, PrimitiveError>;
+
+/// The cases by name, under a rule of choice: with none, rays hit what they leave. Each draws the
+/// same scenes and the same number of rays for each rule.
+pub fn draws<S: Buildable>() -> [(&'static str, Draw<S>); 5] {
+    [
+        ("S1", leaving_a_shape_under),
+        ("S2", leaving_far_away_under),
+        ("S3", between_planes_under),
+        ("S3ball", under_a_ball_under),
+        ("S4", to_a_light_on_a_surface_under),
+    ]
+}
+
+fn leaving_a_shape_under<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> Result<Round<S>, PrimitiveError> {
+    let size = 10.0_f64.powf(unit(random) * 16.0 - 8.0);
+    let at = point(random) * size * one_of(random, &[0.0, 1.0, 10.0, 1000.0]);
+    let mut scene = Scene::new("a shape");
+    let material = scene.push_material(Material::default());
+    match random.below(4) {
+        0 => {
+            let [a, b] = [(); 2].map(|()| at + point(random) * size);
+            // up to 10^4 times as long as wide
+            let thin = 10.0_f64.powf(unit(random) * -4.0);
+            let c = a + (b - a) * unit(random) + point(random) * size * thin;
+            scene.push_triangle(material, [a, b, c]);
+        }
+        1 => scene.push_sphere(material, at, size * (0.3 + unit(random))),
+        2 => {
+            let cone = Cone {
+                base: at + point(random) * size,
+                base_radius: unit(random) * size,
+                apex: at + point(random) * size,
+                apex_radius: unit(random) * size,
+            };
+            scene.push_cone(material, cone);
+        }
+        _ => {
+            let (u, v) = (point(random) * size, point(random) * size);
+            let corners = [at, at + u, at + u + v, at + u * 0.4 + v * 1.1, at + v];
+            scene.push_polygon(material, &corners);
+        }
+    }
+    leaving(random, rays, &scene, at, size, rule)
+}
+
+fn leaving_far_away_under<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> Result<Round<S>, PrimitiveError> {
+    let size: f64 = one_of(random, &[1e-3, 1.0, 1e3]);
+    let away = one_of(random, &[0.0, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6]);
+    let at = direction(random) * size * away;
+    let mut scene = Scene::new("far away");
+    let material = scene.push_material(Material::default());
+    if random.below(2) == 0 {
+        scene.push_sphere(material, at, size);
+    } else {
+        for [a, b, c] in icosphere(1, DVec3::ZERO) {
+            scene.push_triangle(material, [a, b, c].map(|p| at + p * size));
+        }
+    }
+    leaving(random, rays, &scene, at, size, rule)
+}
+
+/// Rays to the outside of a convex scene about `at`: they meet nothing.
+fn leaving<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    scene: &Scene,
+    at: DVec3,
+    size: f64,
+    rule: OffsetRule,
+) -> Result<Round<S>, PrimitiveError> {
+    let aimed: Vec<Ray<S>> = (0..rays.div_ceil(A_HIT))
+        .map(|_| {
+            let from = at + direction(random) * size * 4.0;
+            ray(from, at + point(random) * size * 0.5 - from)
+        })
+        .collect();
+    let leaving = Leaving::new(rule, size);
+    from_hits(scene, &aimed, |point, incoming, round| {
+        let facing = point.foot.normal;
+        let outward = if facing.dot(incoming) > 0.0 { -facing } else { facing };
+        for turn in 0..A_HIT {
+            let any = direction(random);
+            let along = if turn % 2 == 0 {
+                if any.dot(outward) < 0.0 { -any } else { any }
+            } else {
+                // grazing, down to an angle of 10^-12
+                let graze = 10.0_f64.powf(unit(random) * -12.0);
+                (any - outward * any.dot(outward)).normalize_or(outward) + outward * graze
+            };
+            round.push(leaving.along(point, along), Expected::Miss);
+        }
+    })
+}
+
+/// A plane, another just above it, a light above both: all of the lower one is dark.
+fn between_planes_under<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> Result<Round<S>, PrimitiveError> {
+    const GAP: f64 = 1e-3;
+    let half: f64 = one_of(random, &[1.0, 10.0, 100.0]);
+    let turn = one_of(random, &[0, 1, 2]);
+    let turned = |p: DVec3| match turn {
+        0 => p,
+        1 => dvec3(p.y, p.z, p.x),
+        _ => dvec3(p.z, p.x, p.y),
+    };
+    let mut scene = Scene::new("two planes");
+    let material = scene.push_material(Material::default());
+    for (height, reach) in [(0.0, half), (GAP, half * 2.0)] {
+        let corner = |x: f64, z: f64| turned(dvec3(x * reach, height, z * reach));
+        let [a, b, c, d] = [corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)];
+        scene.push_triangle(material, [a, b, c]);
+        scene.push_triangle(material, [a, c, d]);
+    }
+    let light = turned(dvec3(0.1, 1.0, -0.2) * half);
+    // from within the gap, down to the lower plane
+    let aimed: Vec<Ray<S>> = (0..rays)
+        .map(|_| {
+            let target = dvec3(point(random).x * half, 0.0, point(random).z * half);
+            let from = target + dvec3(point(random).x * GAP, GAP * 0.5, point(random).z * GAP);
+            ray(turned(from), turned(target - from))
+        })
+        .collect();
+    let leaving = Leaving::new(rule, half * 2.0);
+    from_hits(&scene, &aimed, |point, _, round| {
+        // only from the lower plane, whichever of the two the rounded ray has met
+        if turned_back(turn, point.position).y.abs() <= GAP * 0.25 {
+            let ray = leaving.to(point, light);
+            round.push(ray, Expected::Hit { id: None, t: [0.0, ray.t_max.to_f64()] });
+        }
+    })
+}
+
+fn turned_back(turn: usize, p: DVec3) -> DVec3 {
+    match turn {
+        0 => p,
+        1 => dvec3(p.z, p.x, p.y),
+        _ => dvec3(p.y, p.z, p.x),
+    }
+}
+
+/// A ball on a plane: whether the ball is in the way of the light follows from its distance to
+/// the ray.
+fn under_a_ball_under<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> Result<Round<S>, PrimitiveError> {
+    let radius: f64 = one_of(random, &[0.01, 1.0, 100.0]);
+    let mut scene = Scene::new("a ball on a plane");
+    let material = scene.push_material(Material::default());
+    let far = radius * 8.0;
+    let [a, b, c] =
+        [dvec3(-far, 0.0, -far), dvec3(far * 3.0, 0.0, -far), dvec3(-far, 0.0, far * 3.0)];
+    scene.push_triangle(material, [a, b, c]);
+    let center = dvec3(0.0, radius, 0.0);
+    scene.push_sphere(material, center, radius);
+    let light = dvec3(3.0, 9.0, 1.0) * radius;
+    // ever closer to where the ball touches
+    let aimed: Vec<Ray<S>> = (0..rays)
+        .map(|_| {
+            let near = 10.0_f64.powf(unit(random) * -5.0) * radius * 2.0;
+            let target = direction(random) * near;
+            let from = dvec3(target.x * 2.0, -radius, target.z * 2.0);
+            // from below: the ball does not hide its own foot
+            ray(from, target.with_y(0.0) - from)
+        })
+        .collect();
+    let leaving = Leaving::new(rule, far);
+    from_hits(&scene, &aimed, |point, _, round| {
+        let ray: Ray<S> = leaving.to(point, light);
+        let from = point.foot.position;
+        let way = (light - from).normalize();
+        let to_center = center - from;
+        let passing = (to_center - way * to_center.dot(way)).length();
+        let clear = S::EPSILON.to_f64() * 64.0 * far;
+        round.push(ray, expected_behind(passing, radius, clear, ray.t_max.to_f64()));
+    })
+}
+
+/// A ray that passes the centre of a ball of `radius` at a distance.
+fn expected_behind(passing: f64, radius: f64, clear: f64, t_max: f64) -> Expected {
+    if passing < radius - clear {
+        Expected::Hit { id: Some(1), t: [0.0, t_max] }
+    } else if passing > radius + clear {
+        Expected::Miss
+    } else {
+        Expected::Anything
+    }
+}
+
+/// From the floor to a light that stands on the ceiling: the ceiling does not hide it.
+fn to_a_light_on_a_surface_under<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> Result<Round<S>, PrimitiveError> {
+    let size: f64 = one_of(random, &[1e-6, 1.0, 1e6]);
+    let at = point(random) * size * one_of(random, &[0.0, 1.0, 100.0]);
+    let mut scene = Scene::new("a light on a ceiling");
+    let material = scene.push_material(Material::default());
+    let floor = [(); 3].map(|()| point(random).with_y(0.0) * 2.0);
+    // no sliver: where a ray meets one is uncertain by more than the margin at a target
+    let ceiling = [dvec3(-1.0, 1.0, -1.0), dvec3(1.2, 1.0, -0.8), dvec3(0.1, 1.0, 1.0)]
+        .map(|corner| corner + point(random) * 0.2);
+    let [a, b, c] = ceiling;
+    let light = at + (a * 0.3 + b * 0.4 + c * 0.3) * size;
+    for corners in [floor, ceiling] {
+        scene.push_triangle(material, corners.map(|p| at + p * size));
+    }
+    let aimed: Vec<Ray<S>> = (0..rays)
+        .map(|_| {
+            let [a, b, c] = floor;
+            let (u, v) = (unit(random) * 0.5, unit(random) * 0.5);
+            let target = a + (b - a) * u + (c - a) * v;
+            let from = target + dvec3(point(random).x, 0.5, point(random).z) * 0.3;
+            ray(at + from * size, (target - from) * size)
+        })
+        .collect();
+    let leaving = Leaving::new(rule, size);
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    from_hits(&scene, &aimed, |point, _, round| {
+        // the ceiling slants: what rounding does grows as a ray grazes it
+        let ray: Ray<S> = leaving.to(point, light);
+        let steep = ray.direction.to_dvec3().dot(normal).abs();
+        let expected = if steep > 0.1 { Expected::Miss } else { Expected::Anything };
+        round.push(ray, expected);
+    })
+}
+
+/// A round of what `leave` makes of the points that brute force finds with `aimed`, as the renderer
+/// sees them, and of the directions that hit them.
+pub(super) fn from_hits<S: Buildable>(
+    scene: &Scene,
+    aimed: &[Ray<S>],
+    mut leave: impl FnMut(&SurfacePoint<'_>, DVec3, &mut Round<S>),
+) -> Result<Round<S>, PrimitiveError> {
+    let mut round = Round::new(model_of(scene)?);
+    let surfaces = Surfaces::new(scene, false);
+    let mut hits = vec![Hit::NONE; aimed.len()];
+    // without brute force there is no hit and so no ray: the case would have no trials
+    let _ = with_brute_force(round.model.prims(), |tracer| tracer.closest_hits(aimed, &mut hits));
+    for (ray, hit) in aimed.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
+        let along = ray.direction.to_dvec3();
+        let position = ray.origin.to_dvec3() + along * hit.t.to_f64();
+        leave(&surfaces.at(hit.id, position), along, &mut round);
+    }
+    Ok(round)
+}
+
+/// The scene's primitives.
+fn model_of<S: Buildable>(scene: &Scene) -> Result<Model<S>, PrimitiveError> {
+    Ok(match Geometry::<S>::of(scene).map_err(|e| e.source)? {
+        Geometry::Triangles(set) => Model::Triangles(set),
+        Geometry::Mixed(set) => Model::Mixed(set),
+    })
+}

@@ -1,0 +1,113 @@
+//! Nested shells: balls of radius 1 and 1 + k ulps, and rays between them.
+//!
+//! Rays from outside pass all shells twice each: in chains every surface must be met once, none
+//! skipped and none met again. Rays that leave one shell as the renderer leaves it must meet the next
+//! one, unless the gap is so narrow that the offset itself bridges it.
+
+use accel_core::primitives::PrimitiveError;
+use accel_core::structures::Buildable;
+use accel_core::{Hit, Ray, Scalar};
+use glam::DVec3;
+use renderer::leaving::{Leaving, OffsetRule};
+use scene_loading::{Material, Scene};
+
+use super::secondary::from_hits;
+use crate::case;
+use crate::verify::draw::{direction, single, unit};
+use crate::verify::every_hit::{every_hit, push_chain};
+use crate::verify::registry::Case;
+use crate::verify::round::{Expected, Round, ray};
+use statistics::random::Random;
+
+/// Reports from elsewhere: shells of radius 1 and 1 + 4e-5, the inner one skipped.
+pub const S7: Case = case!(
+    "S7",
+    "counting, closed form",
+    shells,
+    "shells a few ulps apart: none skipped, none met twice"
+);
+
+/// Rays that leave one hit point.
+const A_HIT: usize = 8;
+
+/// Gaps of fewer ulps may be bridged by the offset of 4 epsilons of the default rule and by what
+/// rounding does to a ball's hits beside it.
+const NARROW: f64 = 16.0;
+
+fn shells<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    shells_under(random, rays, OffsetRule::default())
+}
+
+/// [`S7`] under a rule of choice: a fixed distance skips shells.
+///
+/// # Errors
+/// [`PrimitiveError`], if a drawn coordinate does not fit.
+pub fn shells_under<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> Result<Round<S>, PrimitiveError> {
+    let apart = (1.0 + 11.0 * unit(random)).exp2().round();
+    let gap = apart * S::EPSILON.to_f64();
+    let mut scene = Scene::new("shells");
+    let material = scene.push_material(Material::default());
+    // the inner one first, and last: ids are no order of radii
+    let radii = if random.below(2) == 0 { [1.0, 1.0 + gap] } else { [1.0 + gap, 1.0] };
+    radii.iter().for_each(|radius| scene.push_sphere(material, DVec3::ZERO, *radius));
+    let inner = radii.iter().position(|r| *r == 1.0).unwrap_or_default() as u32;
+    let aimed: Vec<Ray<S>> = (0..rays.div_ceil(2 * A_HIT))
+        .map(|_| {
+            let origin = single(direction(random) * (2.0 + 2.0 * unit(random)));
+            // no closer to the rim than the gap shows on
+            ray(origin, direction(random) * 0.8 * unit(random) - origin)
+        })
+        .collect();
+    let within: Vec<Ray<S>> = aimed.iter().map(|r| Ray { t_min: S::ONE, ..*r }).collect();
+    let leaving = Leaving::new(rule, 1.0 + gap);
+    let is_clear = apart > NARROW;
+    // entries from outside, exits from within
+    let both: Vec<Ray<S>> = aimed.iter().chain(&within).copied().collect();
+    let mut round = from_hits(&scene, &both, |point, _, round| {
+        let out = point.foot.normal;
+        let is_inner = point.foot.position.length() < 1.0 + gap / 2.0;
+        for _ in 0..A_HIT / 2 {
+            let any = direction(random);
+            let along = (any + out * 1.2).normalize_or_zero();
+            let along = if is_inner { along } else { -along };
+            let slant = along.dot(out).abs();
+            let far = 4.0 * gap / slant + 64.0 * S::EPSILON.to_f64();
+            let expected = match is_clear {
+                true => Expected::Hit {
+                    id: Some(if is_inner { 1 - inner } else { inner }),
+                    t: [0.0, far],
+                },
+                false => Expected::Anything,
+            };
+            round.push(leaving.along(point, along), expected);
+        }
+    })?;
+    for ray in aimed {
+        let hits = every_hit(&round.model, &ray);
+        match broken(&hits, is_clear, inner) {
+            Some(how) => round.push(ray, Expected::Broken(how)),
+            None => push_chain(&mut round, ray, &hits, A_HIT),
+        }
+    }
+    round.rays.truncate(rays);
+    round.expected.truncate(rays);
+    Ok(round)
+}
+
+/// What is wrong with the hits of a line through both balls.
+fn broken<S: Scalar>(hits: &[Hit<S>], is_clear: bool, inner: u32) -> Option<String> {
+    for id in [0, 1] {
+        let times = hits.iter().filter(|hit| hit.id == id).count();
+        if times != 2 {
+            return Some(format!("ball {id} is met {times} times"));
+        }
+    }
+    let ids: Vec<u32> = hits.iter().map(|hit| hit.id).collect();
+    let outer = 1 - inner;
+    let is_nested = ids == [outer, inner, inner, outer];
+    (is_clear && !is_nested).then(|| format!("nested balls are met in the order {ids:?}"))
+}

@@ -1,0 +1,268 @@
+//! All cases against all subjects.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use accel_core::Ray;
+use accel_core::structures::{BuildError, Buildable, Entry};
+use rayon::prelude::*;
+
+use super::judge::{Judge, Judged, Mismatch};
+use super::parts::{Examine, Findings};
+use super::registry::{Ask, Case, Draw, Listed};
+use super::replay::Replay;
+use super::report::{Line, Tally};
+use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
+use super::subject::Subject;
+use super::watch::Watch;
+use measurement::plan::error::PlanError;
+use measurement::settings::Precision;
+use statistics::random::Random;
+
+/// Rounds of a case that is asked for many rays, until rounds have [`MOST_RAYS`].
+const ROUNDS: usize = 32;
+
+/// Both precisions.
+pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
+
+/// What to check.
+pub struct Plan<'r> {
+    /// The cases.
+    pub cases: Vec<Listed>,
+    /// Structures there are.
+    pub registry: &'r [Entry],
+    /// Who is asked.
+    pub subjects: Vec<Subject<'r>>,
+    /// Rays a case and precision.
+    pub rays: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Plan<'_> {
+    /// Rounds of all cases in both precisions.
+    pub fn all_rounds(&self) -> u64 {
+        let of_case = |(_, case): &Listed| self.rounds(case).len() * PRECISIONS.len();
+        self.cases.iter().map(of_case).sum::<usize>() as u64
+    }
+
+    /// Rays of each round of a case and precision.
+    fn rounds(&self, case: &Case) -> Vec<usize> {
+        let all = self.rays.div_ceil(case.share);
+        let most = all.div_ceil(ROUNDS).clamp(FEWEST_RAYS, MOST_RAYS).div_ceil(case.share);
+        (0..all.div_ceil(most)).map(|i| most.min(all - i * most)).collect()
+    }
+
+    /// Checks a case in a precision: a line for each subject that it asks, and the number of rounds
+    /// that all of them were asked. Runs in the current rayon pool; the outcome does not depend on
+    /// the number of threads, unless `watch` cuts it short.
+    ///
+    /// # Errors
+    /// [`PlanError`] when settings of the case's own are not valid.
+    pub fn check(
+        &self,
+        (group, case): Listed,
+        precision: Precision,
+        watch: &Watch<'_>,
+    ) -> Result<(Vec<Line>, u64), PlanError> {
+        let subjects = Subject::asked(case, &self.subjects, self.registry)?;
+        let sizes = self.rounds(case);
+        if subjects.is_empty() {
+            sizes.iter().for_each(|_| watch.round());
+            return Ok((Vec::new(), sizes.len() as u64));
+        }
+        let tallies = (0_u64..)
+            .zip(&sizes)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(number, &rays)| {
+                if watch.cut().is_some() {
+                    return vec![Tally::default(); subjects.len()];
+                }
+                let drawn = Drawing { id: case.id, seed: self.seed, number, rays };
+                let of_round = match (&case.ask, precision) {
+                    (Ask::Rays { single, .. }, Precision::F32) => {
+                        drawn.ask(*single, &subjects, watch)
+                    }
+                    (Ask::Rays { double, .. }, Precision::F64) => {
+                        drawn.ask(*double, &subjects, watch)
+                    }
+                    (Ask::Parts(_), _) => drawn.examine(case, precision, &subjects, watch),
+                };
+                watch.round();
+                of_round
+            })
+            .reduce(|| vec![Tally::default(); subjects.len()], added);
+        let complete = tallies.iter().map(Tally::rounds).min().unwrap_or_default();
+        let told = |(tally, subject): (Tally, &Subject<'_>)| {
+            let replay = |round: u64, ray| Replay {
+                case: case.id.to_owned(),
+                precision,
+                seed: self.seed,
+                round,
+                rays: sizes.get(round as usize).copied().unwrap_or_default(),
+                ray,
+                subject: subject.label(),
+            };
+            Line::new(group.name, case.id, precision, subject, &tally, replay)
+        };
+        let asked = tallies.into_iter().zip(&subjects).filter(|(tally, _)| tally.rounds() > 0);
+        Ok((asked.map(told).collect(), complete))
+    }
+}
+
+/// What the rays and scenes of a round are drawn from.
+#[derive(Debug, Clone, Copy)]
+struct Drawing<'c> {
+    id: &'c str,
+    seed: u64,
+    number: u64,
+    rays: usize,
+}
+
+impl Drawing<'_> {
+    fn random(&self) -> Random {
+        Random::new(self.seed, &format!("verify {} {}", self.id, self.number))
+    }
+
+    fn drawn<S: Buildable>(&self, draw: Draw<S>) -> Result<Round<S>, String> {
+        draw(&mut self.random(), self.rays).map_err(|e| e.to_string())
+    }
+
+    /// One round against all subjects.
+    fn ask<S: Buildable>(
+        &self,
+        draw: Draw<S>,
+        subjects: &[Subject<'_>],
+        watch: &Watch<'_>,
+    ) -> Vec<Tally> {
+        let failed = |what: String| {
+            subjects.iter().map(|_| Tally::refused(self.number, what.clone())).collect()
+        };
+        let round = match self.drawn(draw) {
+            Ok(round) => round,
+            Err(error) => return failed(error),
+        };
+        match Judge::new(&round) {
+            Ok(judge) => {
+                let judged = |s| match watch.cut() {
+                    None => Tally::of(self.number, round.rays.len(), judge.judge(s)),
+                    Some(_) => Tally::default(),
+                };
+                subjects.iter().map(judged).collect()
+            }
+            Err(error) => failed(error.to_string()),
+        }
+    }
+
+    /// One round of trials with the parts among the subjects.
+    fn examine(
+        &self,
+        case: &Case,
+        precision: Precision,
+        subjects: &[Subject<'_>],
+        watch: &Watch<'_>,
+    ) -> Vec<Tally> {
+        let found = |subject: &Subject<'_>| {
+            if watch.cut().is_some() {
+                return None;
+            }
+            let examine = examine_of(case, precision, subject)?;
+            Some(Tally::found(self.number, self.findings(examine)))
+        };
+        subjects.iter().map(|s| found(s).unwrap_or_default()).collect()
+    }
+
+    /// A panic is a mismatch of the first trial.
+    fn findings(&self, examine: Examine) -> Findings {
+        catch_unwind(AssertUnwindSafe(|| examine(&mut self.random(), self.rays))).unwrap_or_else(
+            |_| {
+                let mut findings = Findings::default();
+                findings.record(Err("panicked".to_owned()));
+                findings
+            },
+        )
+    }
+}
+
+/// What examines a part for a case; `None` when the case does not concern the subject.
+fn examine_of(case: &Case, precision: Precision, subject: &Subject<'_>) -> Option<Examine> {
+    let (Ask::Parts(parts), Subject::Part(name)) = (&case.ask, subject) else { return None };
+    let part = parts.iter().find(|part| part.name == *name)?;
+    Some(match precision {
+        Precision::F32 => part.single,
+        Precision::F64 => part.double,
+    })
+}
+
+/// The tallies of two sets of rounds.
+fn added(mut all: Vec<Tally>, more: Vec<Tally>) -> Vec<Tally> {
+    for (tally, more) in all.iter_mut().zip(more) {
+        tally.add(more);
+    }
+    all
+}
+
+/// What came of one trial.
+#[derive(Debug)]
+pub struct Replayed {
+    /// The ray and what was expected of it; nothing for parts, whose mismatches say all.
+    pub question: Option<String>,
+    /// Why the answer is wrong, or `None`.
+    pub wrong: Option<String>,
+    /// Why the scene was refused, if so.
+    pub refused: Option<String>,
+}
+
+/// Repeats one trial of a case; `None` when its round has no such ray.
+///
+/// # Errors
+/// [`BuildError`] when brute force refuses the scene.
+pub fn replay(
+    case: &Case,
+    line: &Replay,
+    subject: &Subject<'_>,
+) -> Result<Option<Replayed>, BuildError> {
+    let &Replay { seed, round: number, rays, .. } = line;
+    let drawing = Drawing { id: case.id, seed, number, rays };
+    match (&case.ask, line.precision) {
+        (Ask::Rays { single, .. }, Precision::F32) => asked(line, drawing, *single, subject),
+        (Ask::Rays { double, .. }, Precision::F64) => asked(line, drawing, *double, subject),
+        (Ask::Parts(_), precision) => {
+            let Some(examine) = examine_of(case, precision, subject) else { return Ok(None) };
+            let findings = drawing.findings(examine);
+            let is_there = (line.ray as u64) < findings.trials;
+            let wrong = of_ray(findings.wrong, line.ray);
+            Ok(is_there.then_some(Replayed { question: None, wrong, refused: None }))
+        }
+    }
+}
+
+/// Repeats one ray.
+fn asked<S: Buildable>(
+    replay: &Replay,
+    drawing: Drawing<'_>,
+    draw: Draw<S>,
+    subject: &Subject<'_>,
+) -> Result<Option<Replayed>, BuildError> {
+    let Ok(round) = drawing.drawn(draw) else { return Ok(None) };
+    let (Some(ray), Some(expected)) = (round.rays.get(replay.ray), round.expected.get(replay.ray))
+    else {
+        return Ok(None);
+    };
+    let (wrong, refused) = match Judge::new(&round)?.judge(subject) {
+        Judged::Asked(all, _) => (of_ray(all, replay.ray), None),
+        Judged::Refused(why) => (None, Some(why)),
+        Judged::NotAsked => (None, Some("has no such primitives".to_owned())),
+    };
+    let question = Some(format!("ray {}\nexpected: {expected:?}", told(ray)));
+    Ok(Some(Replayed { question, wrong, refused }))
+}
+
+fn of_ray(all: Vec<Mismatch>, ray: usize) -> Option<String> {
+    all.into_iter().find(|m| m.ray == ray).map(|m| m.what)
+}
+
+fn told<S: Buildable>(ray: &Ray<S>) -> String {
+    let Ray { origin, direction, t_min, t_max, .. } = ray;
+    format!("from {origin:?} along {direction:?} in [{t_min:?}, {t_max:?}]")
+}

@@ -1,0 +1,284 @@
+//! Compares the answers to a round: with its oracle, with brute force, among the ways to ask, and
+//! with the twins.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use accel_core::primitives::PrimSet;
+use accel_core::structures::{BuildError, Buildable};
+use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::{Hit, Ray, Scalar};
+
+use super::digest::Digest;
+pub use super::mismatch::Mismatch;
+use super::model::Model;
+use super::round::{Expected, Near, Round};
+use super::subject::{Subject, with_brute_force};
+use super::twin::{Same, Twin};
+
+/// What came of a round.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Judged {
+    /// All rays were asked: what is wrong, and what stands for all answers.
+    Asked(Vec<Mismatch>, Digest),
+    /// The scene was refused with a typed error.
+    Refused(String),
+    /// The question does not concern this subject.
+    NotAsked,
+}
+
+/// One ray in so many is asked by the counting queries as well: they walk as the others do, and
+/// are there to be counted.
+const COUNTED: usize = 8;
+
+/// The answers to all rays, asked in all ways.
+#[derive(Debug, Clone)]
+struct Answers<S: Scalar> {
+    closest: Vec<Hit<S>>,
+    /// Of every [`COUNTED`]th ray.
+    counted: Vec<Hit<S>>,
+    blocked: Vec<bool>,
+    /// Likewise.
+    counted_blocked: Vec<bool>,
+    /// The closest hits of the same rays, each asked alone; nothing where batches are asked so
+    /// anyway.
+    alone: Vec<Hit<S>>,
+}
+
+impl<S: Scalar> Answers<S> {
+    fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
+        let mut blocked = vec![false; rays.len()];
+        tracer.occlusions(rays, &mut blocked);
+        let some: Vec<Ray<S>> = rays.iter().copied().step_by(COUNTED).collect();
+        let mut counted = vec![Hit::NONE; some.len()];
+        tracer.count_closest_hits(&some, &mut counted);
+        let mut shadows = vec![ShadowCount::default(); some.len()];
+        tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
+        let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
+        let mut alone = Vec::new();
+        if tracer.answers_batches() {
+            alone = some.chunks(1).flat_map(|one| closest(tracer, one)).collect();
+        }
+        Self { closest: closest(tracer, rays), counted, blocked, counted_blocked, alone }
+    }
+
+    /// By brute force over the primitives near each ray alone.
+    fn near(model: &Model<S>, rays: &[Ray<S>], near: &Near) -> Self {
+        let nearest = |ray: &Ray<S>, ids: &[u32]| match model {
+            Model::Triangles(set) => nearest(set, ray, ids),
+            Model::Mixed(set) => nearest(set, ray, ids),
+        };
+        let ids = near.of.iter().map(|&i| near.lists.get(i).map_or(&[][..], Vec::as_slice));
+        let closest: Vec<Hit<S>> = rays.iter().zip(ids).map(|(r, i)| nearest(r, i)).collect();
+        // all primitives of the cases are opaque
+        let blocked: Vec<bool> = closest.iter().map(Hit::is_hit).collect();
+        Self {
+            counted: closest.iter().copied().step_by(COUNTED).collect(),
+            counted_blocked: blocked.iter().copied().step_by(COUNTED).collect(),
+            alone: Vec::new(),
+            closest,
+            blocked,
+        }
+    }
+
+    fn digest(&self) -> Digest {
+        let mut digest = Digest::default();
+        self.closest.iter().for_each(|hit| digest.hit(hit));
+        self.blocked.iter().for_each(|blocked| digest.blocked(*blocked));
+        digest
+    }
+}
+
+/// The closest hit among these primitives; of equal ones that of the lowest id.
+fn nearest<S: Scalar>(prims: &impl PrimSet<S>, ray: &Ray<S>, ids: &[u32]) -> Hit<S> {
+    let setup = prims.setup(ray);
+    let mut best = Hit { t: ray.t_max, ..Hit::NONE };
+    for &id in ids {
+        if let Some(t) = prims.intersect(id, ray, &setup, best.t)
+            && (t < best.t || id < best.id)
+        {
+            best = Hit { t, id };
+        }
+    }
+    best
+}
+
+/// The closest hits alone.
+fn closest<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
+    let mut hits = vec![Hit::NONE; rays.len()];
+    tracer.closest_hits(rays, &mut hits);
+    hits
+}
+
+/// The closest hits of a round's rays among the primitives near them.
+#[cfg(test)]
+pub(super) fn closest_near<S: Scalar>(round: &Round<S>) -> Vec<Hit<S>> {
+    let near = round.near.as_ref().expect("a round with lists");
+    Answers::near(&round.model, &round.rays, near).closest
+}
+
+/// A round with the answers of brute force.
+#[derive(Debug)]
+pub struct Judge<'a, S: Scalar> {
+    round: &'a Round<S>,
+    reference: Answers<S>,
+    twins: Vec<Vec<Hit<S>>>,
+}
+
+impl<'a, S: Buildable> Judge<'a, S> {
+    /// Asks brute force.
+    ///
+    /// # Errors
+    /// [`BuildError`] for a scene without primitives.
+    pub fn new(round: &'a Round<S>) -> Result<Self, BuildError> {
+        let reference = match &round.near {
+            Some(near) => Answers::near(&round.model, &round.rays, near),
+            None => with_brute_force(round.model.prims(), |t| Answers::of(t, &round.rays))?,
+        };
+        let twins = round
+            .twins
+            .iter()
+            .map(|twin| with_brute_force(twin.model.prims(), |t| closest(t, &twin.rays)));
+        Ok(Self { round, reference, twins: twins.collect::<Result<_, _>>()? })
+    }
+
+    /// Asks a subject. A panic is a mismatch of the first ray.
+    pub fn judge(&self, subject: &Subject<'_>) -> Judged {
+        let ask = || match subject {
+            Subject::Structure(_) => self.of_structure(subject),
+            Subject::Control => self.of_control(subject),
+            Subject::Part(_) => Ok(Judged::NotAsked),
+        };
+        let panicked = |_| {
+            Judged::Asked(vec![Mismatch { ray: 0, what: "panicked".into() }], Digest::default())
+        };
+        match catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|e| Ok(panicked(e))) {
+            Ok(judged) => judged,
+            Err(error) => Judged::Refused(error.to_string()),
+        }
+    }
+
+    fn of_structure(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
+        if subject.is_reference() {
+            return Ok(self.judged(&self.reference, &self.twins));
+        }
+        let ask = |tracer: &dyn Tracer<S>| Answers::of(tracer, &self.round.rays);
+        let Some(answers) = subject.over(&self.round.model, ask)? else {
+            return Ok(Judged::NotAsked);
+        };
+        let mut twins = Vec::new();
+        for twin in &self.round.twins {
+            twins.extend(subject.over(&twin.model, |t| closest(t, &twin.rays))?);
+        }
+        Ok(self.judged(&answers, &twins))
+    }
+
+    fn judged(&self, answers: &Answers<S>, twins: &[Vec<Hit<S>>]) -> Judged {
+        let mut digest = answers.digest();
+        twins.iter().flatten().for_each(|hit| digest.hit(hit));
+        let complaint = |ray| {
+            let what = self.complaint(ray, answers);
+            let what = what.or_else(|| self.of_twins(ray, answers, twins))?;
+            Some(Mismatch { ray, what })
+        };
+        Judged::Asked((0..self.round.rays.len()).filter_map(complaint).collect(), digest)
+    }
+
+    /// Only the oracle judges the control: its answers are its own.
+    fn of_control(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
+        let ask = |tracer: &dyn Tracer<S>| closest(tracer, &self.round.rays);
+        let Some(hits) = subject.over(&self.round.model, ask)? else {
+            return Ok(Judged::NotAsked);
+        };
+        let answers = self.round.expected.iter().zip(&hits).enumerate();
+        let wrong = answers
+            .filter(|(_, (expected, hit))| !expected.admits(hit))
+            .map(|(ray, (expected, hit))| Mismatch { ray, what: unexpected(hit, expected) });
+        let mut digest = Digest::default();
+        hits.iter().for_each(|hit| digest.hit(hit));
+        Ok(Judged::Asked(wrong.collect(), digest))
+    }
+
+    /// What is wrong with the answers to one ray.
+    fn complaint(&self, ray: usize, answers: &Answers<S>) -> Option<String> {
+        let (hit, right) = (answers.closest.get(ray)?, self.reference.closest.get(ray)?);
+        let expected = self.round.expected.get(ray)?;
+        if !expected.admits(hit) {
+            return Some(unexpected(hit, expected));
+        }
+        if !is_same(hit, right) {
+            return Some(format!("said {}, brute force {}", told(hit), told(right)));
+        }
+        let blocked = *self.reference.blocked.get(ray)?;
+        let said = *answers.blocked.get(ray)?;
+        if said != blocked {
+            return Some(format!("blocked: said {said}, brute force {blocked}"));
+        }
+        if !ray.is_multiple_of(COUNTED) {
+            return None;
+        }
+        let counted = answers.counted.get(ray / COUNTED)?;
+        if !is_same(hit, counted) {
+            return Some(format!("said {}, when counting {}", told(hit), told(counted)));
+        }
+        if let Some(alone) = answers.alone.get(ray / COUNTED)
+            && !is_same(hit, alone)
+        {
+            return Some(format!("said {}, when asked alone {}", told(hit), told(alone)));
+        }
+        let said = *answers.counted_blocked.get(ray / COUNTED)?;
+        (said != blocked).then(|| format!("blocked: said {said} when counting, not {blocked}"))
+    }
+
+    /// What is wrong with the answers of the twins to one ray.
+    fn of_twins(&self, ray: usize, answers: &Answers<S>, twins: &[Vec<Hit<S>>]) -> Option<String> {
+        let hit = answers.closest.get(ray)?;
+        let both = twins.iter().zip(&self.twins).zip(&self.round.twins);
+        both.into_iter().find_map(|((said, right), twin)| {
+            let (said, right) = (said.get(ray)?, right.get(ray)?);
+            let back = twin.told_back(*said);
+            let expected = self.round.expected.get(ray)?;
+            let is_right = said.id == right.id && is_kept(twin, hit, said, expected);
+            (!is_right).then(|| {
+                format!(
+                    "said {}, {} {}, brute force {}",
+                    told(hit),
+                    twin.name,
+                    told(&back),
+                    told(&twin.told_back(*right))
+                )
+            })
+        })
+    }
+}
+
+/// Whether the answer to the twin is that to the round. Where renumbering changed which of two
+/// equal hits has the lowest id, only brute force knows which is right.
+fn is_kept<S: Scalar>(twin: &Twin<S>, hit: &Hit<S>, said: &Hit<S>, expected: &Expected) -> bool {
+    match (twin.same, expected) {
+        (Same::Bits, _) => {
+            is_same_parameter(&twin.told_back(*said), hit)
+                && (!twin.ids.is_empty() || said.id == hit.id)
+        }
+        (Same::Ids, Expected::Hit { id: Some(id), .. }) => said.id == *id,
+        (Same::Ids, Expected::Hit { .. }) => said.is_hit(),
+        (Same::Ids, Expected::Miss) => !said.is_hit(),
+        (Same::Ids, Expected::Anything | Expected::Broken(_)) => true,
+    }
+}
+
+/// Same primitive, same bits of t (but for the sign of zero).
+fn is_same<S: Scalar>(a: &Hit<S>, b: &Hit<S>) -> bool {
+    a.id == b.id && is_same_parameter(a, b)
+}
+
+fn is_same_parameter<S: Scalar>(a: &Hit<S>, b: &Hit<S>) -> bool {
+    a.is_hit() == b.is_hit() && (!a.is_hit() || a.t == b.t)
+}
+
+fn unexpected<S: Scalar>(hit: &Hit<S>, expected: &Expected) -> String {
+    format!("said {}, the oracle {expected:?}", told(hit))
+}
+
+fn told<S: Scalar>(hit: &Hit<S>) -> String {
+    if hit.is_hit() { format!("{} at {:?}", hit.id, hit.t.to_f64()) } else { "miss".into() }
+}

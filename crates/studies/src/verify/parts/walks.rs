@@ -1,0 +1,252 @@
+//! Walks through regular grids against exact integers (HARD_CASES T1, T3, T4).
+//!
+//! Three demands, all for the whole way through the grid, up to a tolerance of a few epsilon of the
+//! largest coordinate (boxes are inserted padded by 64 of them):
+//! * each exactly pierced cell is visited, unless it is crossed for less than the tolerance;
+//! * between the exits of two successive cells the ray stays within the second one, grown by the
+//!   tolerance: what the ray meets is listed there, and the walk does not end before;
+//! * a step changes one coordinate by one, and there are at most 3 N cells.
+
+use accel_core::cell_walk::CellWalk;
+use accel_core::voxel_walk::GridFrame;
+use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
+use glam::{DVec3, dvec3};
+
+use super::integer_walk::{IntegerRay, Pierced};
+use super::{Findings, Part};
+use crate::verify::draw::one_of;
+use statistics::random::Random;
+
+/// Which grids and rays a case draws.
+type Drawn = fn(&mut Random, usize) -> Vec<Question>;
+
+/// A ray through a grid of `n` cells an axis, in f64; its numbers are those of single precision.
+#[derive(Debug, Clone, Copy)]
+pub struct Question {
+    /// Cells an axis.
+    pub n: u32,
+    /// Side of a cell.
+    pub side: f64,
+    /// Lower corner of the grid on every axis.
+    pub low: f64,
+    /// Origin of the ray.
+    pub origin: DVec3,
+    /// Its direction.
+    pub direction: DVec3,
+}
+
+/// Both walks over the questions of `$drawn`.
+macro_rules! walks {
+    ($drawn:path) => {
+        &[
+            Part {
+                name: "t-next-walk",
+                single: |r, n| examine::<f32, _>(r, n, $drawn, |f, r| f.walk(r)),
+                double: |r, n| examine::<f64, _>(r, n, $drawn, |f, r| f.walk(r)),
+            },
+            Part {
+                name: "driving-axis-walk",
+                single: |r, n| examine::<f32, _>(r, n, $drawn, |f, r| f.driving_walk_from(r, 0.0)),
+                double: |r, n| examine::<f64, _>(r, n, $drawn, |f, r| f.driving_walk_from(r, 0.0)),
+            },
+        ]
+    };
+}
+
+/// T1.
+pub const LATTICE_RAYS: &[Part] = walks!(lattice_rays);
+/// T3.
+pub const PUBLISHED_RAYS: &[Part] = walks!(published_rays);
+/// T4.
+pub const FAR_ORIGINS: &[Part] = walks!(far_origins);
+
+/// Draws questions and holds the walks that `walk` starts against the oracle.
+pub fn examine<S: Scalar, W: CellWalk<S>>(
+    random: &mut Random,
+    rays: usize,
+    drawn: Drawn,
+    walk: impl Fn(&GridFrame<S>, &Ray<S>) -> Option<W>,
+) -> Findings {
+    let mut findings = Findings::default();
+    for question in drawn(random, rays) {
+        let (frame, ray) = question.posed::<S>();
+        let outcome = question.judge(&frame, walk(&frame, &ray));
+        findings.record(outcome.map_err(|what| format!("{question:?}: {what}")));
+    }
+    findings
+}
+
+impl Question {
+    fn posed<S: Scalar>(&self) -> (GridFrame<S>, Ray<S>) {
+        let high = self.low + self.side * f64::from(self.n);
+        let [low, high] = [self.low, high].map(|x| Vec3::<S>::splat(S::from_f64(x)));
+        let frame = GridFrame::new(Aabb { min: low, max: high }, [self.n; 3]);
+        let [origin, direction] = [self.origin, self.direction].map(Vec3::<S>::from_dvec3);
+        (frame, Ray::new(origin, direction))
+    }
+
+    /// What is tolerated, in cells. The numbers of the question are exact, so that only the
+    /// parameters of planes are rounded: by one epsilon of the way each, of which two compare.
+    fn tolerance<S: Scalar>(&self) -> f64 {
+        let way = f64::from(self.n) + self.in_cells().0.abs().max_element();
+        4.0 * S::EPSILON.to_f64() * way
+    }
+
+    /// Origin and direction in cells of the grid.
+    fn in_cells(&self) -> (DVec3, DVec3) {
+        ((self.origin - self.low) / self.side, self.direction / self.side)
+    }
+
+    /// How many exact cells were passed by within the tolerance; or what is wrong.
+    fn judge<S: Scalar>(
+        &self,
+        frame: &GridFrame<S>,
+        walk: Option<impl CellWalk<S>>,
+    ) -> Result<u64, String> {
+        let (origin, direction) = self.in_cells();
+        let exact = IntegerRay::new(origin, direction).map(|r| r.pierced(self.n as i32));
+        let exact = exact.unwrap_or_default();
+        let visited = match walk {
+            Some(walk) => self.followed(frame, walk)?,
+            None => Vec::new(),
+        };
+        self.missed::<S>(&visited, &exact)
+    }
+
+    /// The cells of a walk, each of which holds its part of the ray.
+    fn followed<S: Scalar>(
+        &self,
+        frame: &GridFrame<S>,
+        mut walk: impl CellWalk<S>,
+    ) -> Result<Vec<[i32; 3]>, String> {
+        let n = self.n as i32;
+        let slack = self.tolerance::<S>();
+        let (origin, direction) = self.in_cells();
+        let grid = Aabb::<f64> { min: DVec3::ZERO, max: DVec3::splat(f64::from(n)) };
+        let within = grid.clip(origin, direction, 0.0, f64::INFINITY);
+        let (mut from, end) = within.unwrap_or((f64::NAN, f64::NAN));
+        let mut visited: Vec<[i32; 3]> = Vec::new();
+        loop {
+            let cell = walk.coords();
+            if cell.iter().any(|c| !(0..n).contains(c)) || frame.index(cell) != walk.index() {
+                return Err(format!("{cell:?} is no cell, or not number {}", walk.index()));
+            }
+            if let Some(last) = visited.last()
+                && (0..3).map(|k| (cell[k] - last[k]).abs()).sum::<i32>() != 1
+            {
+                return Err(format!("a step from {last:?} to {cell:?}"));
+            }
+            visited.push(cell);
+            if visited.len() > 3 * n as usize {
+                return Err(format!("more than {} cells", 3 * n));
+            }
+            let to = walk.t_exit().to_f64();
+            let low = DVec3::from_array(cell.map(f64::from)) - slack;
+            let high = low + (1.0 + 2.0 * slack);
+            for t in [from, to].into_iter().filter(|t| t.is_finite()) {
+                let p = origin + direction * t;
+                if p.cmplt(low).any() || p.cmpgt(high).any() {
+                    return Err(format!("at {t:?} the ray is not within {cell:?} but at {p:?}"));
+                }
+            }
+            if !walk.advance() {
+                let left = (end - to) * direction.abs().max_element();
+                return if left > slack { Err(format!("ends at {cell:?}")) } else { Ok(visited) };
+            }
+            from = to;
+        }
+    }
+
+    /// Counts the exact cells that were passed by; an error where one is crossed for long.
+    fn missed<S: Scalar>(&self, visited: &[[i32; 3]], exact: &[Pierced]) -> Result<u64, String> {
+        let slack = self.tolerance::<S>();
+        let first = visited.first().copied().unwrap_or_default();
+        let signs = self.direction.signum().to_array().map(|s| s as i32);
+        let mut missed = 0;
+        for Pierced { cell, length } in exact {
+            // one coordinate a step: the number of steps says where a cell must stand
+            let steps: i32 = (0..3).map(|k| signs[k] * (cell[k] - first[k])).sum();
+            let is_visited = usize::try_from(steps).is_ok_and(|i| visited.get(i) == Some(cell));
+            if !is_visited && *length > slack {
+                return Err(format!("missed {cell:?}, crossed for {length:e} cells"));
+            }
+            missed += u64::from(!is_visited);
+        }
+        Ok(missed)
+    }
+}
+
+/// Origins in 1024ths of a cell, directions of whole numbers up to 2^20, each ray in a grid of
+/// 16, 32, ... 1024 cells an axis: so many rays for each.
+pub fn lattice_rays(random: &mut Random, rays: usize) -> Vec<Question> {
+    let sizes = (4..=10).map(|power| 1_u32 << power);
+    sizes.flat_map(|n| (0..rays).map(|_| lattice_ray(random, n)).collect::<Vec<_>>()).collect()
+}
+
+fn lattice_ray(random: &mut Random, n: u32) -> Question {
+    let parts = 1024 * n as usize;
+    let mut point = |origin: f64, size: usize| {
+        let mut at = || origin + random.below(size + 1) as f64;
+        dvec3(at(), at(), at())
+    };
+    let (inside, around) = (point(0.0, parts), point(-(parts as f64), 3 * parts));
+    let target = point(0.0, parts);
+    let bits = random.below(21);
+    let mut whole = || random.below((2 << bits) + 1) as f64 - f64::from(1_u32 << bits);
+    let any = dvec3(whole(), whole(), whole());
+    let (origin, direction) = match random.below(4) {
+        0 => (inside, any),
+        // on cell planes: ties and rays within them
+        1 => ((inside / 1024.0).floor() * 1024.0, any),
+        2 => (inside, target - inside),
+        _ => (around, ((target - around) / 4.0).trunc()),
+    };
+    let direction = if direction == DVec3::ZERO { DVec3::Z } else { direction };
+    Question { n, side: 1.0, low: 0.0, origin: origin / 1024.0, direction }
+}
+
+/// Two rays that are known to have broken walks, through cells of side 16; then the same moved by
+/// whole numbers and mirrored.
+fn published_rays(random: &mut Random, rays: usize) -> Vec<Question> {
+    let published = [
+        (dvec3(-668.0, -340.0, 77.0), dvec3(404.0, -64.0, -784.0)),
+        (dvec3(386.71, 137.41, 7.06), dvec3(416.0, 142.0, 0.0)),
+    ];
+    let one = |i: usize| {
+        let [first, second] = published;
+        let (from, to) = if i.is_multiple_of(2) { first } else { second };
+        let mut whole = || crate::verify::draw::whole(random, 64);
+        let by = if i < 2 { DVec3::ZERO } else { dvec3(whole(), whole(), whole()) };
+        let sign = if (i / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
+        // 1024ths, so that single precision holds the ends and their difference
+        let exact = |p: DVec3| ((p * 1024.0).round() / 1024.0 + by) * sign;
+        let (from, to) = (exact(from), exact(to));
+        Question { n: 128, side: 16.0, low: -1024.0, origin: from, direction: to - from }
+    };
+    (0..rays).map(one).collect()
+}
+
+/// Origins about 10^6 grids away, aimed at points of the grid's surface: the point of entry rounds
+/// to a cell beyond the last.
+fn far_origins(random: &mut Random, rays: usize) -> Vec<Question> {
+    let one = |_| {
+        let n = one_of(random, &[8_u32, 100, 1024]);
+        let side = f64::from(n);
+        let axis = random.below(3);
+        let mut at = || (random.below(4) as f64 / 3.0 * side).floor();
+        let mut target = [at(), at(), at()];
+        let mut direction = [0.0; 3];
+        let sign = one_of(random, &[1.0, -1.0]);
+        let slant = [0.0, 1.0, -3.0];
+        for k in 0..3 {
+            direction[k] = if k == axis { -1024.0 * sign } else { one_of(random, &slant) };
+            if k == axis {
+                target[k] = if sign > 0.0 { side } else { 0.0 };
+            }
+        }
+        let (direction, target) = (DVec3::from_array(direction), DVec3::from_array(target));
+        let far = target - direction * (side * 1e6 / 1024.0).round();
+        Question { n, side: 1.0, low: 0.0, origin: far.as_vec3().as_dvec3(), direction }
+    };
+    (0..rays).map(one).collect()
+}

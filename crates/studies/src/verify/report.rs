@@ -1,0 +1,383 @@
+//! What a check found: tallies, the table, and the exported record.
+
+use std::collections::BTreeMap;
+
+use csv::Writer;
+use serde::Serialize;
+
+use super::digest::Digest;
+use super::judge::{Judged, Mismatch};
+use super::parts::Findings;
+use super::replay::{Replay, precision_name};
+use super::subject::{CONTROL, Subject};
+use super::timing::Timed;
+use super::watch::Cut;
+use measurement::settings::Precision;
+use presentation::format_error::FormatError;
+use presentation::json;
+use presentation::table::{Cell, Style, Table};
+
+/// Mismatches of a subject and case that are shown.
+const SHOWN: usize = 3;
+
+/// What came of some rounds for one subject.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Tally {
+    trials: u64,
+    mismatches: u64,
+    tolerated: u64,
+    refused: u64,
+    /// Rounds that were asked.
+    rounds: u64,
+    answers: Digest,
+    /// Why the first of the refused rounds was.
+    reason: Option<(u64, String)>,
+    /// The first mismatches: round, ray and words.
+    first: Vec<(u64, usize, String)>,
+}
+
+impl Tally {
+    /// Of one round.
+    pub fn of(round: u64, rays: usize, judged: Judged) -> Self {
+        match judged {
+            Judged::Asked(wrong, answers) => Self {
+                trials: rays as u64,
+                mismatches: wrong.len() as u64,
+                rounds: 1,
+                answers: answers.of_round(round),
+                first: wrong
+                    .into_iter()
+                    .take(SHOWN)
+                    .map(|Mismatch { ray, what }| (round, ray, what))
+                    .collect(),
+                ..Self::default()
+            },
+            Judged::Refused(why) => Self::refused(round, why),
+            Judged::NotAsked => Self { rounds: 1, ..Self::default() },
+        }
+    }
+
+    /// Of one round of trials with a part.
+    pub fn found(round: u64, Findings { trials, wrong, tolerated }: Findings) -> Self {
+        let mut answers = Digest::default();
+        [trials, wrong.len() as u64, tolerated].into_iter().for_each(|n| answers.word(n));
+        let asked = Self::of(round, trials as usize, Judged::Asked(wrong, answers));
+        Self { tolerated, ..asked }
+    }
+
+    /// Of a round that was refused.
+    pub fn refused(round: u64, why: String) -> Self {
+        Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
+    }
+
+    /// Rounds that were asked.
+    pub fn rounds(&self) -> u64 {
+        self.rounds
+    }
+
+    /// Adds another; the order does not matter.
+    pub fn add(&mut self, other: Self) {
+        self.trials += other.trials;
+        self.mismatches += other.mismatches;
+        self.tolerated += other.tolerated;
+        self.refused += other.refused;
+        self.rounds += other.rounds;
+        self.answers.add(other.answers);
+        self.reason = self.reason.take().into_iter().chain(other.reason).min();
+        self.first.extend(other.first);
+        self.first.sort();
+        self.first.truncate(SHOWN);
+    }
+}
+
+/// A mismatch that can be repeated.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Example {
+    /// For `--replay`.
+    pub replay: String,
+    /// What was said and what is right.
+    pub what: String,
+}
+
+/// A case in a precision for one subject.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Line {
+    /// Group of the case.
+    pub group: &'static str,
+    /// The case.
+    pub case: &'static str,
+    /// Precision.
+    pub precision: &'static str,
+    /// Label of the subject.
+    pub structure: String,
+    /// Why its mismatches are no failure, if so.
+    pub known_defect: Option<&'static str>,
+    /// Rays asked.
+    pub trials: u64,
+    /// Rays answered wrongly.
+    pub mismatches: u64,
+    /// Departures from the oracle within the tolerance that the case states.
+    pub tolerated: u64,
+    /// Rounds whose scene was refused with a typed error.
+    pub refused: u64,
+    /// Why the first of them was.
+    pub reason: Option<String>,
+    /// Rounds that were asked: all of them, unless the check was cut short.
+    pub rounds: u64,
+    /// Stands for all answers: the same on every instruction set.
+    pub answers: String,
+    /// The first mismatches.
+    pub examples: Vec<Example>,
+}
+
+impl Line {
+    /// From a tally; `replay` names a trial by round and ray.
+    pub fn new(
+        group: &'static str,
+        case: &'static str,
+        precision: Precision,
+        subject: &Subject<'_>,
+        tally: &Tally,
+        replay: impl Fn(u64, usize) -> Replay,
+    ) -> Self {
+        let example = |(round, ray, what): &(u64, usize, String)| Example {
+            replay: replay(*round, *ray).to_string(),
+            what: what.clone(),
+        };
+        Self {
+            group,
+            case,
+            precision: precision_name(precision),
+            structure: subject.label(),
+            known_defect: subject.known_defect(),
+            trials: tally.trials,
+            mismatches: tally.mismatches,
+            tolerated: tally.tolerated,
+            refused: tally.refused,
+            reason: tally.reason.as_ref().map(|(_, why)| why.clone()),
+            rounds: tally.rounds,
+            answers: format!("{:016x}", tally.answers.0),
+            examples: tally.first.iter().map(example).collect(),
+        }
+    }
+
+    /// Whether it fails the check.
+    pub fn is_failure(&self) -> bool {
+        self.mismatches > 0 && self.known_defect.is_none()
+    }
+}
+
+/// Everything that was found.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Report {
+    /// The command line.
+    pub command_line: Vec<String>,
+    /// Seed.
+    pub seed: u64,
+    /// Rays a case and precision.
+    pub rays: usize,
+    /// Seconds.
+    pub seconds: f64,
+    /// Why it ended before all was asked, if so.
+    pub cut: Option<Cut>,
+    /// Of a complete check: a round of a case in a precision each.
+    pub rounds: u64,
+    /// Those that were asked.
+    pub rounds_asked: u64,
+    /// A line a case, precision and subject.
+    pub lines: Vec<Line>,
+    /// What odd rays cost; nothing where it was not asked for.
+    pub timing: Vec<Timed>,
+}
+
+impl Report {
+    /// True when a line fails, or when the control was asked and missed nothing.
+    pub fn is_failure(&self) -> bool {
+        self.lines.iter().any(Line::is_failure) || self.is_powerless()
+    }
+
+    /// True when the control was asked about a closed mesh and missed nothing: then nothing is
+    /// proved about watertightness.
+    pub fn is_powerless(&self) -> bool {
+        let mut asked = self.lines.iter().filter(|l| l.structure == CONTROL && l.case == "G1");
+        asked.clone().any(|l| l.trials >= 1000) && asked.all(|l| l.mismatches == 0)
+    }
+
+    /// Structures down, groups across: mismatches of trials, and what none of them bounds.
+    pub fn table(&self) -> Table {
+        let mut groups: Vec<&'static str> = Vec::new();
+        let mut structures: Vec<&str> = Vec::new();
+        let mut sums: BTreeMap<(&str, &str), (u64, u64)> = BTreeMap::new();
+        for line in &self.lines {
+            if !groups.contains(&line.group) {
+                groups.push(line.group);
+            }
+            if !structures.contains(&line.structure.as_str()) {
+                structures.push(&line.structure);
+            }
+            let sum = sums.entry((&line.structure, line.group)).or_default();
+            *sum = (sum.0 + line.trials, sum.1 + line.mismatches);
+        }
+        let rows = structures.iter().map(|&name| {
+            let defect =
+                self.lines.iter().find(|l| l.structure == name).and_then(|l| l.known_defect);
+            let mut cells: Vec<Cell> = vec![name.to_owned().into()];
+            cells.extend(groups.iter().map(|&group| {
+                let (trials, wrong) = sums.get(&(name, group)).copied().unwrap_or_default();
+                sum_cell(trials, wrong, defect.is_some())
+            }));
+            cells.push(defect.unwrap_or_default().to_owned().into());
+            cells
+        });
+        let rows = rows.collect();
+        let header =
+            std::iter::once("structure").chain(groups.iter().copied()).chain([""]).collect();
+        let title = match self.cut {
+            None => "mismatches/trials".to_owned(),
+            Some(cut) => format!("INCOMPLETE ({}): mismatches/trials", self.said(cut)),
+        };
+        Table { title, header, rows, notes: self.notes() }
+    }
+
+    /// How it ended, and how far it came.
+    fn said(&self, cut: Cut) -> String {
+        let why = match cut {
+            Cut::Interrupted(signal) => format!("interrupted by signal {signal}"),
+            Cut::OutOfTime => "out of time".to_owned(),
+        };
+        format!("{why} after {} of {} rounds", self.rounds_asked, self.rounds)
+    }
+
+    /// Stands for all answers but those of rows with a known defect, which may differ by machine.
+    pub fn answers(&self) -> String {
+        let mut all = Digest::default();
+        let asked = self.lines.iter().filter(|l| l.known_defect.is_none());
+        for line in asked {
+            let of = u64::from_str_radix(&line.answers, 16).unwrap_or_default();
+            all.word(of);
+        }
+        format!("{:016x}", all.0)
+    }
+
+    /// What the table cannot say.
+    fn notes(&self) -> Vec<String> {
+        let mut notes = vec![
+            "<x: no mismatch; its rate is below x with 95% confidence (3/trials)".to_owned(),
+            format!("answers {}: the same on every instruction set", self.answers()),
+        ];
+        if self.is_powerless() {
+            notes.push("the negative control missed nothing: this run proves nothing".into());
+        }
+        let tolerated = self.lines.iter().filter(|l| l.tolerated > 0);
+        notes.extend(tolerated.map(|l| {
+            let Line { case, precision, structure, tolerated, .. } = l;
+            format!("{case} {precision} {structure}: {tolerated} departures within the tolerance")
+        }));
+        // one note for all that say the same: brute force refuses for all
+        let mut refused: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
+        for line in &self.lines {
+            if let Some(why) = &line.reason {
+                let said = (line.case, line.precision, line.refused, why.as_str());
+                refused.entry(said).or_default().push(&line.structure);
+            }
+        }
+        notes.extend(refused.into_iter().map(|((case, precision, rounds, why), structures)| {
+            let who = match structures.as_slice() {
+                [one] => (*one).to_owned(),
+                many => format!("{} structures", many.len()),
+            };
+            format!("{case} {precision} {who}: {rounds} rounds refused: {why}")
+        }));
+        notes
+    }
+
+    /// The first mismatches of each line, and how many more there are.
+    pub fn examples(&self) -> Vec<String> {
+        let mut told = Vec::new();
+        for line in &self.lines {
+            let known = if line.known_defect.is_some() { " (known)" } else { "" };
+            for Example { replay, what } in &line.examples {
+                told.push(format!("rtbench verify --replay '{replay}'{known}: {what}"));
+            }
+            let more = line.mismatches.saturating_sub(line.examples.len() as u64);
+            if more > 0 {
+                let Line { case, precision, structure, .. } = line;
+                told.push(format!("... {case} {precision} {structure}{known}: {more} more"));
+            }
+        }
+        told
+    }
+
+    /// One CSV row a line.
+    ///
+    /// # Errors
+    /// [`FormatError`].
+    pub fn to_csv(&self) -> Result<String, FormatError> {
+        let format = |message: String| FormatError { format: "CSV", message };
+        let mut writer = Writer::from_writer(Vec::new());
+        writer.write_record(COLUMNS).map_err(|e| format(e.to_string()))?;
+        for line in &self.lines {
+            writer.write_record(fields(line)).map_err(|e| format(e.to_string()))?;
+        }
+        let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
+        String::from_utf8(bytes).map_err(|e| format(e.to_string()))
+    }
+
+    /// Everything.
+    ///
+    /// # Errors
+    /// [`FormatError`].
+    pub fn to_json(&self) -> Result<String, FormatError> {
+        json::written(self)
+    }
+}
+
+const COLUMNS: [&str; 13] = [
+    "group",
+    "case",
+    "precision",
+    "structure",
+    "known_defect",
+    "trials",
+    "mismatches",
+    "bound_95",
+    "tolerated",
+    "refused_rounds",
+    "rounds",
+    "answers",
+    "replay",
+];
+
+fn fields(line: &Line) -> [String; 13] {
+    [
+        line.group.to_owned(),
+        line.case.to_owned(),
+        line.precision.to_owned(),
+        line.structure.clone(),
+        line.known_defect.unwrap_or_default().to_owned(),
+        line.trials.to_string(),
+        line.mismatches.to_string(),
+        bound(line.trials, line.mismatches).map(|b| format!("{b:.3e}")).unwrap_or_default(),
+        line.tolerated.to_string(),
+        line.refused.to_string(),
+        line.rounds.to_string(),
+        line.answers.clone(),
+        line.examples.first().map(|e| e.replay.clone()).unwrap_or_default(),
+    ]
+}
+
+/// The 95% upper bound of the rate where nothing was found.
+pub fn bound(trials: u64, mismatches: u64) -> Option<f64> {
+    (trials > 0 && mismatches == 0).then(|| 3.0 / trials as f64)
+}
+
+fn sum_cell(trials: u64, mismatches: u64, is_known: bool) -> Cell {
+    if trials == 0 {
+        return "-".to_owned().into();
+    }
+    let sum = format!("{mismatches}/{trials}");
+    match bound(trials, mismatches) {
+        Some(bound) => format!("{sum} <{bound:.0e}").into(),
+        None => Cell { text: sum, style: if is_known { Style::Dim } else { Style::Bad } },
+    }
+}

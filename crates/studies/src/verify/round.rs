@@ -1,0 +1,92 @@
+//! What a case draws from a seed: a scene, rays, and what is expected of them.
+
+use accel_core::{Hit, Ray, Scalar};
+
+pub use super::rays::ray;
+
+use super::model::Model;
+use super::twin::Twin;
+
+/// The fewest rays that a round is drawn with, when so many are asked for: few, so that there are
+/// many scenes.
+pub const FEWEST_RAYS: usize = 500;
+
+/// The most: many, so that large runs do not spend their time on building.
+pub const MOST_RAYS: usize = 20_000;
+
+/// What the oracle of a case says of the closest hit of a ray. Agreement with brute force is
+/// demanded in any case.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Expected {
+    /// Nothing: agreement is the only oracle.
+    Anything,
+    /// No hit.
+    Miss,
+    /// The tests of primitives break a law of geometry here, said in words: no answer is right.
+    Broken(String),
+    /// A hit.
+    Hit {
+        /// Of this primitive; of any when `None`.
+        id: Option<u32>,
+        /// At a parameter in this closed interval.
+        t: [f64; 2],
+    },
+}
+
+impl Expected {
+    /// A hit of whichever primitive, at `t` but for `slack`.
+    pub fn hit_at(t: f64, slack: f64) -> Self {
+        Self::Hit { id: None, t: [t - slack, t + slack] }
+    }
+
+    /// Whether an answer is what is expected.
+    pub fn admits<S: Scalar>(&self, hit: &Hit<S>) -> bool {
+        match *self {
+            Self::Anything => true,
+            Self::Miss => !hit.is_hit(),
+            Self::Broken(_) => false,
+            Self::Hit { id, t: [low, high] } => {
+                let t = hit.t.to_f64();
+                hit.is_hit() && id.is_none_or(|id| id == hit.id) && low <= t && t <= high
+            }
+        }
+    }
+}
+
+/// For each ray the only primitives that it can meet: a reference for scenes so large that asking
+/// all of them would take too long.
+#[derive(Debug, Default)]
+pub struct Near {
+    /// Ids in rising order.
+    pub lists: Vec<Vec<u32>>,
+    /// Which of the lists is that of each ray.
+    pub of: Vec<usize>,
+}
+
+/// A scene and its rays.
+#[derive(Debug)]
+pub struct Round<S: Scalar> {
+    /// The scene.
+    pub model: Model<S>,
+    /// The rays.
+    pub rays: Vec<Ray<S>>,
+    /// What is expected of each.
+    pub expected: Vec<Expected>,
+    /// The same in other guises, which must not change the answers.
+    pub twins: Vec<Twin<S>>,
+    /// Brute force is asked for those primitives alone; for all where there is none.
+    pub near: Option<Near>,
+}
+
+impl<S: Scalar> Round<S> {
+    /// A scene without rays yet.
+    pub fn new(model: Model<S>) -> Self {
+        Self { model, rays: Vec::new(), expected: Vec::new(), twins: Vec::new(), near: None }
+    }
+
+    /// Adds a ray.
+    pub fn push(&mut self, ray: Ray<S>, expected: Expected) {
+        self.rays.push(ray);
+        self.expected.push(expected);
+    }
+}

@@ -1,0 +1,175 @@
+//! What is put to the test: a structure, a part of structures, or the negative control.
+
+use accel_core::structures::{BuildError, Buildable, Entry, PrimsRef, find};
+use accel_core::tracer::Tracer;
+
+use super::model::Model;
+use super::registry::{Ask, Case, parts};
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::{Row, select};
+
+/// The negative control's name.
+pub const CONTROL: &str = "moeller-trumbore";
+
+/// Who answers.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Subject<'r> {
+    /// A structure with settings, over the primitive tests that are the default.
+    Structure(Row<'r>),
+    /// Brute force over plain Moeller-Trumbore tests, which leak at edges: where it misses
+    /// nothing, the rays have no power.
+    Control,
+    /// A part that cases examine by themselves.
+    Part(&'static str),
+}
+
+impl<'r> Subject<'r> {
+    /// The structures and parts that `-s` asks for; all of them and the control where it asks for
+    /// nothing in particular. With `also_tested` structures that are named without settings have
+    /// their further settings asked too.
+    ///
+    /// # Errors
+    /// [`PlanError`] naming what is valid.
+    pub fn all(
+        registry: &'r [Entry],
+        structures: &[String],
+        also_tested: bool,
+    ) -> Result<Vec<Self>, PlanError> {
+        let is_part = |name: &String| parts().any(|part| part == name);
+        let (named, rest): (Vec<String>, Vec<String>) =
+            structures.iter().cloned().partition(is_part);
+        let mut subjects = Vec::new();
+        if structures.is_empty() || !rest.is_empty() {
+            subjects.extend(select(registry, &rest, &[])?.into_iter().map(Self::Structure));
+        }
+        let is_named = |entry: &&Entry| {
+            structures.is_empty() || rest.iter().any(|n| n == "all" || n == entry.info.name)
+        };
+        for entry in registry.iter().filter(is_named).filter(|_| also_tested) {
+            for settings in entry.info.also_tested {
+                let row = Row::parse(registry, &format!("{} {settings}", entry.info.name))?;
+                if !subjects.contains(&Self::Structure(row.clone())) {
+                    subjects.push(Self::Structure(row));
+                }
+            }
+        }
+        if structures.is_empty() {
+            subjects.push(Self::Control);
+        }
+        let is_asked = |part: &&str| structures.is_empty() || named.iter().any(|n| n == part);
+        subjects.extend(parts().filter(is_asked).map(Self::Part));
+        Ok(subjects)
+    }
+
+    /// Those of `subjects` that a case asks, with the settings that it asks for.
+    ///
+    /// # Errors
+    /// [`PlanError`] when the case's own settings are not valid.
+    pub fn asked(
+        case: &Case,
+        subjects: &[Subject<'r>],
+        registry: &'r [Entry],
+    ) -> Result<Vec<Self>, PlanError> {
+        let of_its_own = match case.ask {
+            Ask::Rays { rows: [], .. } => {
+                let answers = |s: &&Self| !matches!(s, Self::Part(_));
+                return Ok(subjects.iter().filter(answers).cloned().collect());
+            }
+            Ask::Parts(parts) => {
+                let names = parts.iter().map(|part| Self::Part(part.name));
+                return Ok(names.filter(|part| subjects.contains(part)).collect());
+            }
+            Ask::Rays { rows, .. } => rows,
+        };
+        let is_asked = |name: &str| {
+            subjects.iter().any(|s| matches!(s, Self::Structure(row) if row.structure() == name))
+        };
+        let name = |label: &&&str| label.split(' ').next().is_some_and(is_asked);
+        of_its_own.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
+    }
+
+    /// The one of that label.
+    ///
+    /// # Errors
+    /// [`PlanError`] naming what is valid.
+    pub fn parse(registry: &'r [Entry], label: &str) -> Result<Self, PlanError> {
+        if label == CONTROL {
+            return Ok(Self::Control);
+        }
+        if let Some(part) = parts().find(|part| *part == label) {
+            return Ok(Self::Part(part));
+        }
+        Row::parse(registry, label).map(Self::Structure)
+    }
+
+    /// Name and settings.
+    pub fn label(&self) -> String {
+        match self {
+            Self::Structure(row) => row.label(),
+            Self::Control => CONTROL.to_owned(),
+            Self::Part(name) => (*name).to_owned(),
+        }
+    }
+
+    /// Why its mismatches are no failure, if so.
+    pub fn known_defect(&self) -> Option<&'static str> {
+        match self {
+            Self::Structure(row) => row.known_defect(),
+            Self::Control => Some("negative control: leaks at edges"),
+            Self::Part(_) => None,
+        }
+    }
+
+    /// Brute force with its defaults, which is the reference: it need not be asked twice.
+    pub fn is_reference(&self) -> bool {
+        match self {
+            Self::Structure(row) => find("brute-force").is_some_and(|e| std::ptr::eq(e, row.entry)),
+            _ => false,
+        }
+    }
+
+    /// Builds over `model` and hands the tracer to `ask`; `None` where it has no such primitives.
+    ///
+    /// # Errors
+    /// [`BuildError`] when it refuses the scene.
+    pub fn over<S: Buildable, R>(
+        &self,
+        model: &Model<S>,
+        ask: impl FnOnce(&dyn Tracer<S>) -> R,
+    ) -> Result<Option<R>, BuildError> {
+        match self {
+            Self::Structure(row) => {
+                let tracer = row.entry.build(model.prims(), &row.params)?;
+                Ok(Some(ask(&*tracer)))
+            }
+            Self::Control => {
+                let Model::Triangles(_) = model else { return Ok(None) };
+                let leaky = [("triangle-test", CONTROL)];
+                brute_force(model.prims(), &leaky, ask).map(Some)
+            }
+            Self::Part(_) => Ok(None),
+        }
+    }
+}
+
+/// Hands brute force over these primitives to `ask`.
+///
+/// # Errors
+/// [`BuildError`] for an empty scene.
+pub fn with_brute_force<S: Buildable, R>(
+    prims: PrimsRef<'_, S>,
+    ask: impl FnOnce(&dyn Tracer<S>) -> R,
+) -> Result<R, BuildError> {
+    brute_force(prims, &[], ask)
+}
+
+fn brute_force<S: Buildable, R>(
+    prims: PrimsRef<'_, S>,
+    settings: &[(&str, &str)],
+    ask: impl FnOnce(&dyn Tracer<S>) -> R,
+) -> Result<R, BuildError> {
+    let entry = find("brute-force")
+        .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })?;
+    let tracer = entry.build(prims, &entry.params(settings.iter().copied())?)?;
+    Ok(ask(&*tracer))
+}

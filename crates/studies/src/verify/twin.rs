@@ -1,0 +1,115 @@
+//! A scene in another guise: scaled, mirrored or renumbered. The answers must stay the same.
+
+use accel_core::{Hit, Ray, Scalar};
+use glam::DVec3;
+
+use super::model::{Corners, Model};
+use super::rays::ray;
+
+/// What must not change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Same {
+    /// The parameter of the hit, to the last bit, and the primitive.
+    Bits,
+    /// The primitive, where the oracle says which it is: sums are made in another order.
+    Ids,
+}
+
+/// The same scene and rays, told differently.
+#[derive(Debug)]
+pub struct Twin<S: Scalar> {
+    /// What was done to it.
+    pub name: String,
+    /// What must be the same.
+    pub same: Same,
+    /// The scene.
+    pub model: Model<S>,
+    /// The rays, in the order of the round.
+    pub rays: Vec<Ray<S>>,
+    /// A parameter of the round is this much that of the twin: a power of two.
+    pub factor: f64,
+    /// For each id of the twin, that of the round; empty when they are the same.
+    pub ids: Vec<u32>,
+}
+
+impl<S: Scalar> Twin<S> {
+    /// The answer of the twin, told as one of the round.
+    pub fn told_back(&self, hit: Hit<S>) -> Hit<S> {
+        let t = S::from_f64(hit.t.to_f64() * self.factor);
+        let id =
+            if hit.is_hit() { *self.ids.get(hit.id as usize).unwrap_or(&hit.id) } else { hit.id };
+        Hit { t, id }
+    }
+}
+
+/// A scene of triangles and the rays through it, from which twins are made.
+#[derive(Debug)]
+pub struct Original<'a, S: Scalar> {
+    /// The triangles.
+    pub triangles: &'a [Corners],
+    /// The rays.
+    pub rays: &'a [Ray<S>],
+}
+
+impl<S: Scalar> Original<'_, S> {
+    /// Everything by `2^exponent`: `t` keeps its bits.
+    pub fn scaled(&self, exponent: i32) -> Option<Twin<S>> {
+        let by = 2.0_f64.powi(exponent);
+        self.moved(format!("scaled by 2^{exponent}"), 1.0, |p| p * by, |d| d * by)
+    }
+
+    /// Directions alone by `2^exponent`: `t` becomes `2^-exponent` times as large.
+    pub fn with_direction_scaled(&self, exponent: i32) -> Option<Twin<S>> {
+        let by = 2.0_f64.powi(exponent);
+        self.moved(format!("direction by 2^{exponent}"), by, |p| p, |d| d * by)
+    }
+
+    /// The axes whose bit is set in `mask`, mirrored.
+    pub fn mirrored(&self, mask: u8) -> Option<Twin<S>> {
+        let sign =
+            DVec3::from_array([0, 1, 2].map(|k| if mask >> k & 1 == 1 { -1.0 } else { 1.0 }));
+        self.moved(format!("mirrored {mask:03b}"), 1.0, |p| p * sign, |d| d * sign)
+    }
+
+    /// The axes in another order, the `order`-th of six, and mirrored as well.
+    pub fn permuted(&self, order: usize, mask: u8) -> Option<Twin<S>> {
+        const ORDERS: [[usize; 3]; 6] =
+            [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let axes = ORDERS.get(order)?;
+        let moved = |p: DVec3| {
+            let at = |k: usize| if mask >> k & 1 == 1 { -p[axes[k]] } else { p[axes[k]] };
+            DVec3::from_array([0, 1, 2].map(at))
+        };
+        let twin = self.moved(format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
+        Some(Twin { same: if order == 0 { Same::Bits } else { Same::Ids }, ..twin })
+    }
+
+    /// The triangles in another order: `order[new] = old`.
+    pub fn renumbered(&self, order: Vec<u32>) -> Option<Twin<S>> {
+        let moved = order.iter().filter_map(|&old| self.triangles.get(old as usize).copied());
+        let model = Model::triangles(&moved.collect::<Vec<_>>()).ok()?;
+        let name = "renumbered".to_owned();
+        let rays = self.rays.to_vec();
+        Some(Twin { name, same: Same::Bits, model, rays, factor: 1.0, ids: order })
+    }
+
+    /// `None` when the numbers do not fit.
+    fn moved(
+        &self,
+        name: String,
+        factor: f64,
+        point: impl Fn(DVec3) -> DVec3,
+        direction: impl Fn(DVec3) -> DVec3,
+    ) -> Option<Twin<S>> {
+        use accel_core::Vector;
+        let triangles: Vec<Corners> = self.triangles.iter().map(|t| t.map(&point)).collect();
+        let told = |r: &Ray<S>| {
+            let moved = ray(point(r.origin.to_dvec3()), direction(r.direction.to_dvec3()));
+            let by = |t: S| S::from_f64(t.to_f64() / factor);
+            Ray { t_min: by(r.t_min), t_max: by(r.t_max), ..moved }
+        };
+        let model = Model::triangles(&triangles).ok()?;
+        let rays = self.rays.iter().map(told).collect();
+        Some(Twin { name, same: Same::Bits, model, rays, factor, ids: Vec::new() })
+    }
+}
