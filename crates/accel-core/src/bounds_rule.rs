@@ -7,8 +7,8 @@ use crate::scalar::{Scalar, Vec3, Vector};
 /// How the box of a primitive is made from its tight bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BoundsRule {
-    /// Tight bounds grown by a few ulps of the scene's largest coordinate, so that the rounding
-    /// of a hit point or of a cell plane never loses a primitive.
+    /// Tight bounds grown by 64 ulps of the scene's largest coordinate, so that the rounding of a
+    /// hit point or of a cell plane never loses a primitive.
     Padded,
     /// Havran and Sixta (1999), as fitted to their counters: polygons and patches thinner than
     /// 0.02 on an axis get 0.02 more on both sides of it; cones and cylinders grow by the margin
@@ -20,8 +20,13 @@ pub enum BoundsRule {
     },
 }
 
-/// Ulps (of the scene's largest coordinate) by which padded boxes grow: an entry point or a hit
-/// point of a ray that starts within 8 magnitudes (see `far_ray.rs`) is off by up to about 42.
+/// Ulps (of the scene's largest coordinate) by which padded boxes grow, for all structures: 42 for
+/// the point of a hit, 22 for the planes of cells. A parameter of a ray that starts within 8
+/// magnitudes (see `far_ray.rs`) is off by up to 40 along the ray. Across it, a hit is off by up to
+/// 25 for the rounding of sheared corners and 12 for that of weights (`primitives/precise.rs`);
+/// were every rounding of both at its worst at once, more than 42. In 24 million hits of random
+/// triangles and needles, a third of them from 8 magnitudes away, no point lay further than 11
+/// outside of its triangle's box.
 pub(crate) const PADDING_ULPS: f64 = 64.0;
 
 /// The side that a cell must at least have where boxes are padded by so much.

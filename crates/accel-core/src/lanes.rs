@@ -58,6 +58,10 @@ pub trait Eight:
     fn equal(self, other: Self) -> Self;
     /// Where `self <= other`.
     fn at_most(self, other: Self) -> Self;
+    /// Where `self < other`.
+    fn below(self, other: Self) -> Self;
+    /// Without sign.
+    fn absolute(self) -> Self;
     /// The highest bit of each lane, the first lane's lowest.
     fn high_bits(self) -> u32;
 }
@@ -106,6 +110,14 @@ macro_rules! eight {
             #[inline(always)]
             fn at_most(self, other: Self) -> Self {
                 self.simd_le(other)
+            }
+            #[inline(always)]
+            fn below(self, other: Self) -> Self {
+                self.simd_lt(other)
+            }
+            #[inline(always)]
+            fn absolute(self) -> Self {
+                self.abs()
             }
             #[inline(always)]
             fn high_bits(self) -> u32 {
@@ -189,6 +201,8 @@ mod tests {
         assert_eq!(a.at_most(b).high_bits(), 0b0000_1111);
         assert_eq!(a.equal(b).high_bits(), 0b0000_1000);
         assert_eq!((a - b).high_bits(), 0b0000_0111);
+        assert_eq!(a.below(b).high_bits(), 0b0000_0111);
+        assert_eq!((a - b).absolute().to_array()[..2], [s(3.0), s(2.0)]);
         assert_eq!(a.at_most(V::splat(s(f64::NAN))).high_bits(), 0);
     }
 

@@ -55,6 +55,12 @@ pub trait Scalar:
     /// multiply three coordinates, cone tests four, and rays start up to 8 magnitudes away. Beyond
     /// them such products overflow, or underflow for details that are small within the scene.
     const SCENE_EXPONENTS: [i32; 2];
+    /// Between these sums of the absolute components a direction is walked as it is: reciprocals
+    /// and parameters in a served scene are normal numbers.
+    const DIRECTION_LENGTHS: [Self; 2];
+    /// Components below this part of the longest one are too small for triangle tests: their
+    /// products with lengths in a served scene may be subnormal numbers, of few digits.
+    const LEAST_SLOPE: Self;
 
     /// Rounds to nearest.
     fn from_f64(x: f64) -> Self;
@@ -145,7 +151,10 @@ pub trait Vector<S: Scalar>:
 }
 
 macro_rules! scalar {
-    ($s:ty, $v:ty, $four:ty, $eight:ty, $name:literal, $mantissa_bits:literal, $exponents:expr) => {
+    (
+        $s:ty, $v:ty, $four:ty, $eight:ty, $name:literal, $mantissa_bits:literal, $exponents:expr,
+        $longest:literal, $least_slope:literal
+    ) => {
         impl Scalar for $s {
             type Vec3 = $v;
             type Four = $four;
@@ -156,6 +165,8 @@ macro_rules! scalar {
             const EPSILON: Self = <$s>::EPSILON;
             const NAME: &'static str = $name;
             const SCENE_EXPONENTS: [i32; 2] = $exponents;
+            const DIRECTION_LENGTHS: [Self; 2] = [1.0 / $longest, $longest];
+            const LEAST_SLOPE: Self = $least_slope;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
@@ -258,8 +269,8 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, glam::Vec3, wide::f32x4, wide::f32x8, "f32", 23, [-30, 32]);
-scalar!(f64, glam::DVec3, wide::f64x4, wide::f64x8, "f64", 52, [-240, 240]);
+scalar!(f32, glam::Vec3, wide::f32x4, wide::f32x8, "f32", 23, [-30, 32], 1e18, 1e-20);
+scalar!(f64, glam::DVec3, wide::f64x4, wide::f64x8, "f64", 52, [-240, 240], 1e140, 1e-220);
 
 #[cfg(test)]
 mod tests {

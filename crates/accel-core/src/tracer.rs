@@ -11,7 +11,7 @@ pub use in_motion::BoundInMotion;
 use std::ops::Deref;
 
 use crate::counters::{NoCounters, WorkCounters};
-use crate::far_ray::{self, Place};
+use crate::far_ray::{self, Parameters, Place};
 use crate::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, Ray};
@@ -161,24 +161,24 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     }
 }
 
-/// Calls `query` with the ray, brought near, and by how much its parameters became smaller.
+/// Calls `query` with the ray, brought near, and what its parameters became.
 #[inline(always)]
 fn near<S: Scalar, R>(
     reach: S,
     ray: &Ray<S>,
     nowhere: R,
-    query: impl FnOnce(&Ray<S>, S) -> R,
+    query: impl FnOnce(&Ray<S>, Parameters<S>) -> R,
 ) -> R {
     let moved;
-    let (near, by) = match far_ray::place(ray, reach) {
-        Place::Near => (ray, S::ZERO),
-        Place::Moved(near, by) => {
+    let (near, parameters) = match far_ray::place(ray, reach) {
+        Place::Near => (ray, Parameters::SAME),
+        Place::Moved(near, parameters) => {
             moved = near;
-            (&moved, by)
+            (&moved, parameters)
         }
         Place::Nowhere => return nowhere,
     };
-    query(near, by)
+    query(near, parameters)
 }
 
 /// Closest hits with one kind of mailbox; `one` asks for one of them.
@@ -192,9 +192,9 @@ fn closest<S: Scalar, B: MailboxSource>(
 ) {
     for (ray, hit) in rays.iter().zip(hits) {
         let miss = Hit { t: ray.t_max, ..Hit::NONE };
-        *hit = near(reach, ray, miss, |near, by| {
+        *hit = near(reach, ray, miss, |near, parameters| {
             let found = one(near, mailboxes.next_ray());
-            if found.is_hit() { Hit { t: found.t + by, ..found } } else { miss }
+            if found.is_hit() { Hit { t: parameters.restored(found.t), ..found } } else { miss }
         });
     }
 }

@@ -184,7 +184,7 @@ impl<'a, S: Scalar> ChosenTests<'a, S> {
             (TriangleChoice::Double, _, Some(double)) => InDouble::intersect(v, ray, double, t_max),
             // `setup` computes what each test needs
             (_, None, _) | (TriangleChoice::Double, _, None) => {
-                Watertight::intersect(v, ray, &Shear::of(ray), t_max)
+                Watertight::intersect(v, ray, &Shear::of(ray, self.magnitude()), t_max)
             }
         }
     }
@@ -210,7 +210,7 @@ impl<'a, S: Scalar> ChosenTests<'a, S> {
             ShapeRef::Triangle(v) => self.triangle(v, ray, setup, t_max),
             ShapeRef::Sphere(sphere) => self.sphere(sphere, ray, t_max),
             ShapeRef::Other => {
-                let shear = setup.shear.unwrap_or_else(|| Shear::of(ray));
+                let shear = setup.shear.unwrap_or_else(|| Shear::of(ray, set.magnitude()));
                 set.intersect(id, ray, &shear, t_max)
             }
         }
@@ -265,9 +265,9 @@ impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
             matches!(self.choice.triangle, TriangleChoice::Watertight | TriangleChoice::Fallback);
         ChosenSetup {
             // polygons are tested in the sheared space whatever the test of triangles is
-            shear: (is_mixed || sheared).then(|| Shear::of(ray)),
+            shear: (is_mixed || sheared).then(|| Shear::of(ray, self.magnitude())),
             double: (self.choice.triangle == TriangleChoice::Double)
-                .then(|| <InDouble as TriangleTest<S>>::setup(ray)),
+                .then(|| <InDouble as TriangleTest<S>>::setup(ray, self.magnitude())),
         }
     }
 

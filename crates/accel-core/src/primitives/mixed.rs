@@ -308,7 +308,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
 
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> Shear<S> {
-        Shear::of(ray)
+        Shear::of(ray, self.magnitude)
     }
 
     #[inline(always)]

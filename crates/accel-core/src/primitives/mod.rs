@@ -10,6 +10,7 @@ mod cone;
 mod mixed;
 mod moving;
 mod polygon;
+mod precise;
 mod sphere;
 mod sphere_tests;
 mod support;

@@ -73,6 +73,13 @@ impl<S: Scalar> Polygon<S> {
         if !(t >= ray.t_min && t <= t_max && t.is_finite()) {
             return None;
         }
+        let any;
+        let shear = if shear.is_too_small() {
+            any = Shear::of_any(ray, shear.fine);
+            &any
+        } else {
+            shear
+        };
         encloses_axis(self.outline(store), shear).then_some(t)
     }
 
@@ -154,7 +161,7 @@ mod tests {
         let mut store = Vec::new();
         let p = Polygon::<f32>::new(vertices, &mut store).unwrap();
         let ray = Ray::<f32>::new(glam::vec3(x as f32, y as f32, 2.0), -glam::Vec3::Z);
-        p.intersect(&store, &ray, &Shear::of(&ray), f32::INFINITY).is_some()
+        p.intersect(&store, &ray, &Shear::of(&ray, 2.0), f32::INFINITY).is_some()
     }
 
     #[test]

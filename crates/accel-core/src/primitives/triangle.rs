@@ -4,14 +4,16 @@
 //! T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997.
 //!
 //! Deviations from Woop et al.: both sides are hit; where an edge function rounds to zero its
-//! exact sign is found by error-free products (`fma(a, b, -ab)`) instead of double precision, so
-//! f64 is watertight too; the division is done before the interval test, which is closed.
+//! exact sign is found by error-free products instead of double precision, so f64 is watertight
+//! too; the division is done before the interval test, which is closed; triangles seen nearly
+//! edge-on, and rays with a component too small to divide by, are left to `precise.rs`.
 
 use std::marker::PhantomData;
 
 use glam::DVec3;
 
 use super::collinear::without_sliver;
+use super::precise::{self, exact_difference, weights_suffice};
 use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use super::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
 use crate::aabb::Aabb;
@@ -24,8 +26,8 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     type Setup: Copy;
     /// Name in settings and tables.
     const NAME: &'static str;
-    /// Prepares a ray.
-    fn setup(ray: &Ray<S>) -> Self::Setup;
+    /// Prepares a ray for triangles of which no coordinate is larger than `magnitude`.
+    fn setup(ray: &Ray<S>, magnitude: S) -> Self::Setup;
     /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
     fn intersect(v: &[[S; 3]; 3], ray: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S>;
 }
@@ -40,7 +42,11 @@ pub struct Shear<S: Scalar> {
     /// Axes in the order x, y, z of the sheared space; a permutation of 0, 1, 2.
     pub(super) axes: [usize; 3],
     pub(super) origin: [S; 3],
+    /// The first is NaN where a component is too small (see [`Scalar::LEAST_SLOPE`]): no triangle
+    /// then passes for one that is hit, or missed, before `precise.rs` has judged it.
     pub(super) shear: [S; 3],
+    /// Four times the scene's largest coordinate; see `precise.rs`.
+    pub(super) fine: S,
 }
 
 /// The longest axis by `x > y`, `x > z`, `y > z`, the first of these the lowest bit; z in doubt.
@@ -49,9 +55,39 @@ const LONGEST: [usize; 8] = [2, 2, 2, 0, 1, 2, 1, 0];
 const OTHERS: [[[usize; 2]; 2]; 3] = [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
 
 impl<S: Scalar> Shear<S> {
-    /// The shear that maps `ray` to the +z axis through the origin.
+    /// The shear that maps `ray` to the +z axis through the origin, for corners of which no
+    /// coordinate is larger than `magnitude`.
     #[inline(always)]
-    pub fn of(ray: &Ray<S>) -> Self {
+    pub fn of(ray: &Ray<S>, magnitude: S) -> Self {
+        let mut this = Self::of_any(ray, magnitude);
+        let is_small = |slope: S| slope.abs() < S::LEAST_SLOPE;
+        if is_small(this.shear[0]) || is_small(this.shear[1]) {
+            this.refuse_small(ray);
+        }
+        this
+    }
+
+    /// Marks the shear of a ray with a component that is too small, but not zero.
+    #[cold]
+    #[inline(never)]
+    fn refuse_small(&mut self, ray: &Ray<S>) {
+        let d = ray.direction.to_array();
+        let is_too_small =
+            |i: usize| d[self.axes[i]] != S::ZERO && self.shear[i].abs() < S::LEAST_SLOPE;
+        if is_too_small(0) || is_too_small(1) {
+            self.shear[0] = S::from_f64(f64::NAN);
+        }
+    }
+
+    /// Whether a component is too small.
+    #[inline(always)]
+    pub(super) fn is_too_small(&self) -> bool {
+        !self.shear[0].is_finite()
+    }
+
+    /// [`Shear::of`] without regard to the size of components.
+    #[inline(always)]
+    pub(super) fn of_any(ray: &Ray<S>, magnitude: S) -> Self {
         let d = ray.direction.to_array();
         let o = ray.origin.to_array();
         let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
@@ -64,6 +100,7 @@ impl<S: Scalar> Shear<S> {
             axes: [kx, ky, kz],
             origin: [o[kx], o[ky], o[kz]],
             shear: [d[kx] * inv, d[ky] * inv, inv],
+            fine: S::from_i32(4) * magnitude,
         }
     }
 
@@ -90,6 +127,14 @@ impl<S: Scalar> Shear<S> {
     }
 }
 
+/// The largest coordinate of sheared corners across the ray.
+#[inline(always)]
+fn largest<S: Scalar>([a, b, c]: &[[S; 3]; 3]) -> S {
+    let x = a[0].abs().greater(b[0].abs()).greater(c[0].abs());
+    let y = a[1].abs().greater(b[1].abs()).greater(c[1].abs());
+    x.greater(y)
+}
+
 /// `a*b - c*d` with the right sign: where the rounded products cancel, the sign of the exact
 /// difference (of the rounding errors) decides. Never contract this into one FMA: that breaks
 /// the antisymmetry that makes shared edges tight.
@@ -99,21 +144,13 @@ pub(super) fn edge_function<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
     if e == S::ZERO { exact_difference(a, b, c, d) } else { e }
 }
 
-#[cold]
-#[inline(never)]
-fn exact_difference<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
-    let error_ab = a.fused_mul_add(b, -(a * b));
-    let error_cd = c.fused_mul_add(d, -(c * d));
-    error_ab - error_cd
-}
-
 impl<S: Scalar> TriangleTest<S> for Watertight {
     type Setup = Shear<S>;
     const NAME: &'static str = "watertight";
 
     #[inline(always)]
-    fn setup(ray: &Ray<S>) -> Shear<S> {
-        Shear::of(ray)
+    fn setup(ray: &Ray<S>, magnitude: S) -> Shear<S> {
+        Shear::of(ray, magnitude)
     }
 
     #[inline(always)]
@@ -130,8 +167,9 @@ impl<S: Scalar> TriangleTest<S> for Watertight {
             return None;
         }
         let det = u + v + w;
-        if det == S::ZERO {
-            return None;
+        // also where it is zero, or NaN
+        if !weights_suffice(largest(&[a, b, c]), det, shear.fine) {
+            return precise::intersect(tri, ray, shear, t_max);
         }
         let t = (u * a[2] + v * b[2] + w * c[2]) * shear.shear[2] / det;
         // NaN fails both comparisons
@@ -148,7 +186,7 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
     const NAME: &'static str = "moeller-trumbore";
 
     #[inline(always)]
-    fn setup(_: &Ray<S>) {}
+    fn setup(_: &Ray<S>, _: S) {}
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
@@ -261,7 +299,7 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     }
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> T::Setup {
-        T::setup(ray)
+        T::setup(ray, self.magnitude)
     }
     #[inline(always)]
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &T::Setup, t_max: S) -> Option<S> {
@@ -316,7 +354,7 @@ mod tests {
                             continue;
                         }
                         let ray = Ray::<S>::new(origin, target - origin);
-                        let setup = T::setup(&ray);
+                        let setup = T::setup(&ray, S::from_f64(2.0));
                         let hit = tris
                             .iter()
                             .any(|t| T::intersect(t, &ray, &setup, S::INFINITY).is_some());
@@ -345,7 +383,7 @@ mod tests {
                 [(0.0, 1.0, true), (1.0, 2.0, true), (0.0, 0.99, false), (1.01, 2.0, false)]
             {
                 ray.t_min = lo;
-                let w = Watertight::intersect(&tri, &ray, &Shear::of(&ray), hi);
+                let w = Watertight::intersect(&tri, &ray, &Shear::of(&ray, 1.0), hi);
                 let m = MoellerTrumbore::intersect(&tri, &ray, &(), hi);
                 assert_eq!(w, expected.then_some(1.0));
                 assert_eq!(m, expected.then_some(1.0));
@@ -371,7 +409,7 @@ mod tests {
         for tri in [[p, p, p], [p, q, p], [p, q, [0.5, 0.5, 1.0]]] {
             for x in [0.25f32, 0.5, 0.75] {
                 let ray = Ray::<f32>::new(glam::vec3(x, 0.5, 0.0), glam::vec3(0.0, 0.0, 1.0));
-                assert_eq!(Watertight::intersect(&tri, &ray, &Shear::of(&ray), 9.0), None);
+                assert_eq!(Watertight::intersect(&tri, &ray, &Shear::of(&ray, 1.0), 9.0), None);
             }
         }
     }

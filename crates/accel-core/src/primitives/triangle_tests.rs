@@ -26,7 +26,7 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumboreTolerant {
     const NAME: &'static str = "moeller-trumbore-epsilon";
 
     #[inline(always)]
-    fn setup(_: &Ray<S>) {}
+    fn setup(_: &Ray<S>, _: S) {}
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
@@ -43,7 +43,7 @@ impl<S: Scalar> TriangleTest<S> for Pluecker {
     const NAME: &'static str = "pluecker";
 
     #[inline(always)]
-    fn setup(_: &Ray<S>) {}
+    fn setup(_: &Ray<S>, _: S) {}
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
@@ -75,8 +75,8 @@ impl<S: Scalar> TriangleTest<S> for WatertightFallback {
     const NAME: &'static str = "watertight-fallback";
 
     #[inline(always)]
-    fn setup(ray: &Ray<S>) -> Shear<S> {
-        Shear::of(ray)
+    fn setup(ray: &Ray<S>, magnitude: S) -> Shear<S> {
+        Shear::of_any(ray, magnitude)
     }
 
     #[inline(always)]
@@ -118,9 +118,9 @@ impl<S: Scalar> TriangleTest<S> for InDouble {
     const NAME: &'static str = "f64";
 
     #[inline(always)]
-    fn setup(ray: &Ray<S>) -> Self::Setup {
+    fn setup(ray: &Ray<S>, magnitude: S) -> Self::Setup {
         let ray = ray.widened();
-        (ray, Shear::of(&ray))
+        (ray, Shear::of(&ray, magnitude.to_f64()))
     }
 
     #[inline(always)]
@@ -145,7 +145,7 @@ mod tests {
             let at = |x: f64, y: f64| {
                 let o = Vec3::<S>::from_dvec3(glam::dvec3(x, y, 1.0 - side));
                 let ray = Ray::<S>::new(o, Vec3::<S>::from_dvec3(glam::dvec3(0.0, 0.0, side)));
-                T::intersect(&tri, &ray, &T::setup(&ray), S::from_f64(9.0)).map(S::to_f64)
+                T::intersect(&tri, &ray, &T::setup(&ray, S::ONE), S::from_f64(9.0)).map(S::to_f64)
             };
             assert_eq!(at(0.25, 0.25), Some(1.0), "{}", T::NAME);
             assert_eq!(at(0.75, 0.75), None, "{}", T::NAME);

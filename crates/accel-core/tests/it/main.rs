@@ -5,6 +5,7 @@ mod caps;
 mod common;
 mod contributing;
 mod differential;
+mod edge_on;
 mod motion;
 mod nested_grids;
 mod obvhs;

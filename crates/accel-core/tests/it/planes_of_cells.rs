@@ -146,7 +146,7 @@ fn blocks_agree<S: Buildable>() {
     for (i, n) in sizes.into_iter().enumerate() {
         let set = block::<S>(n, i == 3);
         let prims = PrimsRef::Watertight(&set);
-        let count = (25_000_000 / set.triangles().len()).min(3000);
+        let count = (8_000_000 / set.triangles().len()).min(2000);
         let rays = rays(n, SMALLEST, count, &mut random);
         let right = answers(prims, "brute-force", "", &rays);
         assert!(right.0.iter().filter(|hit| hit.is_hit()).count() * 10 > count);

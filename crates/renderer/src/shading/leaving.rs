@@ -121,7 +121,7 @@ impl Leaving {
             let mut magnitude = 2.0 * sliver.coordinate;
             while magnitude < foot.magnitude {
                 let ray = leave(magnitude);
-                let shear = Watertight::setup(&ray);
+                let shear = Watertight::setup(&ray, S::from_f64(self.magnitude));
                 if Watertight::intersect(&corners, &ray, &shear, ray.t_max).is_none() {
                     return ray;
                 }
@@ -226,7 +226,7 @@ mod tests {
                 let direction = dvec3(random() - 0.5, random() - 0.5, random() - 0.5);
                 let target = p + direction;
                 for ray in [leaving.along::<f32>(&from, direction), leaving.to(&from, target)] {
-                    let shear = Watertight::setup(&ray);
+                    let shear = Watertight::setup(&ray, 2.0);
                     let hit = Watertight::intersect(&rounded, &ray, &shear, ray.t_max);
                     hits += u32::from(hit.is_some());
                     far += (ray.origin.as_dvec3() - from.foot.position).length() / 40_000.0;

@@ -9,7 +9,7 @@
 use super::IrregularGrid;
 use super::course::{Course, Point};
 use super::voxels::Voxel;
-use crate::far_ray::{self, Place};
+use crate::far_ray::{self, Parameters, Place};
 use crate::primitives::{PrimSet, Shear, TriangleBlock};
 use crate::ray::{Hit, MISS, Ray};
 use crate::scalar::{Scalar, Vec3, Vector};
@@ -35,8 +35,8 @@ pub(super) struct Lane<S: Scalar> {
     shear: Shear<S>,
     ray: Ray<S>,
     best: Hit<S>,
-    /// Parameters were made smaller by this.
-    moved_by: S,
+    /// What those of the ray became.
+    parameters: Parameters<S>,
     /// In the batch.
     place: usize,
 }
@@ -51,10 +51,10 @@ impl<S: Scalar> Lane<S> {
             course: Course::idle(),
             at: Point::ZERO,
             voxel: Voxel::NOTHING,
-            shear: Shear::of(&ray),
+            shear: Shear::of(&ray, S::ONE),
             ray,
             best: Hit { t: S::ZERO, id: MISS },
-            moved_by: S::ZERO,
+            parameters: Parameters::SAME,
             place: IDLE,
         }
     }
@@ -89,18 +89,18 @@ impl<S: Scalar> IrregularGrid<S> {
     /// Sets a ray on its way; false when it meets nothing.
     #[inline(always)]
     fn start(&self, lane: &mut Lane<S>, ray: &Ray<S>, place: usize, reach: S) -> bool {
-        let (ray, moved_by) = match far_ray::place(ray, reach) {
-            Place::Near => (*ray, S::ZERO),
-            Place::Moved(near, by) => (near, by),
+        let (ray, parameters) = match far_ray::place(ray, reach) {
+            Place::Near => (*ray, Parameters::SAME),
+            Place::Moved(near, parameters) => (near, parameters),
             Place::Nowhere => return false,
         };
         let Some((course, at)) = Course::of(&ray, &self.place) else { return false };
         lane.course = course;
         lane.at = at;
-        lane.shear = Shear::of(&ray);
+        lane.shear = Shear::of(&ray, self.magnitude);
         lane.best = Hit { t: ray.t_max, id: MISS };
         lane.ray = ray;
-        lane.moved_by = moved_by;
+        lane.parameters = parameters;
         lane.place = place;
         true
     }
@@ -151,9 +151,9 @@ impl<S: Scalar> IrregularGrid<S> {
             while over != 0 {
                 let i = over.ilog2() as usize;
                 over ^= 1 << i;
-                let Lane { place, best, moved_by, .. } = lanes[i];
+                let Lane { place, best, parameters, .. } = lanes[i];
                 if place != IDLE {
-                    query.finish(place, Hit { t: best.t + moved_by, ..best });
+                    query.finish(place, Hit { t: parameters.restored(best.t), ..best });
                 }
                 loop {
                     let Some((place, ray)) = waiting.next() else {
@@ -221,7 +221,7 @@ impl<S: Scalar> IrregularGrid<S> {
                 }
                 lane.voxel = self.voxels.at(lane.at);
             }
-            query.finish(place, Hit { t: lane.best.t + lane.moved_by, ..lane.best });
+            query.finish(place, Hit { t: lane.parameters.restored(lane.best.t), ..lane.best });
         }
     }
 

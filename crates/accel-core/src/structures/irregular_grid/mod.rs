@@ -122,6 +122,8 @@ pub struct IrregularGrid<S: Scalar> {
     voxels: Voxels,
     lists: Lists<S>,
     place: Place<S>,
+    /// The scene's largest coordinate.
+    magnitude: S,
     /// Several rays of a batch are on their way at once.
     is_batch: bool,
     shape: Shape,
@@ -180,6 +182,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             voxels,
             lists,
             place: Place::new(boxes.scene().min, a_length, lattice.resolution()),
+            magnitude: prims.magnitude(),
             is_batch: params.text("query") == "batch",
             shape,
         })

@@ -26,7 +26,9 @@ type Numbered<S> = [(u32, Triangle<S>)];
 fn block<S: Buildable>(random: &mut Random, rays: usize) -> Findings {
     examine::<S>(random, rays, |triangles, ray, best| {
         let block = TriangleBlock::new(triangles.iter().copied(), false);
-        let shear = Shear::of(ray);
+        let coordinates = triangles.iter().flat_map(|(_, corners)| corners.iter().flatten());
+        let magnitude = coordinates.fold(S::ZERO, |most, c| most.greater(c.abs()));
+        let shear = Shear::of(ray, magnitude);
         block.closest(ray, &shear, best);
         block.any(ray, &shear, |_| true)
     })

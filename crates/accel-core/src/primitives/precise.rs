@@ -1,0 +1,128 @@
+//! The watertight triangle test where its scalar does not tell enough: rare, and so out of line.
+//!
+//! Two cases. **A triangle seen nearly edge-on.** The signs of edge functions are exact (see
+//! `triangle.rs`), but where products cancel, what is left of their difference is rounding: weights
+//! of nothing, and `t` any parameter between those of the corners, wherever the ray is then. With
+//! weights off by `e` each, the ray at `t` passes the triangle's point of these weights at up to
+//! `3 e m / det`, `m` being the largest coordinate of the sheared corners and `e` at most
+//! `epsilon m^2`. [`weights_suffice`] admits 12 epsilons of the scene's largest coordinate; the
+//! padding of boxes (`bounds_rule.rs`) has room for that, and no structure loses the hit. Beyond it,
+//! the weights are computed here, off by no more than a few ulps of their own.
+//! **A ray with a component so small** that sheared corners are subnormal numbers of few digits:
+//! everything is computed in f64, from the corners on.
+//!
+//! Differences of products: W. Kahan's algorithm as analysed by C.-P. Jeannerod, N. Louvet,
+//! J.-M. Muller, "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2
+//! Determinants", Mathematics of Computation 82, 2013.
+
+use super::triangle::Shear;
+use crate::ray::Ray;
+use crate::scalar::{Scalar, Vector};
+
+/// By what sheared coordinates are multiplied where a ray's component is too small: what is
+/// subnormal in f64 becomes normal, and no product of two coordinates of a served scene overflows.
+const ENLARGED: f64 = f64::from_bits((1023 + 250) << 52);
+
+/// `a*b - c*d`, off by 1.5 ulps at most; exact in sign.
+#[inline(always)]
+fn difference(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let cd = c * d;
+    a.mul_add(b, -cd) + (-c).mul_add(d, cd)
+}
+
+/// `a*b - c*d` where both products round to the same number: exact in sign.
+#[cold]
+#[inline(never)]
+pub(super) fn exact_difference<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
+    let wide = difference(a.to_f64(), b.to_f64(), c.to_f64(), d.to_f64());
+    let e = S::from_f64(wide);
+    // the sign of what is too small for the scalar counts, too
+    if e != S::ZERO || wide == 0.0 {
+        e
+    } else if wide > 0.0 {
+        S::ZERO.next_up()
+    } else {
+        S::ZERO.next_down()
+    }
+}
+
+/// Whether the weights of a hit are precise enough in the scalar: `largest` is the largest of the
+/// sheared corners' coordinates, `fine` that of [`Shear`]. NaN does not suffice.
+#[inline(always)]
+pub(super) fn weights_suffice<S: Scalar>(largest: S, det: S, fine: S) -> bool {
+    largest * largest * largest < fine * det.abs()
+}
+
+/// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
+#[cold]
+#[inline(never)]
+pub(super) fn intersect<S: Scalar>(
+    tri: &[[S; 3]; 3],
+    ray: &Ray<S>,
+    shear: &Shear<S>,
+    t_max: S,
+) -> Option<S> {
+    let [a, b, c] = if shear.is_too_small() {
+        enlarged(tri, ray, shear.axes)
+    } else {
+        tri.map(|v| shear.apply(&v).map(S::to_f64))
+    };
+    let u = difference(c[0], b[1], c[1], b[0]);
+    let v = difference(a[0], c[1], a[1], c[0]);
+    let w = difference(b[0], a[1], b[1], a[0]);
+    if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        return None;
+    }
+    let det = u + v + w;
+    if det == 0.0 {
+        return None;
+    }
+    // weights first: products with enlarged edge functions could overflow
+    let depth = u / det * a[2] + v / det * b[2] + w / det * c[2];
+    let t = S::from_f64(depth * shear.depth_scale().to_f64());
+    // NaN fails both comparisons
+    (t >= ray.t_min && t <= t_max).then_some(t)
+}
+
+/// The corners in the sheared space, in f64; coordinates across the ray are enlarged where its
+/// component along them is too small.
+fn enlarged<S: Scalar>(tri: &[[S; 3]; 3], ray: &Ray<S>, axes: [usize; 3]) -> [[f64; 3]; 3] {
+    let [kx, ky, kz] = axes;
+    let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
+    let least = S::LEAST_SLOPE.to_f64();
+    let factor = |k: usize| if (d[k] / d[kz]).abs() < least { ENLARGED } else { 1.0 };
+    let factors = [factor(kx), factor(ky)];
+    let slopes = [d[kx] * factors[0] / d[kz], d[ky] * factors[1] / d[kz]];
+    tri.map(|v| {
+        let [x, y, z] = [kx, ky, kz].map(|k| v[k].to_f64() - o[k]);
+        [x * factors[0] - slopes[0] * z, y * factors[1] - slopes[1] * z, z]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_those_of_the_products() {
+        let (up, down) = (1.0f64.next_up(), 1.0f64.next_down());
+        // the product less one, and what rounding took from it
+        assert_eq!(
+            difference(up, down, 1.0, 1.0),
+            up * down - 1.0 + up.mul_add(down, -(up * down))
+        );
+        assert_eq!(difference(up, up, up, up), 0.0);
+        assert_eq!(exact_difference(up, down, down, up), 0.0);
+        assert!(exact_difference(up, up, 1.0, up.next_up()) > 0.0);
+        assert!(exact_difference(1.0, up.next_up(), up, up) < 0.0);
+    }
+
+    #[test]
+    fn what_is_too_small_for_the_scalar_keeps_its_sign() {
+        let (a, b) = (1e-30f32, 2e-30f32);
+        assert_eq!(b * b - a * a, 0.0);
+        assert!(exact_difference(b, b, a, a) > 0.0);
+        assert!(exact_difference(a, a, b, b) < 0.0);
+        assert_eq!(exact_difference(a, b, b, a), 0.0);
+    }
+}
