@@ -77,9 +77,10 @@ pub(super) fn intersect<S: Scalar>(
     if det == 0.0 {
         return None;
     }
-    // weights first: products with enlarged edge functions could overflow
-    let depth = u / det * a[2] + v / det * b[2] + w / det * c[2];
-    let t = S::from_f64(depth * shear.depth_scale().to_f64());
+    // by a power of two first: products with enlarged edge functions could overflow
+    let unit = det.to_unit_size();
+    let depth = u * unit * a[2] + v * unit * b[2] + w * unit * c[2];
+    let t = S::from_f64(depth * shear.depth_scale().to_f64() / (det * unit));
     // NaN fails both comparisons
     (t >= ray.t_min && t <= t_max).then_some(t)
 }

@@ -13,6 +13,9 @@ use crate::scalar::Scalar;
 
 const LANES: usize = 8;
 
+/// A bit for each lane.
+const ALL: u32 = (1 << LANES) - 1;
+
 /// In `ids[0]`: another block of the same list follows.
 const MORE: u32 = 1 << 31;
 
@@ -110,7 +113,8 @@ impl<S: Scalar> TriangleBlock<S> {
     #[inline(always)]
     fn filled(&self) -> u32 {
         // ids are below the highest bit but for that of the first lane, which is always filled
-        !i32x8::new(bytemuck::cast(self.ids)).to_bitmask() | 1
+        let is_empty = i32x8::new(bytemuck::cast(self.ids)).to_bitmask();
+        (!is_empty & ALL) | 1
     }
 
     /// Lanes that are hit, lanes that the scalar test must judge, and parameters; `None` where
@@ -211,7 +215,7 @@ mod tests {
                 };
                 triangles = triangles.map(|t| t.map(within));
             }
-            if round % 8 >= 4 {
+            if (4..7).contains(&(round % 8)) {
                 d[round % 3] = S::from_f64(tiny);
             }
             triangles[3] = triangles[1];

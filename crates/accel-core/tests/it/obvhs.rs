@@ -219,34 +219,15 @@ fn in_plane<S: Buildable>(n: usize, random: &mut Random) -> (Vec<Corners>, Vec<R
     (triangles, rays.filter(Ray::is_traceable).collect())
 }
 
-/// Rays in planes of triangles, but for those to which the test of triangles itself gives a
-/// parameter outside the bounds of the triangle that it names: what it makes of edge-on triangles
-/// is noise, and no structure looks for a triangle where it is not.
+/// Rays in planes of triangles: equal parameters everywhere, and the lowest id is the answer.
 fn rays_in_planes<S: Buildable>() {
     let mut random = Random::new(4);
-    let (mut asked, mut noise) = (0, 0);
     for n in [1, 5, 16, 40, 64] {
         for _ in 0..3 {
-            let (triangles, mut rays) = in_plane::<S>(n, &mut random);
-            let set = set::<S>(&triangles);
-            let expected = Answers::expected(PrimsRef::Watertight(&set), &rays);
-            let margin = 64.0 * S::EPSILON.to_f64() * set.magnitude().to_f64();
-            let is_within = |ray: &Ray<S>, hit: &Hit<S>| {
-                let bounds = set.bounds(hit.id);
-                let ray = ray.widened();
-                let p = ray.origin + ray.direction * hit.t.to_f64();
-                let (lo, hi) = (bounds.min.to_dvec3() - margin, bounds.max.to_dvec3() + margin);
-                p.cmpge(lo).all() && p.cmple(hi).all()
-            };
-            asked += rays.len();
-            let mut hits = expected.hits.iter();
-            rays.retain(|ray| hits.next().is_some_and(|h| !h.is_hit() || is_within(ray, h)));
-            noise += expected.hits.len() - rays.len();
+            let (triangles, rays) = in_plane::<S>(n, &mut random);
             all_right("in a plane", &triangles, &rays);
         }
     }
-    println!("{}: the test of triangles is wrong for {noise} of {asked} rays", S::NAME);
-    assert!(100 * noise < asked, "{}: {noise} of {asked} rays", S::NAME);
 }
 
 #[test]
