@@ -11,13 +11,12 @@ pub const NAME: &str = "rays";
 
 /// Values of `rays.offset`: how rays are kept off the surfaces they leave. Of those with a number,
 /// `fixed` is that of Havran and Sixta (1999).
-pub const RULES: [(&str, OffsetRule); 6] = [
+pub const RULES: [(&str, OffsetRule); 5] = [
     ("none", OffsetRule::None),
     ("fixed", OffsetRule::Fixed(0.01)),
     ("scene-relative", OffsetRule::SceneRelative),
     ("ulp-wise", OffsetRule::UlpWise),
     ("error-bound", OffsetRule::ErrorBound(4.0)),
-    ("probed", OffsetRule::Probed(4.0)),
 ];
 
 /// Takes the settings of rays out of those of structures and makes them.

@@ -14,36 +14,18 @@ pub struct Foot {
     pub position: DVec3,
     /// Unit geometric normal, not that of shading; zero where there is none.
     pub normal: DVec3,
-    /// The largest coordinate that its primitive is made of, world units, and more for slivers:
-    /// where a ray meets the surface is uncertain by a few epsilons of the precision times this.
+    /// The largest coordinate that its primitive is made of, world units: where a ray meets the
+    /// surface is uncertain by a few epsilons of the precision times this.
     pub magnitude: f64,
-    /// Where that is more because the primitive is a sliver.
-    pub sliver: Option<Sliver>,
-}
-
-/// A triangle so long and narrow that its shape bounds the uncertainty, not its coordinates.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sliver {
-    /// Its corners, world units.
-    pub corners: [DVec3; 3],
-    /// Its largest coordinate, world units: what [`Foot::magnitude`] would be for another shape.
-    pub coordinate: f64,
 }
 
 impl Foot {
     /// That of the primitive moved by `way`.
     pub fn moved_by(self, way: DVec3) -> Self {
         let (position, magnitude) = (self.position + way, self.magnitude + largest(way));
-        // where a moving triangle is found is rounded otherwise than one at rest
-        Self { position, magnitude, sliver: None, ..self }
+        Self { position, magnitude, ..self }
     }
 }
-
-/// The distance at which a ray meets a triangle is uncertain by the length of the triangle over
-/// its height, as all its barycentric coordinates are. This part of (longest side)^3 / (2 area) is
-/// added to the magnitude: without it, 6,747 of 26 million rays hit the sliver they left (`rtbench
-/// verify --cases S1,S4`); with a quarter of it, none.
-const SLIVER: f64 = 0.125;
 
 /// The point of primitive `id` nearest to `hit`. `polygon_normals` by id, unit.
 pub(crate) fn foot(scene: &Scene, polygon_normals: &[DVec3], id: u32, hit: DVec3) -> Foot {
@@ -74,19 +56,12 @@ fn on_sphere(sphere: &Sphere, hit: DVec3) -> Foot {
         position: sphere.center + normal * sphere.radius,
         normal,
         magnitude: largest(sphere.center) + sphere.radius,
-        sliver: None,
     }
 }
 
 fn on_triangle(corners: [DVec3; 3], hit: DVec3) -> Foot {
     let [a, b, c] = corners;
-    let across = (b - a).cross(c - a);
-    let foot = on_plane(corners.into_iter(), across.normalize_or_zero(), hit);
-    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-    let extra = SLIVER * longest * longest * longest / across.length();
-    let coordinate = foot.magnitude;
-    let sliver = (extra > coordinate).then_some(Sliver { corners, coordinate });
-    Foot { magnitude: coordinate + extra, sliver, ..foot }
+    on_plane(corners.into_iter(), (b - a).cross(c - a).normalize_or_zero(), hit)
 }
 
 fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DVec3) -> Foot {
@@ -95,7 +70,6 @@ fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DV
         position: hit - normal * (hit - anchor).dot(normal),
         normal,
         magnitude: corners.map(largest).fold(largest(hit), f64::max),
-        sliver: None,
     }
 }
 
@@ -106,7 +80,7 @@ fn on_cone(cone: &Cone, hit: DVec3) -> Foot {
     let [base_radius, apex_radius] = [cone.base_radius.abs(), cone.apex_radius.abs()];
     let magnitude = largest(cone.base).max(largest(cone.apex)) + base_radius.max(apex_radius);
     if length == 0.0 {
-        return Foot { position: hit, normal: DVec3::ZERO, magnitude, sliver: None };
+        return Foot { position: hit, normal: DVec3::ZERO, magnitude };
     }
     let unit = axis / length;
     let from_base = hit - cone.base;
@@ -117,7 +91,6 @@ fn on_cone(cone: &Cone, hit: DVec3) -> Foot {
         position: cone.base + unit * along + radial * (base_radius + slope * along),
         normal: (radial - unit * slope).normalize_or_zero(),
         magnitude,
-        sliver: None,
     }
 }
 

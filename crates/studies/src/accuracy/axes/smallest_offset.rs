@@ -121,8 +121,7 @@ fn said(needed: &[f64], feet: &[Foot]) -> String {
 
 /// An epsilon of the primitive's largest coordinate.
 fn unit(foot: &Foot) -> f64 {
-    let coordinate = foot.sliver.map_or(foot.magnitude, |sliver| sliver.coordinate);
-    f64::from(f32::EPSILON) * coordinate
+    f64::from(f32::EPSILON) * foot.magnitude
 }
 
 /// What a rule took for a ray.
