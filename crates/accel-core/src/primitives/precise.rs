@@ -11,9 +11,9 @@
 //! **A ray with a component so small** that sheared corners are subnormal numbers of few digits:
 //! everything is computed in f64, from the corners on.
 //!
-//! Differences of products: W. Kahan's algorithm as analysed by C.-P. Jeannerod, N. Louvet,
-//! J.-M. Muller, "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2
-//! Determinants", Mathematics of Computation 82, 2013.
+//! Differences of products: after W. Kahan's algorithm, see C.-P. Jeannerod, N. Louvet, J.-M. Muller,
+//! "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2 Determinants",
+//! Mathematics of Computation 82, 2013; with the rounding errors of both products.
 
 use super::triangle::Shear;
 use crate::ray::Ray;
@@ -23,11 +23,12 @@ use crate::scalar::{Scalar, Vector};
 /// subnormal in f64 becomes normal, and no product of two coordinates of a served scene overflows.
 const ENLARGED: f64 = f64::from_bits((1023 + 250) << 52);
 
-/// `a*b - c*d`, off by 1.5 ulps at most; exact in sign.
+/// `a*b - c*d`, off by few ulps; exact in sign, and `c*d - a*b` is just its opposite, so that what is
+/// mirrored is hit at the same parameter.
 #[inline(always)]
 fn difference(a: f64, b: f64, c: f64, d: f64) -> f64 {
-    let cd = c * d;
-    a.mul_add(b, -cd) + (-c).mul_add(d, cd)
+    let (ab, cd) = (a * b, c * d);
+    (ab - cd) + (a.mul_add(b, -ab) - c.mul_add(d, -cd))
 }
 
 /// `a*b - c*d` where both products round to the same number: exact in sign.
@@ -113,6 +114,8 @@ mod tests {
             up * down - 1.0 + up.mul_add(down, -(up * down))
         );
         assert_eq!(difference(up, up, up, up), 0.0);
+        let (a, b, c, d) = (0.1, 0.7, 0.3, 0.2);
+        assert_eq!(difference(a, b, c, d), -difference(c, d, a, b));
         assert_eq!(exact_difference(up, down, down, up), 0.0);
         assert!(exact_difference(up, up, 1.0, up.next_up()) > 0.0);
         assert!(exact_difference(1.0, up.next_up(), up, up) < 0.0);

@@ -60,8 +60,28 @@ fn on_sphere(sphere: &Sphere, hit: DVec3) -> Foot {
 }
 
 fn on_triangle(corners: [DVec3; 3], hit: DVec3) -> Foot {
-    let [a, b, c] = corners;
-    on_plane(corners.into_iter(), (b - a).cross(c - a).normalize_or_zero(), hit)
+    on_plane(corners.into_iter(), normal(corners).normalize_or_zero(), hit)
+}
+
+/// The normal of a triangle, not of unit length, right to few ulps for slivers too: the plain cross
+/// product would be tilted by their length over their height, and the foot beside the plane.
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let ((e, e_error), (f, f_error)) = (difference(b, a), difference(c, a));
+    let component = |i: usize, j: usize| {
+        let (p, q) = (e[i] * f[j], e[j] * f[i]);
+        let rounding = e[i].mul_add(f[j], -p) - e[j].mul_add(f[i], -q);
+        let errors = e[i] * f_error[j] + e_error[i] * f[j] - e[j] * f_error[i] - e_error[j] * f[i];
+        (p - q) + (rounding + errors)
+    };
+    DVec3::new(component(1, 2), component(2, 0), component(0, 1))
+}
+
+/// `a - b`, and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2).
+fn difference(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
+    let rounded = a - b;
+    let of_a = rounded + b;
+    let of_b = of_a - rounded;
+    (rounded, (a - of_a) + (of_b - b))
 }
 
 fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DVec3) -> Foot {

@@ -162,32 +162,34 @@ mod tests {
     use scene_loading::{Material, Scene};
 
     /// Rays off slivers of sides of 1 by 10^-2 to 10^-4: how many hit what they leave.
-    fn off_slivers<T: TriangleTest<f32>>(rule: OffsetRule) -> u32 {
+    fn off_slivers<S: Buildable, T: TriangleTest<S>>(rule: OffsetRule) -> u32 {
         let mut state = 11_u64;
         let mut random = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(0x5851_f42d);
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
+        let rounded = |p: DVec3| Vec3::<S>::from_dvec3(p);
         let (mut hits, leaving) = (0, Leaving::new(rule, 2.0));
         for _ in 0..2_000 {
             let mut point = || dvec3(random(), random(), random()) * 2.0 - 1.0;
             let (a, along, aside) = (point(), point().normalize(), point());
             let thin = 10.0_f64.powf(-2.0 - 2.0 * random());
-            let corners = [a, a + along, a + along * random() + aside * thin];
+            let corners = [a, a + along, a + along * random() + aside * thin].map(rounded);
             let mut scene = Scene::new("sliver");
             let material = scene.push_material(Material::default());
-            scene.push_triangle(material, corners);
+            scene.push_triangle(material, corners.map(Vector::to_dvec3));
             let surfaces = Surfaces::new(&scene, false);
-            let rounded = corners.map(|p| p.as_vec3().to_array());
+            let [a, b, c] = corners.map(Vector::to_dvec3);
             for _ in 0..10 {
                 let (u, v) = (random() * 0.5, random() * 0.5);
-                let p = corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v;
+                let p = a * (1.0 - u - v) + b * u + c * v;
                 let from = surfaces.at(0, p);
                 let direction = dvec3(random() - 0.5, random() - 0.5, random() - 0.5);
                 let target = p + direction;
-                for ray in [leaving.along::<f32>(&from, direction), leaving.to(&from, target)] {
-                    let setup = T::setup(&ray, 2.0);
-                    hits += u32::from(T::intersect(&rounded, &ray, &setup, ray.t_max).is_some());
+                for ray in [leaving.along::<S>(&from, direction), leaving.to(&from, target)] {
+                    let setup = T::setup(&ray, S::from_f64(2.0));
+                    let hit = T::intersect(&corners.map(Vector::to_array), &ray, &setup, ray.t_max);
+                    hits += u32::from(hit.is_some());
                 }
             }
         }
@@ -196,10 +198,11 @@ mod tests {
 
     #[test]
     fn slivers_are_not_hit_again() {
-        assert_eq!(off_slivers::<Watertight>(OffsetRule::default()), 0);
+        assert_eq!(off_slivers::<f32, Watertight>(OffsetRule::default()), 0);
+        assert_eq!(off_slivers::<f64, Watertight>(OffsetRule::default()), 0);
         // planted: no offset, too small a one, another test
-        assert!(off_slivers::<Watertight>(OffsetRule::None) > 1_000);
-        assert!(off_slivers::<Watertight>(OffsetRule::ErrorBound(0.01)) > 100);
-        assert!(off_slivers::<MoellerTrumbore>(OffsetRule::default()) > 100);
+        assert!(off_slivers::<f32, Watertight>(OffsetRule::None) > 1_000);
+        assert!(off_slivers::<f32, Watertight>(OffsetRule::ErrorBound(0.01)) > 100);
+        assert!(off_slivers::<f32, MoellerTrumbore>(OffsetRule::default()) > 100);
     }
 }
