@@ -1,5 +1,6 @@
 //! One pass of the timed path over a small scene, for instruction counts:
-//! `valgrind --tool=callgrind --toggle-collect='timed_pass::timed_pass*' timed_pass [STRUCTURE]`.
+//! `valgrind --tool=callgrind --toggle-collect='timed_pass::timed_pass*' timed_pass [STRUCTURE [SCENE]]`,
+//! where SCENE is a generated one (balls:3).
 
 use accel_core::Hit;
 use accel_core::structures::find;
@@ -27,7 +28,8 @@ fn timed_pass(tracer: &dyn Tracer<f32>, batch: &renderer::RayBatches<f32>) -> us
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let name = std::env::args().nth(1).unwrap_or_else(|| "uniform-grid".to_owned());
-    let scene = scene_loading::procedural::generate("balls:3")?;
+    let scene = std::env::args().nth(2).unwrap_or_else(|| "balls:3".to_owned());
+    let scene = scene_loading::procedural::generate(&scene)?;
     let geometry = Geometry::<f32>::of(&scene)?;
     let entry = find(&name).ok_or("no such structure")?;
     let tracer = entry.build(geometry.prims(), &entry.params([])?)?;

@@ -6,9 +6,9 @@
 //! rounding can do: a few ulps of the primitive's largest coordinate, and so nothing absolute. Its
 //! interval then begins at 0.
 //!
-//! A sliver needs no more than any other triangle, because the default triangle test computes what it
-//! sees nearly edge-on in double precision (`accel_core::primitives`). Another one
-//! (`triangle-test=moeller-trumbore`) may hit the sliver that a ray leaves.
+//! A sliver needs more than other triangles, but no more than the scene's largest coordinate allows:
+//! beyond it the default triangle test computes in double precision (`accel_core::primitives`).
+//! Another test (`triangle-test=moeller-trumbore`) may hit the sliver that a ray leaves.
 //!
 //! Papers: C. Waechter, N. Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
 //! Tracing Gems, chapter 6, 2019 (offset along the normal in ulps of the coordinate); M. Pharr, W.
@@ -43,7 +43,8 @@ pub enum OffsetRule {
     /// ulps of each of its own coordinates; near zero by 2^-16 world units (Waechter, Binder 2019).
     UlpWise,
     /// The origin moves along the normal by so many epsilons of the precision times the largest
-    /// coordinate of its primitive: by what rounding may do.
+    /// coordinate of its primitive, or, off slivers, of up to that of the scene: by what rounding
+    /// may do.
     ErrorBound(f64),
 }
 

@@ -12,6 +12,8 @@ pub struct Surfaces<'a> {
     /// Newell normals of polygons, by primitive id; computed once because outlines are long.
     polygon_normals: Vec<DVec3>,
     historical_cones: bool,
+    /// No primitive counts as larger: twice the scene's largest coordinate.
+    most: f64,
 }
 
 /// A point on a surface.
@@ -39,7 +41,9 @@ impl<'a> Surfaces<'a> {
         } else {
             Vec::new()
         };
-        Self { scene, polygon_normals, historical_cones }
+        let bounds = scene.bounds();
+        let most = 2.0 * bounds.min.abs().max(bounds.max.abs()).max_element();
+        Self { scene, polygon_normals, historical_cones, most }
     }
 
     /// The surface at `position` of primitive `id`.
@@ -58,7 +62,8 @@ impl<'a> Surfaces<'a> {
             Shape::Patch { v, n } => self.patch_normal(v, n, position),
         };
         let material = &self.scene.materials[primitive.material as usize];
-        let foot = foot(self.scene, &self.polygon_normals, id, position);
+        let mut foot = foot(self.scene, &self.polygon_normals, id, position);
+        foot.magnitude = foot.magnitude.min(self.most);
         SurfacePoint { position, normal, material, color: material.color, foot }
     }
 
