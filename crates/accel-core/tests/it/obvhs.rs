@@ -3,9 +3,9 @@
 
 use crate::agreement::Answers;
 use crate::common::Random;
-use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
+use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::structures::{Buildable, PrimsRef, find};
-use accel_core::{Hit, Ray, Vec3, Vector};
+use accel_core::{Ray, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 
 const ROWS: [&str; 2] = ["obvhs-bvh2", "obvhs-cwbvh"];
