@@ -212,7 +212,7 @@ impl<S: Buildable> Sheet<'_, S> {
         let mut seconds = Seconds::new();
         let batches = self.set.batches.iter().zip(&mut self.answers);
         for (batch, answers) in batches.filter(|(batch, _)| is_asked(batch.kind)) {
-            answers.clear();
+            answers.poison(&batch.expected);
             let start = scope.clock.now();
             if scope.plan.threads > 1 {
                 built.trace_chunked(batch, answers);

@@ -1,11 +1,16 @@
 //! A wrong structure must be found out, must not show a time, and must end the run with 4.
 
-use crate::common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, row, run_with};
+use accel_core::structures::{Entry, brute_force, uniform_grid};
 use measurement::record::Verdict;
 use measurement::scenes::Installed;
 use measurement::system::clock::SystemClock;
 
-fn run(registry: &[accel_core::structures::Entry], arguments: &str) -> crate::common::Ended {
+use crate::common::{
+    DECLARED, Folder, PLANTED, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, WRONG_FIRST,
+    WRONG_ONLY, row, run_with,
+};
+
+fn run(registry: &[Entry], arguments: &str) -> crate::common::Ended {
     run_with(registry, &Installed, &SystemClock::default(), arguments)
 }
 
@@ -89,5 +94,52 @@ fn real_structures_are_right_on_mixed_primitives_in_both_precisions() {
             let total: u64 = scene.rays.values().sum();
             assert!(scene.rows.iter().filter(|r| r.checked_rays == total).count() >= 3);
         }
+    }
+}
+
+static FAULTY: &[Entry] = &[
+    accel_core::entry!(SilentAll, SILENT),
+    accel_core::entry!(SilentShadows, SILENT_SHADOWS),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+];
+
+/// What would be asked for the answers first writes none.
+static SILENT_FIRST: &[Entry] = &[
+    accel_core::entry!(SilentAll, SILENT),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+];
+static SHADOWS_FIRST: &[Entry] = &[
+    accel_core::entry!(SilentShadows, SILENT_SHADOWS),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+];
+
+#[test]
+fn batches_that_write_nothing_are_wrong_for_every_ray() {
+    for (kind, name) in [("shadow", "silent-shadows"), ("shadow", "silent"), ("primary", "silent")]
+    {
+        let folder = Folder::new();
+        let arguments = format!("run tetra:2 --quick -s {name},uniform-grid --rays {kind} -o");
+        let ended = run(FAULTY, &format!("{arguments} {}", folder.path()));
+        assert_eq!(ended.code, 4, "{kind}: {}{}", ended.out, ended.err);
+        let record = folder.record();
+        let silent = row(&record, name);
+        assert_eq!(silent.verdict, Verdict::Wrong, "{kind}");
+        // not one answer passes for one that happened to be right
+        assert!(silent.checked_rays > 100 && silent.mismatches == silent.checked_rays, "{kind}");
+        assert_eq!(row(&record, "uniform-grid").verdict, Verdict::Ok, "{kind}");
+    }
+}
+
+#[test]
+fn answers_that_nobody_wrote_are_no_reference() {
+    let arguments = "run tetra:2 --quick -s brute-force --rays primary,shadow";
+    for (registry, said) in [
+        (SILENT_FIRST, "refused as reference: silent: primary ray "),
+        (SHADOWS_FIRST, "refused as reference: silent-shadows: shadow ray "),
+    ] {
+        let ended = run(registry, arguments);
+        assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+        assert!(ended.err.contains(said), "{}", ended.err);
     }
 }
