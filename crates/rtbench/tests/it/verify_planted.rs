@@ -3,7 +3,9 @@
 
 use std::time::Duration;
 
-use crate::common::{Ended, Folder, planted, run_with};
+use crate::common::{
+    Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, planted, run_with,
+};
 use accel_core::params::Params;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::sink::Sink;
@@ -216,6 +218,8 @@ static FAULTS: &[Entry] = &[
     accel_core::entry!(OddCrossings, ODD),
     accel_core::entry!(Shrunk, SHRUNK),
     accel_core::entry!(LosesLoneRays, LONE),
+    accel_core::entry!(SilentShadows, SILENT_SHADOWS),
+    accel_core::entry!(SilentAll, SILENT),
 ];
 
 fn verify(arguments: &str) -> Ended {
@@ -247,6 +251,18 @@ fn each_case_catches_its_fault_in_both_precisions() {
         for row in rows {
             let of = (row["precision"].as_str(), row["mismatches"].as_str());
             assert!(of.1 != "0" && !of.1.is_empty(), "{case} {structure} {of:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_not_written_is_wrong_for_every_ray() {
+    // in these rays hit and miss
+    for structure in ["silent", "silent-shadows"] {
+        let rows = rows(4, &format!("--cases R1,R8 -s {structure} --rays 200"));
+        assert_eq!(rows.len(), 4);
+        for row in rows {
+            assert_eq!(row["mismatches"], row["trials"], "{structure} {row:?}");
         }
     }
 }
