@@ -53,7 +53,8 @@ pub struct Narrowed<'a> {
     pub time_budget: Option<Duration>,
 }
 
-/// The record without the scenes and rows that are not wanted. The reference always stays.
+/// The record without the scenes and rows that are not wanted. The reference always stays, and so do
+/// in all scenes the rows that took its place in any: the order of rows says which of them does.
 ///
 /// # Errors
 /// [`LikeError`] for a name that it lacks, and where nothing is left.
@@ -80,10 +81,12 @@ pub fn narrowed(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunRecord, 
             return Err(unknown("row", name, labels.iter().map(|l| &**l).collect()));
         }
     }
+    let mut references = vec![record.settings.reference.clone()];
+    references.extend(rows().filter(|r| r.is_reference).map(|r| r.label()));
     for scene in &mut record.scenes {
         scene.rows.retain(|row| {
             let is_asked = asked.contains(&row.structure) || asked.contains(&row.label());
-            asked.is_empty() || is_asked || row.is_reference
+            asked.is_empty() || is_asked || references.contains(&row.label())
         });
     }
     Ok(record)

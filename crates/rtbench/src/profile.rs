@@ -13,7 +13,9 @@
 use crate::doctor::memory::{Latency, interpolated};
 use measurement::callgrind::simulation::{CacheLevel, Fetched};
 use measurement::record::summary::summarize;
-use measurement::record::{Answered, RunRecord, SceneRecord, SummaryRow, Verdict, label};
+use measurement::record::{
+    Answered, RunRecord, SceneRecord, SummaryRow, Verdict, label, reference,
+};
 use presentation::numbers::short;
 use presentation::table::{Cell, Table, dash};
 use statistics::estimate::median;
@@ -59,14 +61,17 @@ impl Machine {
     }
 }
 
-/// The rows that trace fastest over all scenes, of those that answered all rays of all of them rightly.
+/// The rows that trace fastest over the scenes that have the same reference, of those that answered
+/// all rays of all scenes rightly.
 pub fn fastest_rows(record: &RunRecord) -> Vec<String> {
+    let reference = reference::of_means(&record.scenes, &record.settings.reference);
+    let scenes = reference::scenes_over(&record.scenes, &reference);
     let is_whole = |row: &&SummaryRow| {
         row.verdict == Verdict::Ok
             && row.answers == Answered::AllRays
-            && row.scenes as usize == record.scenes.len()
+            && row.scenes as usize == scenes
     };
-    let summary = summarize(&record.scenes, record.settings.seed);
+    let summary = summarize(&record.scenes, &record.settings);
     let rows = summary.iter().filter(is_whole);
     let mut rows: Vec<(f64, String)> = rows
         .filter_map(|row| Some((row.ratio?.median, label(&row.structure, &row.settings))))
@@ -230,5 +235,10 @@ mod tests {
         let mut record = run(&[("tetra", rows), ("balls", rows)]);
         record.scenes[1].rows[4].verdict = Verdict::Wrong;
         assert_eq!(fastest_rows(&record), ["hug", "obvhs-cwbvh", "kd-tree"]);
+        // in a scene without the reference, ratios are to another row
+        let rows = &mut record.scenes[1].rows;
+        (rows[0].verdict, rows[0].is_reference) = (Verdict::NotBuilt, false);
+        rows[1].is_reference = true;
+        assert_eq!(fastest_rows(&record), ["hug", "kd-tree", "octree"]);
     }
 }

@@ -109,17 +109,44 @@ pub(crate) fn rays<S: Scalar>(set: &MixedSet<S>, n: usize, seed: u64) -> Vec<Ray
     out
 }
 
+/// Stands where no hit was written: not even equal to itself.
+fn unwritten<S: Scalar>() -> Hit<S> {
+    Hit { t: S::from_f64(f64::NAN), id: 0 }
+}
+
+/// The closest hits, with nothing in their places before that could be one.
+pub(crate) fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
+    let mut hits = vec![unwritten(); rays.len()];
+    tracer.closest_hits(rays, &mut hits);
+    hits
+}
+
+/// Which rays are blocked, whatever stood there before.
+pub(crate) fn occlusions<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<bool> {
+    written(rays.len(), |blocked| tracer.occlusions(rays, blocked))
+}
+
+/// `n` answers that are the same whatever stood there before: all of them are written.
+pub(crate) fn written(n: usize, mut ask: impl FnMut(&mut [bool])) -> Vec<bool> {
+    let [free, blocked] = [false, true].map(|preset| {
+        let mut answers = vec![preset; n];
+        ask(&mut answers);
+        answers
+    });
+    assert!(free == blocked, "answers are left out");
+    free
+}
+
 /// What a tracer did: hits, blocked, counters of both kinds of query.
 pub(crate) type Work<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
 
 /// Runs every query of a tracer; counted and timed answers must agree.
 pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Work<S> {
-    let mut hits = vec![Hit::NONE; rays.len()];
-    let mut counted_hits = hits.clone();
-    let mut blocked = vec![false; rays.len()];
-    let mut answers = vec![ShadowCount { blocked: false, glass: 0 }; rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    tracer.occlusions(rays, &mut blocked);
+    let hits = closest_hits(tracer, rays);
+    let mut counted_hits = vec![unwritten(); rays.len()];
+    let blocked = occlusions(tracer, rays);
+    let preset = |blocked: &bool| ShadowCount { blocked: !blocked, glass: 0 };
+    let mut answers: Vec<_> = blocked.iter().map(preset).collect();
     let closest = tracer.count_closest_hits(rays, &mut counted_hits);
     let shadow = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
     assert_eq!(hits, counted_hits);
@@ -221,4 +248,10 @@ fn a_virtual_grid_of_2048_cubed_works() {
         assert_eq!(shape.cells, 1 << 33);
         assert!(shape.bytes < 1 << 27, "{shape:?}");
     }
+}
+
+#[test]
+#[should_panic(expected = "answers are left out")]
+fn a_planted_answer_that_is_left_out_is_noticed() {
+    written(3, |answers| answers[..2].fill(true));
 }

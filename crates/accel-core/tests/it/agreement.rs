@@ -17,16 +17,21 @@ impl<S: Buildable> Answers<S> {
     /// The answers of brute force.
     pub fn expected(prims: PrimsRef<S>, rays: &[Ray<S>]) -> Self {
         let entry = find("brute-force").unwrap();
-        let oracle = entry.build(prims, &entry.params([]).unwrap()).unwrap();
-        let mut this =
-            Self { hits: vec![poisoned(); rays.len()], blocked: vec![false; rays.len()] };
-        oracle.closest_hits(rays, &mut this.hits);
-        oracle.occlusions(rays, &mut this.blocked);
-        // whatever stood there before
-        let mut again = vec![true; rays.len()];
-        oracle.occlusions(rays, &mut again);
-        assert!(again == this.blocked, "brute force leaves answers out");
-        this
+        Self::written(&*entry.build(prims, &entry.params([]).unwrap()).unwrap(), rays)
+    }
+
+    /// The answers of a structure, of which none may be left out: they are the same whatever stood
+    /// there before.
+    pub fn written(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
+        let mut hits = vec![poisoned(); rays.len()];
+        tracer.closest_hits(rays, &mut hits);
+        let [blocked, again] = [false, true].map(|preset| {
+            let mut blocked = vec![preset; rays.len()];
+            tracer.occlusions(rays, &mut blocked);
+            blocked
+        });
+        assert!(again == blocked, "answers are left out");
+        Self { hits, blocked }
     }
 
     /// The answers of a structure. What it does not write is wrong: no hit has the parameter that

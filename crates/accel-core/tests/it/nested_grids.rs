@@ -1,5 +1,6 @@
 //! HUG and the adaptive grid give the oracle's answers, bit for bit, and survive hard scenes.
 
+use crate::agreement::Answers;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, TriangleSet, Watertight};
 use accel_core::structures::{BuildError, Buildable, PrimsRef, find};
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
@@ -68,22 +69,16 @@ fn rays<S: Scalar>(lo: DVec3, hi: DVec3, count: usize, seed: u64) -> Vec<Ray<S>>
 
 /// Compares closest hits and occlusions of all settings with brute force.
 fn agree<'a, S: Buildable>(scene: &str, prims: PrimsRef<'a, S>, rays: &[Ray<S>]) {
-    let oracle = find("brute-force").unwrap();
-    let oracle = oracle.build(prims, &oracle.params([]).unwrap()).unwrap();
-    let (mut expected, mut hits) = (vec![Hit::NONE; rays.len()], vec![Hit::NONE; rays.len()]);
-    let (mut expected_blocked, mut blocked) = (vec![false; rays.len()], vec![false; rays.len()]);
-    oracle.closest_hits(rays, &mut expected);
-    oracle.occlusions(rays, &mut expected_blocked);
-    assert!(expected.iter().any(Hit::is_hit), "{scene}: no ray hits");
+    let expected = Answers::expected(prims, rays);
+    assert!(expected.hits.iter().any(Hit::is_hit), "{scene}: no ray hits");
     for &(name, settings) in SETTINGS {
         let entry = find(name).unwrap();
         let params = entry.params(settings.iter().copied()).unwrap();
         let tracer = entry.build(prims, &params).unwrap();
-        tracer.closest_hits(rays, &mut hits);
-        tracer.occlusions(rays, &mut blocked);
-        for i in 0..rays.len() {
-            assert_eq!(hits[i], expected[i], "{scene}: {name} {params}: {:?}", rays[i]);
-            assert_eq!(blocked[i], expected_blocked[i], "{scene}: {name} {params}: {:?}", rays[i]);
+        let answers = Answers::of(&*tracer, rays, &expected);
+        if let Some(&i) = answers.differing(&expected).first() {
+            let [is, ought] = [&answers, &expected].map(|a| (a.hits[i], a.blocked[i]));
+            panic!("{scene}: {name} {params}: {:?}: {is:?}, not {ought:?}", rays[i]);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The octree in all its settings and the k-d tree against brute force: the same hits to the bit.
 
+use crate::agreement::Answers;
 use accel_core::params::Params;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder};
 use accel_core::structures::{BuildError, Buildable, PrimsRef, Shape, find};
@@ -110,11 +111,8 @@ fn build<'a, S: Buildable>(
     find(name).unwrap().build(PrimsRef::Mixed(set), &params(name, settings))
 }
 
-fn answers<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> (Vec<Hit<S>>, Vec<bool>) {
-    let mut hits = vec![Hit::NONE; rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    let mut blocked = vec![false; rays.len()];
-    tracer.occlusions(rays, &mut blocked);
+fn answers<S: Buildable>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> (Vec<Hit<S>>, Vec<bool>) {
+    let Answers { hits, blocked } = Answers::written(tracer, rays);
     (hits, blocked)
 }
 

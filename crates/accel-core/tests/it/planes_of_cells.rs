@@ -2,6 +2,7 @@
 //! whatever cells a structure makes, and rays along those planes with components so small that two
 //! roundings of one plane lie on either side of the whole scene.
 
+use crate::agreement::Answers as Written;
 use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
 use accel_core::{Hit, Ray, Vec3, Vector};
@@ -97,10 +98,9 @@ fn answers<S: Buildable>(
 ) -> Answers<S> {
     let entry = find(name).unwrap();
     let tracer = entry.build(prims, &entry.params(settings(variant)).unwrap()).unwrap();
-    let (mut hits, mut blocked) = (vec![Hit::NONE; rays.len()], vec![false; rays.len()]);
-    tracer.closest_hits(rays, &mut hits);
-    tracer.occlusions(rays, &mut blocked);
-    let mut counted = hits.clone();
+    let Written { hits, blocked } = Written::written(&*tracer, rays);
+    // what is not written is no hit
+    let mut counted = vec![Hit { t: S::from_f64(f64::NAN), id: 0 }; rays.len()];
     tracer.count_closest_hits(rays, &mut counted);
     (hits, blocked, counted)
 }

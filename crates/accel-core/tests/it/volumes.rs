@@ -1,6 +1,7 @@
 //! Bounding volumes and their hierarchy, in more settings than are measured, against brute force:
 //! the same hits to the bit.
 
+use crate::agreement::Answers;
 use crate::common::{Random, Set, all_scenes, rays_for};
 use accel_core::counters::WorkCounters;
 use accel_core::primitives::{MixedSetBuilder, TriangleSet, Watertight};
@@ -40,11 +41,9 @@ fn answers<S: Buildable>(
     tracer: &dyn Tracer<S>,
     rays: &[Ray<S>],
 ) -> (Vec<Hit<S>>, Vec<bool>, WorkCounters) {
-    let mut hits = vec![Hit::NONE; rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    let mut blocked = vec![false; rays.len()];
-    tracer.occlusions(rays, &mut blocked);
-    let mut counted = hits.clone();
+    let Answers { hits, blocked } = Answers::written(tracer, rays);
+    // what is not written is no hit
+    let mut counted = vec![Hit { t: S::from_f64(f64::NAN), id: 0 }; rays.len()];
     let work = tracer.count_closest_hits(rays, &mut counted);
     assert_eq!(hits, counted);
     (hits, blocked, work)

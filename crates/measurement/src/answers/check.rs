@@ -1,6 +1,5 @@
 //! Is a row right, and what does it cost? Before anything of it is timed.
 
-use accel_core::Hit;
 use accel_core::counters::WorkCounters;
 use accel_core::occluders::OccluderScalar;
 use accel_core::structures::{BuildError, Buildable};
@@ -74,7 +73,7 @@ pub fn check<S: Buildable + OccluderScalar>(
     scope.pools.helper.install(|| {
         for batch in &set.batches {
             let mut timed_path = Answers::new(batch.kind, batch.rays.len());
-            timed_path.clear();
+            timed_path.poison(&batch.expected);
             built.trace_chunked(batch, &mut timed_path);
             answered.extend_from_slice(batch.name().as_bytes());
             answered.extend(timed_path.bytes());
@@ -193,7 +192,9 @@ pub fn count<S: Buildable>(
         let (blocked, work) = built.count_blocked(batch);
         return (Answers::Blocked(blocked), work);
     }
-    let mut hits = vec![Hit::NONE; batch.rays.len()];
+    let mut answers = Answers::new(batch.kind, batch.rays.len());
+    answers.poison(&batch.expected);
+    let Answers::Hits(mut hits) = answers else { return (answers, WorkCounters::default()) };
     let work = batch
         .rays
         .par_chunks(CHUNK)

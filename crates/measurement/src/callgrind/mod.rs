@@ -167,8 +167,10 @@ pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, Callg
 fn callgrind(folder: &Scratch) -> Command {
     let mut command = Command::new("valgrind");
     // what allocating costs must not depend on what was freed before; threads keep their own arenas,
-    // or it would depend on what other threads allocate
+    // or it would depend on what other threads allocate, and no caches of chunks: into these goes what
+    // a thread frees of another's, so that the length of the record would count
     command.env("MALLOC_MMAP_THRESHOLD_", "131072");
+    command.env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0");
     command
         .args(["--tool=callgrind", "--collect-atstart=no", "--quiet"])
         .arg(format!("--toggle-collect={PHASE}"))

@@ -131,7 +131,9 @@ impl<S: Buildable> Built<'_, S> {
 
     /// The counting pass over shadow rays, in chunks over the current pool.
     pub fn count_blocked(&self, batch: &Batch<'_, S>) -> (Vec<bool>, WorkCounters) {
-        let mut blocked = vec![false; batch.rays.len()];
+        let mut answers = Answers::new(batch.kind, batch.rays.len());
+        answers.poison(&batch.expected);
+        let Answers::Blocked(mut blocked) = answers else { return Default::default() };
         let chunks = batch
             .rays
             .par_chunks(CHUNK)
@@ -140,7 +142,8 @@ impl<S: Buildable> Built<'_, S> {
         let work = chunks
             .map(|((rays, lights), blocked)| match self {
                 Self::Structure(tracer) => {
-                    let mut answers = vec![ShadowCount::default(); rays.len()];
+                    let preset = |blocked: &bool| ShadowCount { blocked: *blocked, glass: 0 };
+                    let mut answers: Vec<_> = blocked.iter().map(preset).collect();
                     let rule = ShadowRule::OpaqueBlocks;
                     let work = tracer.count_occlusions(rays, rule, &mut answers);
                     blocked.iter_mut().zip(&answers).for_each(|(b, a)| *b = a.blocked);

@@ -100,6 +100,9 @@ pub struct Plan<'r> {
     pub rows: Vec<MeasuredRow<'r>>,
     /// Index of the row that ratios are taken to.
     pub baseline: usize,
+    /// No other row may take its place in any scene: ratios are joined or compared with those of
+    /// others.
+    pub keeps_baseline: bool,
     /// Structures to compare answers with: the first that the oracle confirms.
     pub answers: Vec<Row<'r>>,
     /// Kinds of rays.
@@ -211,6 +214,7 @@ impl<'r> Plan<'r> {
             answers: answers(registry)?,
             rows: rows.into_iter().map(MeasuredRow::from).collect(),
             baseline,
+            keeps_baseline: false,
             kinds,
             orders: args.order,
             by_kind: false,

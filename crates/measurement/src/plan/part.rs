@@ -58,6 +58,7 @@ impl<'r> Plan<'r> {
         self.scenes.retain(|_| of_scenes.next().is_some_and(|rows| !rows.is_empty()));
         rows.retain(|rows| !rows.is_empty());
         self.part = Some(PlannedPart { record, rows });
+        self.keeps_baseline = true;
         Ok(self)
     }
 

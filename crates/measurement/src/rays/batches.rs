@@ -25,13 +25,19 @@ pub enum Answers<S: Scalar> {
     Blocked(Vec<bool>),
 }
 
+/// Stands where no hit was written: no ray has it.
+fn unwritten<S: Scalar>() -> Hit<S> {
+    Hit { t: S::from_f64(f64::NAN), id: 0 }
+}
+
 impl<S: Scalar> Answers<S> {
-    /// Room for the answers of `n` rays.
+    /// Room for the answers of `n` rays. What nobody writes is nobody's answer: a hit that has no
+    /// parameter; of occlusions, blocked and not in turns.
     pub fn new(kind: RayKind, n: usize) -> Self {
         if kind.is_occlusion() {
-            Self::Blocked(vec![false; n])
+            Self::Blocked((0..n).map(|i| i.is_multiple_of(2)).collect())
         } else {
-            Self::Hits(vec![Hit::NONE; n])
+            Self::Hits(vec![unwritten(); n])
         }
     }
 
@@ -65,12 +71,22 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
-    /// Overwrites all answers, so that those of the row before cannot pass for this row's.
+    /// Makes every answer another one, so that what is not written again shows: hits become one
+    /// that has no parameter, the others their opposites.
     pub fn clear(&mut self) {
         match self {
-            Self::Hits(hits) => hits.fill(Hit { t: -S::ONE, id: 0 }),
-            Self::Blocked(blocked) => blocked.fill(false),
+            Self::Hits(hits) => hits.fill(unwritten()),
+            Self::Blocked(blocked) => blocked.iter_mut().for_each(|b| *b = !*b),
         }
+    }
+
+    /// Makes every answer one that is not expected, so that neither those of the row before nor
+    /// those that nobody writes pass for right ones.
+    pub fn poison(&mut self, expected: &Self) {
+        if let (Self::Blocked(blocked), Self::Blocked(expected)) = (&mut *self, expected) {
+            blocked.clone_from(expected);
+        }
+        self.clear();
     }
 
     /// Bytes that are equal where, and only where, no answer differs: id and bits of t, or blocked.
@@ -279,10 +295,18 @@ mod tests {
     }
 
     #[test]
-    fn cleared_answers_differ_from_every_hit_and_miss() {
-        let a: Answers<f32> =
-            Answers::Hits(vec![Hit::NONE, Hit { t: 0.0, id: 0 }, Hit { t: 1.0, id: 3 }]);
+    fn poisoned_answers_differ_from_every_answer() {
+        let hits = vec![Hit::NONE, Hit { t: -1.0, id: 0 }, Hit { t: 1.0, id: 3 }];
+        let a: Answers<f32> = Answers::Hits(hits);
         let mut b = a.clone();
+        b.poison(&a);
+        assert_eq!(a.differing(&b).count(), 3);
+        let a: Answers<f32> = Answers::Blocked(vec![true, false, true]);
+        let mut b = a.clone();
+        b.poison(&a);
+        assert_eq!(a.differing(&b).count(), 3);
+        // two passes in which nobody writes differ
+        a.clone_into(&mut b);
         b.clear();
         assert_eq!(a.differing(&b).count(), 3);
     }

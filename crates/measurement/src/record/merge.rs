@@ -337,7 +337,7 @@ fn joined(parts: Vec<(ShardRecord, Part)>) -> Option<RunRecord> {
         scene.rows.sort_by_cached_key(|row| place(&whole.rows, &row.label()));
     }
     run.scenes.sort_by_key(|scene| place(&whole.scenes, &scene.name));
-    run.summary = summarize(&run.scenes, run.settings.seed);
+    run.summary = summarize(&run.scenes, &run.settings);
     run.planned = whole.scenes.clone();
     run.parts = origins;
     Some(run)

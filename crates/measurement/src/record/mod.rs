@@ -9,6 +9,7 @@ pub mod merge;
 pub mod metrics;
 pub mod query;
 pub mod ratios;
+pub mod reference;
 pub mod scale;
 pub mod summary;
 pub mod surroundings;
@@ -117,7 +118,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// Kinds of rays.
     pub rays: Vec<String>,
-    /// The row that ratios are taken to.
+    /// The row that ratios are taken to, in every scene where it was built and is right; see
+    /// `is_reference` of the rows.
     pub reference: String,
     /// Run with `--quick`.
     pub quick: bool,
@@ -349,7 +351,8 @@ pub struct RowRecord {
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,
-    /// The row that ratios are taken to.
+    /// The row that the ratios of this scene are taken to: the reference of the run, or one in its
+    /// place where that was not built or is wrong.
     pub is_reference: bool,
     /// Which rays it answers.
     #[serde(default)]
@@ -455,7 +458,7 @@ pub struct SummaryRow {
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,
-    /// Scenes that it has a ratio in.
+    /// Scenes that its means are over: those with a ratio, all of them to one reference.
     pub scenes: u64,
     /// Scenes where it gave wrong answers.
     pub wrong_scenes: u64,

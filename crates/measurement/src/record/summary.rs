@@ -1,25 +1,33 @@
-//! All scenes together: geometric means of ratios.
+//! All scenes together: geometric means of ratios, over the scenes whose ratios are to one row.
 
 use std::collections::BTreeMap;
 
 use crate::record::query::Query;
 use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
-use crate::record::{RowRecord, SceneRecord, SummaryRow, Verdict};
+use crate::record::reference;
+use crate::record::{RowRecord, SceneRecord, Settings, SummaryRow, Verdict};
 use statistics::estimate::geometric_mean_of_medians;
 
 /// One row for each row of the scenes, in their order; a part of a run may have rows in some of its
-/// scenes only.
-pub fn summarize(scenes: &[SceneRecord], seed: u64) -> Vec<SummaryRow> {
+/// scenes only. Means leave out scenes whose ratios are to another row than
+/// [`reference::of_means`]; verdicts are over all.
+pub fn summarize(scenes: &[SceneRecord], settings: &Settings) -> Vec<SummaryRow> {
     let mut rows: Vec<&RowRecord> = Vec::new();
     for row in scenes.iter().flat_map(|scene| &scene.rows) {
         if !rows.iter().any(|r| r.is_same(row)) {
             rows.push(row);
         }
     }
-    rows.into_iter().map(|row| summarize_row(row, scenes, seed)).collect()
+    let reference = reference::of_means(scenes, &settings.reference);
+    rows.into_iter().map(|row| summarize_row(row, scenes, &reference, settings.seed)).collect()
 }
 
-fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryRow {
+fn summarize_row(
+    row: &RowRecord,
+    scenes: &[SceneRecord],
+    reference: &str,
+    seed: u64,
+) -> SummaryRow {
     let mut ratios = Vec::new();
     let mut builds = Vec::new();
     let mut kinds: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
@@ -31,7 +39,7 @@ fn summarize_row(row: &RowRecord, scenes: &[SceneRecord], seed: u64) -> SummaryR
         verdicts.push(own.verdict);
         mismatches += own.mismatches;
         let trace = trace_ratios(own);
-        if !trace.is_empty() {
+        if !trace.is_empty() && reference::is_over(scene, reference) {
             builds.push(build_ratios(scene, own));
             ratios.push(trace);
             batch_scenes += u64::from(own.query == Query::Batch);

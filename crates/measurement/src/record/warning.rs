@@ -1,6 +1,7 @@
 //! What makes the figures of a run less certain than they look. Every kind has a threshold,
 //! documented where it is defined, that a machine left alone stays below, and ends in advice.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,14 @@ pub enum Warning {
         /// Bytes that all programs read back during the run.
         read_bytes: u64,
     },
+    /// In some scenes the reference was not built, or is wrong, and ratios are to another row. One
+    /// scene is enough.
+    OtherReference {
+        /// The reference of the run.
+        reference: String,
+        /// The row in its place, by scene.
+        instead: BTreeMap<String, String>,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -112,6 +121,17 @@ impl fmt::Display for Warning {
                 own_bytes >> 20,
                 read_bytes >> 20
             ),
+            Self::OtherReference { reference, instead } => {
+                let each: Vec<String> =
+                    instead.iter().map(|(scene, row)| format!("{row} in {scene}")).collect();
+                write!(
+                    f,
+                    "other reference: {reference} was not built or is wrong, so ratios are to {}; \
+                     no mean joins ratios to different rows: name a reference that serves in every \
+                     scene (--reference)",
+                    each.join(", ")
+                )
+            }
         }
     }
 }

@@ -4,6 +4,9 @@
 //! do beyond that is the machine's doing. Every warning has a threshold, documented where it is
 //! defined, that a machine left alone stays below, and ends in advice.
 
+use std::collections::BTreeMap;
+
+use crate::record::reference::elsewhere;
 use crate::record::warning::{ENOUGH_ROUNDS, QUIET_SPREAD, SPARE, STEADY, SWAP_BYTES};
 use crate::record::{Load, RunRecord, SceneRecord, Warning};
 use statistics::estimate::median;
@@ -19,8 +22,15 @@ const PAGE_BYTES: u64 = 4096;
 
 /// All that is to be said of a run that is over.
 pub fn of(run: &RunRecord) -> Vec<Warning> {
-    let found = [noise(run), rounds(run), drift(run), other_load(&run.load), swap(&run.load)];
-    found.into_iter().flatten().collect()
+    let machine = [noise(run), rounds(run), drift(run), other_load(&run.load), swap(&run.load)];
+    machine.into_iter().chain([other_reference(run)]).flatten().collect()
+}
+
+fn other_reference(run: &RunRecord) -> Option<Warning> {
+    let reference = run.settings.reference.clone();
+    let other = |(scene, row): (&str, String)| (scene.to_owned(), row);
+    let instead: BTreeMap<_, _> = elsewhere(&run.scenes, &reference).map(other).collect();
+    (!instead.is_empty()).then_some(Warning::OtherReference { reference, instead })
 }
 
 /// Times of the reference row, by round; none where they are too few to be judged.
@@ -166,6 +176,17 @@ mod tests {
         // too short to say
         run.load[1].ticks = ticks(1200, 700, 10);
         assert_eq!(of(&run), []);
+    }
+
+    #[test]
+    fn a_planted_stand_in_is_named() {
+        let mut run = run(&[&QUIET, &QUIET]);
+        run.settings.reference = "irregular-grid".into();
+        run.scenes.truncate(1);
+        let said = only(&run);
+        let expected = "irregular-grid was not built or is wrong, so ratios are to obvhs-cwbvh in \
+                        tetra;";
+        assert!(said.contains(expected), "{said}");
     }
 
     #[test]

@@ -45,15 +45,17 @@ struct Sheet<'a, S: Buildable> {
 type Seconds = BTreeMap<String, f64>;
 
 /// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
-/// for rows that were not built. The result has one entry for each row too.
+/// for rows that were not built. Ratios are taken to the row `baseline`. The result has one entry
+/// for each row too.
 pub fn measure<S: Buildable + OccluderScalar>(
     scope: &Scope<'_, '_, S>,
     checked: &[Option<Checked>],
+    baseline: usize,
     deadline: Option<Duration>,
 ) -> Vec<Timed> {
     let plan = scope.plan;
     let mut timed = vec![Timed::default(); plan.rows.len()];
-    let strides = strides(plan, &scope.stage.scene.name, checked);
+    let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
     let rows: Vec<usize> = (0..plan.rows.len()).filter(|&r| strides[r].is_some()).collect();
     let mut sheets: BTreeMap<usize, Sheet<'_, S>> = BTreeMap::new();
     for stride in strides.iter().flatten() {
@@ -74,7 +76,7 @@ pub fn measure<S: Buildable + OccluderScalar>(
         of_reference.resize_with(round + 1, BTreeMap::new);
         let row = rows[row];
         let Some(stride) = strides[row].filter(|_| timed[row].panicked.is_none()) else { return };
-        let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == plan.baseline };
+        let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == baseline };
         let seen = caught(|| asked.make(scope, &mut sheets, &mut of_reference[round]));
         let out = &mut timed[row];
         let seen = match seen {
@@ -133,7 +135,12 @@ pub fn measure<S: Buildable + OccluderScalar>(
 
 /// Every how many-th ray each row is timed on; none for rows that are not timed. No row is timed
 /// on more rays than the baseline, so that both can be timed on the same.
-fn strides(plan: &Plan<'_>, scene: &str, checked: &[Option<Checked>]) -> Vec<Option<usize>> {
+fn strides(
+    plan: &Plan<'_>,
+    scene: &str,
+    checked: &[Option<Checked>],
+    baseline: usize,
+) -> Vec<Option<usize>> {
     let own = |(row, checked): (&MeasuredRow<'_>, &Option<Checked>)| {
         let checked = checked.as_ref().filter(|c| c.verdict.is_timed())?;
         let limits = &plan.limits;
@@ -142,7 +149,7 @@ fn strides(plan: &Plan<'_>, scene: &str, checked: &[Option<Checked>]) -> Vec<Opt
         Some(plan.strides.timed(scene, &row.label()).unwrap_or_else(by_cost))
     };
     let own: Vec<Option<usize>> = plan.rows.iter().zip(checked).map(own).collect();
-    let least = own.get(plan.baseline).copied().flatten().unwrap_or(1);
+    let least = own.get(baseline).copied().flatten().unwrap_or(1);
     own.into_iter().map(|stride| Some(stride?.max(least))).collect()
 }
 
@@ -212,7 +219,7 @@ impl<S: Buildable> Sheet<'_, S> {
         let mut seconds = Seconds::new();
         let batches = self.set.batches.iter().zip(&mut self.answers);
         for (batch, answers) in batches.filter(|(batch, _)| is_asked(batch.kind)) {
-            answers.clear();
+            answers.poison(&batch.expected);
             let start = scope.clock.now();
             if scope.plan.threads > 1 {
                 built.trace_chunked(batch, answers);

@@ -7,4 +7,5 @@ pub mod measure;
 pub mod scene_run;
 pub mod schedule;
 pub mod scope;
+pub mod stand_in;
 pub mod trial;

@@ -23,6 +23,7 @@ use crate::record::{Answered, Outliers, RowRecord, Sample, SceneRecord, Verdict}
 use crate::rounds::error::MeasureError;
 use crate::rounds::measure::{Timed, measure};
 use crate::rounds::scope::Scope;
+use crate::rounds::stand_in;
 use crate::rounds::trial::Outcome;
 use crate::scenes::LoadedScene;
 use crate::system::clock::Clock;
@@ -103,7 +104,8 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         progress.step(equipment.clock.now());
     }
     progress.message(format!("{}: timing", scene.name));
-    let timed = measure(&scope, &checked, deadline);
+    let baseline = stand_in::baseline(plan, &checked);
+    let timed = measure(&scope, &checked, baseline, deadline);
     let mut rows: Vec<RowRecord> = plan
         .rows
         .iter()
@@ -113,15 +115,15 @@ pub fn run_scene<S: Buildable + OccluderScalar>(
         .map(|(((row, checked), refused), timed)| RowParts { row, checked, refused, timed })
         .map(|parts| parts.record(&all, plan.seed))
         .collect();
-    if let Some(baseline) = rows.get_mut(plan.baseline) {
-        baseline.is_reference = true;
+    if let Some(reference) = rows.get_mut(baseline) {
+        reference.is_reference = true;
     }
     for (row, trial) in rows.iter_mut().zip(equipment.trials) {
         if let Outcome::Ended { peak_bytes } = trial {
             row.peak_build_bytes = *peak_bytes;
         }
     }
-    compare_with_baseline(&mut rows, plan);
+    compare_with_baseline(&mut rows, baseline, plan.seed);
     Ok(SceneRecord {
         name: scene.name.clone(),
         sha256: loaded.sha256.clone(),
@@ -279,8 +281,8 @@ pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>
 }
 
 /// Ratios to the baseline, round by round; none where the baseline was not timed.
-fn compare_with_baseline(rows: &mut [RowRecord], plan: &Plan<'_>) {
-    let baseline: Vec<(u32, f64)> = match rows.get(plan.baseline) {
+fn compare_with_baseline(rows: &mut [RowRecord], baseline: usize, seed: u64) {
+    let baseline: Vec<(u32, f64)> = match rows.get(baseline) {
         Some(row) if row.verdict.is_timed() => builds_by_round(row).collect(),
         _ => Vec::new(),
     };
@@ -292,10 +294,10 @@ fn compare_with_baseline(rows: &mut [RowRecord], plan: &Plan<'_>) {
             sample.reference_by_kind.retain(|_, _| is_timed);
         }
         let kinds = row.rays_by_kind.keys();
-        let ratios = kinds
-            .filter_map(|kind| Some((kind.clone(), estimate(&kind_ratios(row, kind), plan.seed)?)));
+        let ratios =
+            kinds.filter_map(|kind| Some((kind.clone(), estimate(&kind_ratios(row, kind), seed)?)));
         row.ratio_by_kind = ratios.collect();
-        row.ratio = estimate(&trace_ratios(row), plan.seed);
-        row.build_ratio = estimate(&ratios_of_builds(row, &[]), plan.seed);
+        row.ratio = estimate(&trace_ratios(row), seed);
+        row.build_ratio = estimate(&ratios_of_builds(row, &[]), seed);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! A build can take minutes, so nothing waits for the work: a thread of its own writes the mark
 //! and ends the process, as soon as no file is being written, and at the latest after [`GRACE`].
+//! Work that can stop between two of its steps has a [`flag`] instead, and ends by itself.
 
 use std::fs::File;
 use std::io::Write;
@@ -9,8 +10,13 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+#[cfg(any(unix, test))]
+use std::time::Instant;
 
-/// How long a file that is being written may keep the program from ending.
+/// What a program that is asked to end is left, whatever comes: so long may a file that is being
+/// written keep it from ending, and so long are further signals the same request. `timeout` sends
+/// its signal to the process and then to the group that the process is in, and a terminal's Ctrl-C
+/// may come through a wrapper once more.
 pub const GRACE: Duration = Duration::from_millis(500);
 
 /// Held while a file is written.
@@ -91,27 +97,65 @@ pub fn watch(_: Unfinished) -> std::io::Result<()> {
 }
 
 /// For work that can stop between two of its steps: the number of the first SIGINT, SIGTERM or
-/// SIGHUP that comes from here on, and 0 until then. A second one ends the process at once, with the
-/// code 128 + signal.
+/// SIGHUP that comes from here on, and 0 until then. One that comes later than [`GRACE`] after the
+/// first ends the process at once, with the code 128 + signal.
 ///
 /// # Errors
 /// The system's, when signals cannot be had.
 #[cfg(unix)]
 pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    use signal_hook::flag::{register_conditional_shutdown, register_usize};
 
     let signalled = Arc::new(AtomicUsize::new(0));
     if IS_ARMED.swap(false, SeqCst) {
-        let is_second = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM, SIGHUP] {
-            // in this order: the first finds the flag down
-            register_conditional_shutdown(signal, 128 + signal, Arc::clone(&is_second))?;
-            signal_hook::flag::register(signal, Arc::clone(&is_second))?;
-            register_usize(signal, Arc::clone(&signalled), signal as usize)?;
-        }
+        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+        let told = Arc::clone(&signalled);
+        std::thread::Builder::new().name("signals".into()).spawn(move || {
+            let mut requests = Requests::default();
+            for signal in signals.forever() {
+                match requests.next(Instant::now()) {
+                    Request::First => told.store(signal as usize, SeqCst),
+                    Request::Same => {}
+                    Request::Again => signal_hook::low_level::exit(128 + signal),
+                }
+            }
+        })?;
     }
     Ok(signalled)
+}
+
+/// What a signal asks for.
+#[cfg(any(unix, test))]
+#[derive(Debug, PartialEq, Eq)]
+enum Request {
+    /// To end when the step is done.
+    First,
+    /// That again, by whatever sent the first.
+    Same,
+    /// To end at once.
+    Again,
+}
+
+/// The signals of a process, as they come.
+#[cfg(any(unix, test))]
+#[derive(Debug, Default)]
+struct Requests {
+    first: Option<Instant>,
+}
+
+#[cfg(any(unix, test))]
+impl Requests {
+    /// What the signal that comes now asks for.
+    fn next(&mut self, now: Instant) -> Request {
+        match self.first {
+            None => {
+                self.first = Some(now);
+                Request::First
+            }
+            Some(first) if now.saturating_duration_since(first) < GRACE => Request::Same,
+            Some(_) => Request::Again,
+        }
+    }
 }
 
 /// Elsewhere no signal is told.
@@ -125,7 +169,7 @@ pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
 
 #[cfg(unix)]
 fn end(unfinished: Unfinished, signal: i32) -> ! {
-    let begin = std::time::Instant::now();
+    let begin = Instant::now();
     let held = loop {
         match WRITING.try_lock() {
             Ok(held) => break Some(held),
@@ -143,4 +187,20 @@ fn end(unfinished: Unfinished, signal: i32) -> ! {
     // The bar may stand there.
     let _ = writeln!(std::io::stderr(), "\n{text}");
     std::process::exit(128 + signal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_signal_that_comes_twice_at_once_is_one_request() {
+        let begin = Instant::now();
+        let mut requests = Requests::default();
+        let mut after = |ms| requests.next(begin + Duration::from_millis(ms));
+        assert_eq!(after(0), Request::First);
+        assert_eq!([0, 1, 499].map(&mut after), [Request::Same, Request::Same, Request::Same]);
+        // counted from the first, not from the one before
+        assert_eq!(after(500), Request::Again);
+    }
 }

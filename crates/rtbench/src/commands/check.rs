@@ -21,7 +21,7 @@ use crate::gate::{
 use crate::like::{self, LikeError, Narrowed};
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::{Plan, Rounds};
-use measurement::record::{RunRecord, Verdict};
+use measurement::record::{RunRecord, Verdict, reference};
 use measurement::system::created::create;
 use measurement::system::files::WriteError;
 use measurement::system::interrupt::undisturbed;
@@ -225,7 +225,7 @@ impl Check<'_> {
         let Found { base, now, against, findings, failures, pairs } = found;
         let times = match self.args.against {
             Some(_) => "seconds".to_owned(),
-            None => format!("ratios to {} in the same rounds", now.settings.reference),
+            None => format!("ratios to {} in the same rounds", reference::in_words(now)),
         };
         Report {
             tool: now.tool.clone(),

@@ -139,7 +139,7 @@ pub fn measure_rest(
             kept.count.fetch_add(1, SeqCst);
         }
         record.scenes.push(scene);
-        record.summary = summarize(&record.scenes, plan.seed);
+        record.summary = summarize(&record.scenes, &record.settings);
         if let Some(scale) = &mut record.scale {
             scale.slopes = quantities::slopes(&record.scenes);
         }

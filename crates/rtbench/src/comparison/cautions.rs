@@ -1,7 +1,7 @@
 //! What is to be kept in mind with a comparison.
 
 use crate::comparison::choice::{Choice, Named};
-use crate::comparison::differences::Difference;
+use crate::comparison::differences::{Difference, other_reference, scenes_of_both};
 use measurement::record::metrics::Concerns;
 
 /// What is to be said of two runs that are compared all the same.
@@ -23,6 +23,12 @@ pub fn cautions(
             (Concerns::Everything, false) => "",
         };
         said.push(format!("{what}{consequence}"));
+    }
+    for (before, after) in scenes_of_both(old.run, new.run) {
+        let Some([a, b]) = other_reference([before, after]) else { continue };
+        let what = if choice.is_forced { "compared by --force" } else { "not compared" };
+        let (in_a, in_b, scene) = (old.letter, new.letter, &before.name);
+        said.push(format!("scene {scene}: ratios to {a} in {in_a}, to {b} in {in_b}, {what}"));
     }
     for Named { letter, run, .. } in [old, new] {
         if !run.complete || run.scenes.len() < run.planned.len() {

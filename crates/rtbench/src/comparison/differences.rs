@@ -3,11 +3,13 @@
 //! A figure of one run can be held against one of another if nothing but the program differs between
 //! them. Other scenes, rays, arithmetic or instructions make everything another question. Another
 //! machine makes seconds one, but not counters, and not ratios to the reference of the same run,
-//! which is why they are taken. Another reference makes those another question.
+//! which is why they are taken. Another reference makes those another question; in a single scene
+//! too, where another row took its place.
 
 use std::collections::BTreeMap;
 
 use measurement::record::metrics::Concerns;
+use measurement::record::reference;
 use measurement::record::{RunRecord, SceneRecord};
 
 /// Something that two runs do not have in common.
@@ -70,6 +72,13 @@ pub fn scenes_of_both<'r>(
         let same = new.scenes.iter().find(|other| other.name == scene.name)?;
         Some((scene, same))
     })
+}
+
+/// What the ratios of a scene are over in both runs, where that is not the same row.
+pub fn other_reference(scenes: [&SceneRecord; 2]) -> Option<[String; 2]> {
+    let [old, new] = scenes.map(reference::of_scene);
+    let both = [old?, new?];
+    (both[0] != both[1]).then_some(both)
 }
 
 fn ray_counts(rays: &BTreeMap<String, u64>) -> String {
@@ -218,6 +227,14 @@ mod tests {
             plant(&mut new);
             assert_eq!(differences(&old, &new), [Difference { what: what.into(), concerns }]);
         }
+        let mut grid = old.scenes[0].clone();
+        assert_eq!(other_reference([&old.scenes[0], &grid]), None);
+        grid.rows[0].structure = "uniform-grid".into();
+        let both = ["obvhs-cwbvh", "uniform-grid"].map(str::to_owned);
+        assert_eq!(other_reference([&old.scenes[0], &grid]), Some(both));
+        // without ratios there is nothing to compare
+        grid.rows[0].verdict = measurement::record::Verdict::NotBuilt;
+        assert_eq!(other_reference([&old.scenes[0], &grid]), None);
         let mut unknown = old.clone();
         (unknown.machine.governor, unknown.compiler.target) = (None, None);
         assert_eq!(differences(&old, &unknown), []);

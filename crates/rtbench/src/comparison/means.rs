@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::comparison::choice::{Choice, Pair};
+use crate::comparison::differences::other_reference;
 use crate::comparison::entry::{Outcome, exact_ratio, exceeds};
 use measurement::record::RowRecord;
 use measurement::record::metrics::Metric;
@@ -40,8 +41,10 @@ pub fn means(pairs: &[Pair<'_>], metrics: &[&'static Metric], choice: &Choice) -
             let of_row = pairs.iter().filter(|(scenes, rows)| {
                 let [old, new] = rows;
                 let is_own = metric.is_to_reference() && old.is_reference && new.is_reference;
+                let has_ratios = choice.is_forced || other_reference(*scenes).is_none();
                 new.is_same(row)
                     && !is_own
+                    && (has_ratios || !metric.is_to_reference())
                     && (choice.is_forced || metric.rays(old) == metric.rays(new))
                     && choice.finds(&scenes[0].name, &row.label(), metric.name)
             });

@@ -13,7 +13,7 @@ use serde::Serialize;
 pub use choice::{Choice, Named, Pair};
 
 use crate::comparison::cautions::cautions;
-use crate::comparison::differences::{Difference, differences, scenes_of_both};
+use crate::comparison::differences::{Difference, differences, other_reference, scenes_of_both};
 use crate::comparison::entry::{Entry, Outcome};
 use crate::comparison::means::{Mean, means};
 use measurement::record::metrics::Concerns;
@@ -219,6 +219,7 @@ impl Comparison {
         let other = |rows: &'r [RowRecord], row: &RowRecord| {
             rows.iter().find(|r| r.structure == row.structure && r.settings == row.settings)
         };
+        let has_ratios = choice.is_forced || other_reference(scenes).is_none();
         let gone = old.rows.iter().filter(|row| other(&new.rows, row).is_none());
         let finds_row =
             |row: &RowRecord| metrics.iter().any(|m| choice.finds(name, &row.label(), m.name));
@@ -250,7 +251,11 @@ impl Comparison {
             }
             let mut other_rays = Vec::new();
             let mut is_paired = false;
-            for metric in metrics.iter().filter(|m| choice.finds(name, &row.label(), m.name)) {
+            let is_asked = |metric: &&&'static Metric| {
+                (has_ratios || !metric.is_to_reference())
+                    && choice.finds(name, &row.label(), metric.name)
+            };
+            for metric in metrics.iter().filter(is_asked) {
                 let rays = [before, after].map(|row| metric.rays(row));
                 if rays[0] != rays[1] {
                     other_rays.push(metric.name);

@@ -1,10 +1,11 @@
 //! What services that keep time series want of a run: a flat list of named numbers.
 //!
 //! Rows whose times may not be shown (wrong, not built, panicked) are left out of it, counters and
-//! all; `run` ends with exit code 4 or 1 for them.
+//! all; `run` ends with exit code 4 or 1 for them. Ratios that are to another row than the run's
+//! reference are left out, too: they would be another series under the same name.
 
 use measurement::record::metrics::{METRICS, Reading};
-use measurement::record::{RowRecord, RunRecord};
+use measurement::record::{RowRecord, RunRecord, reference};
 use statistics::estimate::estimate;
 
 /// A number of a row of a scene.
@@ -26,9 +27,11 @@ pub struct Measure {
 pub fn costs(run: &RunRecord) -> Vec<Measure> {
     let mut measures = Vec::new();
     for scene in &run.scenes {
+        let has_ratios = reference::is_over(scene, &run.settings.reference);
         for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
             // rates have the kinds of rays
             let of_all = METRICS.iter().filter(|m| !matches!(m.reading, Reading::RatioOf(_)));
+            let of_all = of_all.filter(|m| has_ratios || !m.is_to_reference());
             for metric in of_all {
                 let values = metric.values(scene, row);
                 let Some(found) = estimate(&values, run.settings.seed) else { continue };

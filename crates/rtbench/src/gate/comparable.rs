@@ -3,6 +3,7 @@
 use crate::comparison::differences::{Difference, differences};
 use measurement::record::RunRecord;
 use measurement::record::metrics::Concerns;
+use measurement::record::reference;
 
 /// What keeps `now` from being held against `base`, each in words: all that keeps two runs from being
 /// compared, but for seconds, which no rung looks at. Of `base`, scenes that `now` lacks do not
@@ -26,7 +27,7 @@ pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
              judged as on the same, times only as ratios to {} within each run.",
             cpu(&now.machine),
             cpu(&base.machine),
-            now.settings.reference
+            reference::in_words(now)
         ));
     }
     if base.compiler.rustc != now.compiler.rustc {

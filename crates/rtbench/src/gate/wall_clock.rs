@@ -10,6 +10,7 @@
 //! change is large, and a test, corrected for all that are tested, which says that it is no
 //! chance. An interval that reaches beyond the threshold says that it may be: inconclusive.
 
+use crate::comparison::differences::other_reference;
 use crate::gate::against::PairedRow;
 use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung, Times};
 use measurement::record::SceneRecord;
@@ -76,6 +77,9 @@ fn in_run(
     time: &str,
     shortest: f64,
 ) -> Result<Tested, Untested> {
+    if let Some([was, is]) = other_reference([row.scene.0, row.scene.1]) {
+        return Err(Untested::Because(format!("ratios were to {was}, are to {is}")));
+    }
     if row.now.is_reference || row.base.is_reference {
         return Err(Untested::Reference);
     }

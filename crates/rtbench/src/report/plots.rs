@@ -1,7 +1,9 @@
 //! The plots of a run: bars with intervals, and builds against rays.
 
 use crate::report::costs::Profile;
-use measurement::record::{Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict};
+use measurement::record::{
+    Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, reference,
+};
 use presentation::numbers::short;
 use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column, chart};
 use presentation::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series, figure};
@@ -33,16 +35,15 @@ impl From<&SummaryRow> for Ratios {
 
 /// Trace and build time of each row of a scene over the reference's.
 pub fn scene_bars(run: &RunRecord, scene: &SceneRecord) -> String {
-    bars(format!("{}: times over those of {}", scene.name, run.settings.reference), &scene.rows)
+    let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
+    bars(format!("{}: times over those of {reference}", scene.name), &scene.rows)
 }
 
 /// The same over all scenes.
 pub fn summary_bars(run: &RunRecord) -> String {
-    let title = format!(
-        "Times over those of {}, geometric means over {} scene(s)",
-        run.settings.reference,
-        run.scenes.len()
-    );
+    let reference = reference::of_means(&run.scenes, &run.settings.reference);
+    let scenes = reference::scenes_over(&run.scenes, &reference);
+    let title = format!("Times over those of {reference}, geometric means over {scenes} scene(s)");
     bars(title, &run.summary)
 }
 

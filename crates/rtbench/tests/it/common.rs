@@ -3,8 +3,6 @@
 
 use std::time::Duration;
 
-use accel_core::Ray;
-use accel_core::Scalar;
 use accel_core::occluders;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
@@ -13,6 +11,7 @@ use accel_core::structures::{
     BuildError, Entry, Shape, Structure, StructureInfo, brute_force, no_defect, obvhs_bvh2,
     obvhs_cwbvh, uniform_grid,
 };
+use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
 use measurement::scenes::{Installed, SceneSource};
 use measurement::system::clock::{Clock, SteppingClock, SystemClock};
@@ -39,6 +38,46 @@ impl<S: Scalar> Structure<S> for Dropper<S> {
 
     fn shape(&self) -> Shape {
         Shape { cells: 1, references: self.ids.len() as u64, ..Shape::default() }
+    }
+}
+
+/// Brute force whose batches of shadow rays say that they are answered, and are not; with `ALL` those
+/// of closest hits, too.
+pub struct Silent<S, const ALL: bool> {
+    ids: Vec<u32>,
+    scalar: std::marker::PhantomData<S>,
+}
+
+/// It writes no answer.
+pub type SilentAll<S> = Silent<S, true>;
+/// It writes no answer to a shadow ray.
+pub type SilentShadows<S> = Silent<S, false>;
+
+/// Of [`SilentAll`].
+pub static SILENT: StructureInfo = planted("silent", "answers nothing");
+/// Of [`SilentShadows`].
+pub static SILENT_SHADOWS: StructureInfo = planted("silent-shadows", "answers no shadow ray");
+
+impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
+    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+        let ids = (0..prims.len() as u32).collect();
+        Ok(Self { ids, scalar: std::marker::PhantomData })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        let _ = sink.test(&self.ids);
+    }
+
+    fn closest_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [Hit<S>]) -> bool {
+        ALL
+    }
+
+    fn occlusion_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [bool]) -> bool {
+        true
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::default()
     }
 }
 

@@ -16,6 +16,7 @@ mod resuming;
 mod scale;
 mod snapshots;
 mod speed;
+mod stand_in;
 mod sweep;
 mod verdicts;
 mod verify;

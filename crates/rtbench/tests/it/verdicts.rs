@@ -1,11 +1,22 @@
 //! A wrong structure must be found out, must not show a time, and must end the run with 4.
 
-use crate::common::{DECLARED, Folder, PLANTED, WRONG_FIRST, WRONG_ONLY, row, run_with};
-use measurement::record::Verdict;
+use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
+use accel_core::sink::Sink;
+use accel_core::structures::{
+    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, uniform_grid,
+};
+use accel_core::{Ray, Scalar};
+use measurement::record::{Verdict, Warning};
 use measurement::scenes::Installed;
 use measurement::system::clock::SystemClock;
 
-fn run(registry: &[accel_core::structures::Entry], arguments: &str) -> crate::common::Ended {
+use crate::common::{
+    DECLARED, Folder, PLANTED, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, WRONG_FIRST,
+    WRONG_ONLY, planted, row, run_with,
+};
+
+fn run(registry: &[Entry], arguments: &str) -> crate::common::Ended {
     run_with(registry, &Installed, &SystemClock::default(), arguments)
 }
 
@@ -90,4 +101,97 @@ fn real_structures_are_right_on_mixed_primitives_in_both_precisions() {
             assert!(scene.rows.iter().filter(|r| r.checked_rays == total).count() >= 3);
         }
     }
+}
+
+/// It can be built nowhere.
+struct Refuses<S>(std::marker::PhantomData<S>);
+
+static REFUSES: StructureInfo = planted("refuses", "cannot be built");
+
+impl<S: Scalar> Structure<S> for Refuses<S> {
+    fn build<P: PrimSet<S>>(_: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        Err(BuildError::TooLarge { structure, what: "anything", needed: 1, limit: 0 })
+    }
+
+    fn walk<K: Sink<S>>(&self, _: &Ray<S>, _: &mut K) {}
+
+    fn shape(&self) -> Shape {
+        Shape::default()
+    }
+}
+
+static FAULTY: &[Entry] = &[
+    accel_core::entry!(crate::verdicts::Refuses, REFUSES),
+    accel_core::entry!(SilentAll, SILENT),
+    accel_core::entry!(SilentShadows, SILENT_SHADOWS),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+];
+
+/// What would be asked for the answers first writes none.
+static SILENT_FIRST: &[Entry] = &[
+    accel_core::entry!(SilentAll, SILENT),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+];
+static SHADOWS_FIRST: &[Entry] = &[
+    accel_core::entry!(SilentShadows, SILENT_SHADOWS),
+    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
+];
+
+#[test]
+fn batches_that_write_nothing_are_wrong_for_every_ray() {
+    for (kind, name) in [("shadow", "silent-shadows"), ("shadow", "silent"), ("primary", "silent")]
+    {
+        let folder = Folder::new();
+        let arguments = format!("run tetra:2 --quick -s {name},uniform-grid --rays {kind} -o");
+        let ended = run(FAULTY, &format!("{arguments} {}", folder.path()));
+        assert_eq!(ended.code, 4, "{kind}: {}{}", ended.out, ended.err);
+        let record = folder.record();
+        let silent = row(&record, name);
+        assert_eq!(silent.verdict, Verdict::Wrong, "{kind}");
+        // not one answer passes for one that happened to be right
+        assert!(silent.checked_rays > 100 && silent.mismatches == silent.checked_rays, "{kind}");
+        assert_eq!(row(&record, "uniform-grid").verdict, Verdict::Ok, "{kind}");
+    }
+}
+
+#[test]
+fn answers_that_nobody_wrote_are_no_reference() {
+    let arguments = "run tetra:2 --quick -s brute-force --rays primary,shadow";
+    for (registry, said) in [
+        (SILENT_FIRST, "refused as reference: silent: primary ray "),
+        (SHADOWS_FIRST, "refused as reference: silent-shadows: shadow ray "),
+    ] {
+        let ended = run(registry, arguments);
+        assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+        assert!(ended.err.contains(said), "{}", ended.err);
+    }
+}
+
+#[test]
+fn another_row_stands_in_for_a_reference_that_cannot_be_built() {
+    let folder = Folder::new();
+    let arguments = "run tetra:2 --quick --reference refuses -s brute-force,uniform-grid -o";
+    let ended = run(FAULTY, &format!("{arguments} {}", folder.path()));
+    // what was asked for could not be measured
+    assert_eq!(ended.code, 1, "{}{}", ended.out, ended.err);
+    let record = folder.record();
+    assert_eq!(record.settings.reference, "refuses");
+    let refused = row(&record, "refuses");
+    assert_eq!((refused.verdict, refused.is_reference), (Verdict::NotBuilt, false));
+    // not brute force, which is before it but measured on a sample of the rays
+    let stands_in = row(&record, "uniform-grid");
+    assert!(stands_in.is_reference);
+    assert_eq!(stands_in.ratio.as_ref().map(|r| r.median), Some(1.0));
+    assert!(row(&record, "brute-force").ratio.as_ref().is_some_and(|r| r.median > 0.0));
+    let summary = |name: &str| record.summary.iter().find(|s| s.structure == name).unwrap();
+    assert_eq!((summary("refuses").scenes, summary("refuses").not_built_scenes), (0, 1));
+    for name in ["brute-force", "uniform-grid"] {
+        assert!(summary(name).scenes == 1 && summary(name).ratio.is_some(), "{name}");
+    }
+    let instead = [("tetra:2".to_owned(), "uniform-grid".to_owned())].into();
+    let warning = Warning::OtherReference { reference: "refuses".into(), instead };
+    assert!(record.warnings.contains(&warning), "{:?}", record.warnings);
+    assert!(ended.err.contains("ratios are to uniform-grid in tetra:2"), "{}", ended.err);
 }

@@ -1,7 +1,7 @@
 //! The columns of a run's results: one line each, from which tables and CSV come.
 
 use measurement::record::{
-    Answered, Outliers, RowRecord, SceneRecord, ShapeRecord, Verdict, WorkRecord,
+    Answered, Outliers, RowRecord, SceneRecord, ShapeRecord, Verdict, WorkRecord, reference,
 };
 use presentation::column::{Column, Unit, Value};
 use presentation::numbers;
@@ -52,7 +52,7 @@ fn untimed(of: &RowOf<'_>) -> Option<Cell> {
 /// All columns, in the order of CSV files; behind them come those of each kind of ray, see
 /// [`crate::run::kind_tables`].
 #[rustfmt::skip]
-pub fn columns<'a>() -> [Column<RowOf<'a>>; 31] {
+pub fn columns<'a>() -> [Column<RowOf<'a>>; 32] {
     use Unit::{Bytes, None, PerRay, Ratio, Seconds};
     use Value::{Count, Measured, Real, Text};
     let c = Column::new;
@@ -85,6 +85,10 @@ pub fn columns<'a>() -> [Column<RowOf<'a>>; 31] {
         c(&["render_s"], "image ms", Seconds, |of| Value::of(of.row.render_s, Real)).or(untimed),
         c(&["first_image_s"], "", Seconds, |of| Value::of(of.row.first_image_s(), Real)),
         c(&["ratio_to_reference", "ratio_low", "ratio_high"], RATIO, Ratio, |of| Value::of(of.row.ratio, Measured)).or(untimed),
+        c(&["reference"], "", None, |of| {
+            let reference = reference::of_scene(of.scene).filter(|_| of.row.ratio.is_some());
+            Value::of(reference, Text)
+        }),
         c(&["primary_mrays"], "primary", None, |of| of.rate(0)),
         c(&["shadow_mrays"], "shadow", None, |of| of.rate(1)),
         c(&["secondary_mrays"], "second.", None, |of| of.rate(2)),

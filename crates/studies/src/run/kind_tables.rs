@@ -5,11 +5,11 @@
 //! faster, the inverse of the ratios of times in the other tables.
 
 use crate::run::picture_time::{self, PictureTime};
-use crate::run::tables::name_in_column;
+use crate::run::tables::{left_out, name_in_column};
 use measurement::rays::order::kind_of;
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::record::query::{self, Query};
-use measurement::record::{RowRecord, RunRecord, SceneRecord, label};
+use measurement::record::{RowRecord, RunRecord, SceneRecord, label, reference};
 use presentation::csv;
 use presentation::csv::number;
 use presentation::numbers;
@@ -32,6 +32,7 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
     let mut header = vec!["structure", "query"];
     header.extend(&kinds);
     header.extend(["picture ms", "to obvhs [95%]"]);
+    let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
     let times = picture_time::of_scene(scene);
     let obvhs = picture_time::fastest_obvhs(&times);
     let mut previous = "";
@@ -49,7 +50,7 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
         title: format!("{}: by kind of ray", scene.name),
         header,
         rows: rows.collect(),
-        notes: notes(run, scene.rows.iter().any(|row| row.query == Query::Batch)),
+        notes: notes(&reference, scene.rows.iter().any(|row| row.query == Query::Batch)),
     }
 }
 
@@ -61,6 +62,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
         header.extend([kind, "least"]);
     }
     header.extend(["picture to obvhs [95%]", "most"]);
+    let reference = reference::of_means(&run.scenes, &run.settings.reference);
     let mut previous = "";
     let rows = run.summary.iter().map(|row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
@@ -75,7 +77,8 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
                 let ratio = scene.rows.iter().find(same)?.ratio_by_kind.get(*kind)?;
                 Some((scene.name.clone(), ratio.inverse().median))
             };
-            let by_scene = run.scenes.iter().filter_map(of);
+            let of_means = run.scenes.iter().filter(|s| reference::is_over(s, &reference));
+            let by_scene = of_means.filter_map(of);
             cells.push(named(by_scene.min_by(|a, b| a.1.total_cmp(&b.1))));
         }
         let name = label(&row.structure, &row.settings);
@@ -88,12 +91,9 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
         }
         cells
     });
-    Table {
-        title: "All scenes: by kind of ray".into(),
-        header,
-        rows: rows.collect(),
-        notes: notes(run, run.summary.iter().any(|row| row.batch_scenes > 0)),
-    }
+    let mut notes = notes(&reference, run.summary.iter().any(|row| row.batch_scenes > 0));
+    notes.extend(left_out(run));
+    Table { title: "All scenes: by kind of ray".into(), header, rows: rows.collect(), notes }
 }
 
 /// Scene by scene: the first row to a picture, by the way it is asked, against the first of obvhs.
@@ -145,12 +145,11 @@ fn to_obvhs(own: Option<&PictureTime>, obvhs: Option<&PictureTime>, seed: u64) -
     ratio().map_or_else(dash, |ratio| numbers::ratio(&ratio).into())
 }
 
-fn notes(run: &RunRecord, has_batches: bool) -> Vec<String> {
+fn notes(reference: &str, has_batches: bool) -> Vec<String> {
     let mut notes = vec![
         format!(
-            "Of each kind of ray: rays per second over those of {}, for the same rays in the same \
-             round; above 1 is faster. NAME-shuffled: the same rays in a random order.",
-            run.settings.reference
+            "Of each kind of ray: rays per second over those of {reference}, for the same rays in \
+             the same round; above 1 is faster. NAME-shuffled: the same rays in a random order.",
         ),
         "picture: build, one million primary rays and their shadow rays; to obvhs: that time over \
          that of the row of obvhs which is done first; below 1 is faster."
@@ -225,7 +224,7 @@ mod tests {
                 row.query = Query::Batch;
             }
         }
-        record.summary = summarize(&record.scenes, 1);
+        record.summary = summarize(&record.scenes, &record.settings);
         record
     }
 
@@ -257,7 +256,7 @@ mod tests {
         assert!(table.rows.iter().all(|row| row.len() == table.header.len()));
         let mut mixed = record.clone();
         mixed.scenes[1].rows[2].query = Query::OneRay;
-        mixed.summary = summarize(&mixed.scenes, 1);
+        mixed.summary = summarize(&mixed.scenes, &mixed.settings);
         assert_eq!(texts(&summary_table(&mixed, false))[2][1], "batch in 1 of 2");
     }
 

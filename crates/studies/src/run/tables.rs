@@ -4,7 +4,7 @@ use crate::run::columns::{self, RATIO, RowOf};
 use measurement::rays::order::Orders;
 use measurement::record::query::{self, Query};
 use measurement::record::{
-    Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label,
+    Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label, reference,
 };
 use presentation::column::headed;
 use presentation::numbers;
@@ -52,7 +52,7 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
         row.ratio.filter(|_| is_comparable)
     });
     mark_best(&mut rows, header.iter().position(|h| *h == RATIO), ratios);
-    Table { title: scene_title(scene), header, rows, notes: scene_notes(scene) }
+    Table { title: scene_title(scene), header, rows, notes: scene_notes(run, scene) }
 }
 
 /// The name of a row; of one below another row of its structure, its settings where they may be
@@ -89,7 +89,7 @@ pub fn scene_title(scene: &SceneRecord) -> String {
 }
 
 /// What is to be said of a scene's rows, and how their answers were judged.
-pub fn scene_notes(scene: &SceneRecord) -> Vec<String> {
+pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
     let oracle = &scene.oracle;
     let mut notes = vec![match &oracle.reference {
         Some(reference) => format!(
@@ -102,6 +102,7 @@ pub fn scene_notes(scene: &SceneRecord) -> Vec<String> {
                  with brute force on a sample."
             .into(),
     }];
+    notes.extend(reference_note(run, scene));
     if scene.rows.iter().any(|row| row.query == Query::Batch) {
         notes.push(query::NOTE.into());
     }
@@ -126,6 +127,14 @@ pub fn scene_notes(scene: &SceneRecord) -> Vec<String> {
         }
     }
     notes
+}
+
+/// Which row took the place of the run's reference.
+fn reference_note(run: &RunRecord, scene: &SceneRecord) -> Option<String> {
+    let planned = &run.settings.reference;
+    let own = reference::of_scene(scene).filter(|own| own != planned)?;
+    let row = scene.rows.iter().find(|row| row.label() == *planned)?;
+    Some(format!("Ratios are to {own}, as {planned} is {} here.", row.verdict.name()))
 }
 
 /// How many rounds were far from the others, and where most of them were.
@@ -205,15 +214,25 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
         r.ratio.filter(|_| is_comparable)
     });
     mark_best(&mut rows, header.iter().position(|h| *h == "trace ratio [95%]"), ratios);
-    let mut notes = vec![format!(
-        "Ratios to {}: geometric means over {} scene(s).",
-        run.settings.reference,
-        run.scenes.len()
-    )];
+    let reference = reference::of_means(&run.scenes, &run.settings.reference);
+    let scenes = reference::scenes_over(&run.scenes, &reference);
+    let mut notes = vec![format!("Ratios to {reference}: geometric means over {scenes} scene(s).")];
+    notes.extend(left_out(run));
     if has_batches {
         notes.push(query::NOTE.into());
     }
     Table { title: "All scenes".into(), header, rows, notes }
+}
+
+/// Scenes that means leave out, as their ratios are to another row.
+pub fn left_out(run: &RunRecord) -> Option<String> {
+    let reference = reference::of_means(&run.scenes, &run.settings.reference);
+    let others = reference::elsewhere(&run.scenes, &reference).map(reference::in_scene);
+    let others: Vec<String> = others.collect();
+    let listed = || {
+        format!("Means leave out scenes whose ratios are to another row: {}.", others.join(", "))
+    };
+    (!others.is_empty()).then(listed)
 }
 
 fn summary_verdict(row: &SummaryRow) -> Cell {

@@ -66,7 +66,7 @@ fn size_table(run: &RunRecord, scene: &SceneRecord) -> Table {
         title: format!("{}; asked for {}", scene_title(scene), asked(size, ", ")),
         header: std::iter::once("structure").chain(HEADS).collect(),
         rows: rows.collect(),
-        notes: scene_notes(scene),
+        notes: scene_notes(run, scene),
     }
 }
 

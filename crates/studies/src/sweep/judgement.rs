@@ -39,12 +39,11 @@ pub fn judge(sweep: &Sweep<'_>, scene: &SceneRecord) -> Vec<Judgement> {
     let best = competing.iter().flatten().map(|e| e.median).min_by(f64::total_cmp);
     rows()
         .zip(standings)
-        .enumerate()
-        .map(|(i, (((row, line), cost), standing))| Judgement {
+        .map(|(((row, line), cost), standing)| Judgement {
             standing,
             to_best: cost.zip(best).filter(|(_, b)| *b > 0.0).map(|(c, b)| c.median / b),
             cells_per_primitive: cells_per_primitive(row, scene.primitives),
-            marks: marks(line, standing, i == sweep.plan.baseline),
+            marks: marks(line, standing, row.is_reference),
         })
         .collect()
 }
@@ -87,7 +86,7 @@ fn cells_per_primitive(row: &RowRecord, primitives: u64) -> Option<f64> {
     Some(row.shape.as_ref()?.n_v as f64 / primitives.max(1) as f64)
 }
 
-fn marks(line: &Line, standing: Option<Standing>, is_baseline: bool) -> Vec<String> {
+fn marks(line: &Line, standing: Option<Standing>, is_reference: bool) -> Vec<String> {
     let mut marks = Vec::new();
     match standing {
         Some(Standing::Best) => marks.push("best".to_owned()),
@@ -98,7 +97,7 @@ fn marks(line: &Line, standing: Option<Standing>, is_baseline: bool) -> Vec<Stri
         marks.push("default".to_owned());
     }
     marks.extend(line.rules.iter().map(|rule| format!("rule: {rule}")));
-    if is_baseline {
+    if is_reference {
         marks.push("reference".to_owned());
     }
     marks

@@ -2,7 +2,7 @@
 
 use crate::sweep::judgement::{Judgement, Standing, costs, judge};
 use crate::sweep::{Abscissa, Line, Sweep};
-use measurement::record::{RunRecord, SceneRecord, Verdict};
+use measurement::record::{RunRecord, SceneRecord, Verdict, reference};
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 use statistics::estimate::Estimate;
 
@@ -36,7 +36,7 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
     let has_ratios = scene.rows.iter().any(|r| r.ratio.is_some());
     let settings = format!("{} {}", sweep.structure, sweep.settings);
     let rays = scene.distinct_rays();
-    let reference = run.settings.reference.as_str();
+    let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
     let mut swept: Vec<Point> =
         placed.iter().filter(|p| p.line.is_swept).map(|p| p.point).collect();
     swept.sort_by(|a, b| a.x.total_cmp(&b.x));

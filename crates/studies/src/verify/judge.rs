@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use accel_core::primitives::PrimSet;
 use accel_core::structures::{BuildError, Buildable};
 use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
-use accel_core::{Hit, Ray, Scalar};
+use accel_core::{Hit, MISS, Ray, Scalar};
 
 use super::digest::Digest;
 pub use super::mismatch::Mismatch;
@@ -45,20 +45,24 @@ struct Answers<S: Scalar> {
 }
 
 impl<S: Scalar> Answers<S> {
+    /// What is not written is wrong: where a hit was found stands that nothing blocks the ray, and
+    /// the other way round. All primitives of the cases are opaque.
     fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
-        let mut blocked = vec![false; rays.len()];
+        let closest = closest(tracer, rays);
+        let mut blocked: Vec<bool> = closest.iter().map(|hit| !hit.is_hit()).collect();
+        let preset = |blocked: &bool| ShadowCount { blocked: *blocked, glass: 0 };
+        let mut shadows: Vec<_> = blocked.iter().step_by(COUNTED).map(preset).collect();
         tracer.occlusions(rays, &mut blocked);
         let some: Vec<Ray<S>> = rays.iter().copied().step_by(COUNTED).collect();
-        let mut counted = vec![Hit::NONE; some.len()];
+        let mut counted = vec![unwritten(); some.len()];
         tracer.count_closest_hits(&some, &mut counted);
-        let mut shadows = vec![ShadowCount::default(); some.len()];
         tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
         let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
         let mut alone = Vec::new();
         if tracer.answers_batches() {
-            alone = some.chunks(1).flat_map(|one| closest(tracer, one)).collect();
+            alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
         }
-        Self { closest: closest(tracer, rays), counted, blocked, counted_blocked, alone }
+        Self { closest, counted, blocked, counted_blocked, alone }
     }
 
     /// By brute force over the primitives near each ray alone.
@@ -104,9 +108,14 @@ fn nearest<S: Scalar>(prims: &impl PrimSet<S>, ray: &Ray<S>, ids: &[u32]) -> Hit
 
 /// The closest hits alone.
 fn closest<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let mut hits = vec![Hit::NONE; rays.len()];
+    let mut hits = vec![unwritten(); rays.len()];
     tracer.closest_hits(rays, &mut hits);
     hits
+}
+
+/// Stands where no hit was written: of no primitive, at no parameter, and so no answer.
+fn unwritten<S: Scalar>() -> Hit<S> {
+    Hit { t: S::from_f64(f64::NAN), id: MISS - 1 }
 }
 
 /// The closest hits of a round's rays among the primitives near them.

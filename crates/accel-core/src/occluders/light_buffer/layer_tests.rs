@@ -7,7 +7,7 @@ use super::margins::Margins;
 use super::*;
 use crate::occluders::find;
 use crate::primitives::{Ball, TriangleSet};
-use crate::structures::test_scenes::Random;
+use crate::structures::test_scenes::{Random, occlusions};
 
 /// Cells of a sheet along x and y.
 const SIDE: u32 = 24;
@@ -89,8 +89,9 @@ fn compared<S: Buildable>(
     let buffer = LightBuffer::new(&set, any, &[light], &params).unwrap();
     let entry = crate::structures::find("brute-force").unwrap();
     let right = entry.build(any, &entry.params([]).unwrap()).unwrap();
-    let (mut a, mut b) = (vec![false; rays.len()], vec![false; rays.len()]);
-    right.occlusions(&rays, &mut a);
+    let a = occlusions(&*right, &rays);
+    // what is not written is wrong
+    let mut b: Vec<bool> = a.iter().map(|blocked| !blocked).collect();
     buffer.occlusions(&rays, &vec![0; rays.len()], &mut b);
     let work = buffer.count_occlusions(&rays, &vec![0; rays.len()], &mut vec![false; rays.len()]);
     let wrong = a.iter().zip(&b).filter(|(a, b)| a != b).count();

@@ -6,7 +6,7 @@ use super::face_tree::{COVERED, END, LONG};
 use super::*;
 use crate::occluders::find;
 use crate::primitives::{MixedSet, MixedSetBuilder};
-use crate::structures::test_scenes::{Random, built, hard_scenes, mixed_scene, rays};
+use crate::structures::test_scenes::{Random, built, hard_scenes, mixed_scene, occlusions, rays};
 
 fn settings() -> impl Iterator<Item = &'static str> {
     INFO.variants.iter().chain(INFO.also_tested).copied()
@@ -33,9 +33,19 @@ fn buffer<'a, S: Buildable>(
 }
 
 fn brute_force<S: Buildable>(set: &MixedSet<S>, rays: &[Ray<S>]) -> Vec<bool> {
-    let mut blocked = vec![false; rays.len()];
     let entry = crate::structures::find("brute-force").unwrap();
-    built(entry, set, "").occlusions(rays, &mut blocked);
+    occlusions(&*built(entry, set, ""), rays)
+}
+
+/// What an occluder says, where `right` is right: what it does not write is wrong.
+fn said<S: Scalar, O: Occluder<S> + ?Sized>(
+    occluder: &O,
+    rays: &[Ray<S>],
+    to: &[u32],
+    right: &[bool],
+) -> Vec<bool> {
+    let mut blocked: Vec<bool> = right.iter().map(|b| !b).collect();
+    occluder.occlusions(rays, to, &mut blocked);
     blocked
 }
 
@@ -135,8 +145,8 @@ fn agrees<S: Buildable>() {
         assert!(hidden * 20 > n || scene == "one", "{scene}: {hidden}");
         for settings in settings() {
             let buffer = boxed(&set, &lights, settings);
-            let (mut timed, mut counted) = (vec![false; all.len()], vec![false; all.len()]);
-            buffer.occlusions(&all, &to, &mut timed);
+            let timed = said(&*buffer, &all, &to, &right);
+            let mut counted: Vec<bool> = right.iter().map(|b| !b).collect();
             let work = buffer.count_occlusions(&all, &to, &mut counted);
             for (i, ray) in all.iter().enumerate() {
                 assert_eq!(timed[i], right[i], "{} {scene} {settings} {ray:?} {}", S::NAME, to[i]);
@@ -182,9 +192,7 @@ fn a_lost_reference_is_noticed() {
     let right = brute_force(&set, &rays);
     let mut buffer = buffer(&set, &lights, "longest=1000000");
     let blocker = |buffer: &LightBuffer<'_, f32, _>| {
-        let mut blocked = vec![false; rays.len()];
-        buffer.occlusions(&rays, &to, &mut blocked);
-        blocked.iter().zip(&right).filter(|(a, b)| a != b).count()
+        said(buffer, &rays, &to, &right).iter().zip(&right).filter(|(a, b)| a != b).count()
     };
     assert_eq!(blocker(&buffer), 0);
     let lost = |id: u32| id < 30;
@@ -228,7 +236,7 @@ fn a_covering_primitive_answers_without_a_test() {
     // under the board, on the board, above it, beside it
     let rays = [ray(0.2, 0.0), ray(0.2, 1.0), ray(0.2, 2.0), ray(7.0, 0.0)];
     let expected = [true, false, false, false];
-    let mut blocked = [false; 4];
+    let mut blocked = expected.map(|b| !b);
     let full = buffer(&set, &[light], "divide=1 growth=1000");
     assert!(full.cells.tally.covered > 0);
     full.occlusions(&rays, &[0; 4], &mut blocked);
@@ -238,6 +246,7 @@ fn a_covering_primitive_answers_without_a_test() {
     // too near to the board for its t_min: left to the structure, not guessed
     let mut near = [ray(0.2, 0.5)];
     near[0].t_min = 1.0;
+    blocked[0] = true;
     full.occlusions(&near, &[0], &mut blocked[..1]);
     assert_eq!(brute_force(&set, &near), [false]);
     assert!(!blocked[0]);
@@ -256,9 +265,8 @@ fn lights_without_room_are_left_to_the_structure() {
     let served = small.cubes.len();
     assert!(served > 1 && served < all.len(), "{served}");
     assert!(small.cells.bytes() <= 1 << 20);
-    let mut blocked = vec![false; rays.len()];
-    small.occlusions(&rays, &to, &mut blocked);
-    assert_eq!(blocked, brute_force(&set, &rays));
+    let right = brute_force(&set, &rays);
+    assert_eq!(said(&small, &rays, &to, &right), right);
 }
 
 #[test]
@@ -292,9 +300,8 @@ fn what_lets_light_pass_blocks_nothing_and_is_not_listed() {
 fn no_lights_and_no_primitives() {
     let set = mixed_scene::<f32>(10, 1, [1.0; 3]);
     let ray = shadow_ray(DVec3::splat(-1.0), DVec3::splat(2.0), 1e-4);
-    let mut blocked = [false];
-    buffer(&set, &[], "").occlusions(&[ray], &[0], &mut blocked);
-    assert_eq!(blocked.to_vec(), brute_force(&set, &[ray]));
+    let right = brute_force(&set, &[ray]);
+    assert_eq!(said(&buffer(&set, &[], ""), &[ray], &[0], &right), right);
     let empty = MixedSetBuilder::<f32>::default().finish();
     let params = find(INFO.name).unwrap().params([]).unwrap();
     let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &params);
@@ -312,9 +319,7 @@ fn a_buffer_filled_on_demand_remembers_occluders_for_all_threads() {
     std::thread::scope(|scope| {
         for _ in 0..4 {
             scope.spawn(|| {
-                let mut blocked = vec![false; rays.len()];
-                buffer.occlusions(&rays, &to, &mut blocked);
-                assert!(blocked == right);
+                assert!(said(&*buffer, &rays, &to, &right) == right);
             });
         }
     });

@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::primitives::{TriangleSet, Watertight};
     use crate::ray::Hit;
-    use crate::structures::test_scenes::Random;
+    use crate::structures::test_scenes::{Random, closest_hits, occlusions};
     use crate::structures::{PrimsRef, find};
 
     fn soup(n: usize) -> TriangleSet<f32, Watertight> {
@@ -161,10 +161,7 @@ mod tests {
         let params = entry.params(settings.iter().copied()).unwrap();
         let tracer = entry.build(PrimsRef::Watertight(set), &params).unwrap();
         assert!(name != "embree" || tracer.shape().bytes > 36 * set.len() as u64);
-        let (mut hits, mut blocked) = (vec![Hit::NONE; 3000], vec![false; 3000]);
-        tracer.closest_hits(&rays, &mut hits);
-        tracer.occlusions(&rays, &mut blocked);
-        hits.into_iter().zip(blocked).collect()
+        closest_hits(&*tracer, &rays).into_iter().zip(occlusions(&*tracer, &rays)).collect()
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::aabb::Aabb;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight};
 use crate::ray::{Hit, Ray};
 use crate::scalar::Vec3;
+use crate::structures::test_scenes::{closest_hits as hits, occlusions as blocked};
 use crate::structures::{BuildError, Buildable, PrimsRef, find};
 use crate::tracer::Tracer;
 
@@ -83,18 +84,6 @@ fn tracer<'a, S: Buildable>(
     let entry = find(name).unwrap();
     let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
     entry.build(prims, &entry.params(settings).unwrap())
-}
-
-fn hits<S: Buildable>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let mut hits = vec![Hit::NONE; rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    hits
-}
-
-fn blocked<S: Buildable>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<bool> {
-    let mut blocked = vec![false; rays.len()];
-    tracer.occlusions(rays, &mut blocked);
-    blocked
 }
 
 /// Deep grids in every setting that must give right answers.

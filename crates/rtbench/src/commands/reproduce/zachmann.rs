@@ -68,7 +68,10 @@ fn plan<'r>(
         .chain([MODERN])
         .map(|row| Row::parse(context.registry, row))
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(Plan::over(context.scenes.resolve(&names)?, rows, 0, &args, context.registry)?)
+    let mut plan = Plan::over(context.scenes.resolve(&names)?, rows, 0, &args, context.registry)?;
+    // the lecture's ratios are to that row
+    plan.keeps_baseline = true;
+    Ok(plan)
 }
 
 fn comparisons(run: &RunRecord, published: &[Published]) -> Vec<Comparison> {

@@ -4,7 +4,7 @@ use crate::report::date::utc;
 use crate::report::material::{DataFile, Material};
 use crate::report::page::{Page, Shown};
 use crate::report::tables::{self, Look, words};
-use measurement::record::{RunRecord, SceneRecord};
+use measurement::record::{RunRecord, SceneRecord, reference};
 use presentation::html::Html;
 use presentation::numbers::mebibytes;
 
@@ -23,7 +23,7 @@ pub fn one_line(material: &Material, html: &mut Html) {
         run.settings.threads,
         run.machine.cpu.as_deref().unwrap_or("an unknown processor"),
         utc(run.started_unix_s),
-        run.settings.reference,
+        reference::in_words(run),
         if run.settings.quick { " A quick first look, not a measurement." } else { "" },
     ));
 }
@@ -103,7 +103,7 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
         ("kinds of rays", run.settings.rays.join(", ")),
         ("order of rays", run.settings.order.clone()),
         ("lights asked", run.settings.lights.clone()),
-        ("reference", run.settings.reference.clone()),
+        ("reference", reference::in_words(run)),
         ("largest resident set", memory(run.peak_rss_bytes)),
     ]
 }

@@ -27,6 +27,8 @@ fn instruction_counts_repeat_and_a_planted_3_percent_is_found() {
         assert!(build > 1000 && trace > 10_000, "{row}");
         row["trace"] = ((trace as f64 / planted) as u64).into();
     }
+    // a record of another length, which is read before anything is counted
+    json["command_line"].as_array_mut().unwrap().push("--seed=1".into());
     std::fs::write(format!("{}/main.json", folder.path()), json.to_string()).unwrap();
     let found = run("check --baseline main --all");
     assert_eq!(found.code, 3, "{}{}", found.out, found.err);
