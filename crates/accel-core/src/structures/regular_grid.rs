@@ -173,6 +173,13 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
                 self.0.cells_of(id, |c| emit((self.1)(c)));
             }
         }
+        if !self.insertion.is_exact() {
+            // before any cell is visited: identical primitives may be in all of them
+            let needed = self.count_references();
+            if needed > self.max_references {
+                return Err(TooManyReferences(needed));
+            }
+        }
         let placement = Indexed(self, index);
         CellLists::build(cells, self.primitives, self.order, self.max_references, &placement)
     }

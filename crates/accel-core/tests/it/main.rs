@@ -5,6 +5,7 @@ mod caps;
 mod common;
 mod contributing;
 mod differential;
+mod duplicates;
 mod edge_on;
 mod motion;
 mod nested_grids;

@@ -86,6 +86,13 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),
         },
+        ParamSpec {
+            name: "max-growth",
+            summary: "what the divisions in one line of descent may multiply references by, and so \
+                      most references to a primitive on average",
+            default: "64",
+            kind: ParamKind::Real { min: 1.0, max: 1e9 },
+        },
         specs::MAX_REFERENCES,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
@@ -151,7 +158,12 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         };
         let top = resolve(ResolutionRule::Density, &input)
             .map_err(|needed| too_large("number of cells", needed, input.max_cells.into()))?;
-        let lattice = Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
+        let padded = Padded(&boxes);
+        let whole = |top| Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
+        let mut lattice = whole(top);
+        while lattice.top != [1; 3] && !place::is_sparse(&lattice, &padded) {
+            lattice = whole(lattice.top.map(|n| n / 2));
+        }
         let settings = Settings {
             longest_list: match params.integer("longest-list") {
                 0 => effort.longest_list,
@@ -160,8 +172,9 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             density: effort.density,
             step_cost: params.real("step-cost"),
             max_references: params.integer("max-references"),
+            max_growth: params.real("max-growth"),
         };
-        let mut cells = subdivide(&lattice, &Padded(&boxes), settings).map_err(
+        let mut cells = subdivide(&lattice, &padded, settings).map_err(
             |TooLarge { what, needed, limit }| too_large(what, needed.into(), limit.into()),
         )?;
         let mut voxels = Voxels::new(&cells, &lattice);

@@ -21,6 +21,24 @@ pub(super) trait Source {
     /// By how much boxes are padded.
     fn margin(&self) -> f64;
 }
+
+/// Boxes that meet more cells of the top grid than this on average are nearly all in the same place.
+const MOST_TOP_CELLS: f64 = 16.0;
+
+/// Whether the boxes of the primitives meet few cells of the top grid each, on average.
+pub(super) fn is_sparse(lattice: &Lattice, source: &dyn Source) -> bool {
+    let along = |k: usize, x: f64| {
+        let side = lattice.side[k] * f64::from(1u32 << lattice.levels[k]);
+        ((x - lattice.low[k]) / side).clamp(0.0, f64::from(lattice.top[k] - 1)).floor()
+    };
+    let cells = |id: u32| {
+        let (low, high) = source.bounds(id);
+        (0..3).map(|k| along(k, high[k]) - along(k, low[k]) + 1.0).product::<f64>()
+    };
+    let met: f64 = (0..source.len()).map(cells).sum();
+    met <= MOST_TOP_CELLS * f64::from(source.len())
+}
+
 /// Part and id.
 pub(super) type Pair = (u32, u32);
 

@@ -24,6 +24,9 @@ pub(super) struct Settings {
     pub(super) step_cost: f64,
     /// Limit for the references in all lists.
     pub(super) max_references: u64,
+    /// What the divisions in one line of descent may multiply references by, and so the most
+    /// references to a primitive on average.
+    pub(super) max_growth: f64,
 }
 
 /// Divides. Parts with many primitives are divided by all threads of the pool; how the work is
@@ -39,13 +42,19 @@ pub(super) fn subdivide(
     let shared = Shared { placement, settings, stored: &stored };
     let ids: Vec<u32> = (0..source.len()).collect();
     let pairs = shared.placement.place_all(&ids, &whole);
-    shared.divide_large(&whole, &pairs)
+    let growth = pairs.iter().map(Vec::len).sum::<usize>() as f64 / ids.len() as f64;
+    shared.divide_large(&whole, &pairs, growth)
 }
 
 /// Divisions of more references than this are shared out.
 const LARGE: usize = 1 << 13;
 /// Into about so many groups of parts.
 const GROUPS: usize = 32;
+
+/// Of more primitives than this, the first of every so many is placed before all of them are.
+const SAMPLED: usize = 1 << 9;
+/// So many at least.
+const SAMPLE: usize = 1 << 6;
 
 /// What all threads see.
 #[derive(Clone, Copy)]
@@ -58,7 +67,13 @@ struct Shared<'a> {
 
 impl<'a> Shared<'a> {
     /// Cells of the parts of a division, whose entries come first.
-    fn divide_large(&self, division: &Division, pairs: &[Vec<Pair>]) -> Result<Cells, TooLarge> {
+    /// `growth`: references to a primitive on average, this division included.
+    fn divide_large(
+        &self,
+        division: &Division,
+        pairs: &[Vec<Pair>],
+        growth: f64,
+    ) -> Result<Cells, TooLarge> {
         let count = division.count();
         let mut ids = Vec::new();
         let ends = Ends::sort(count, pairs.iter().flatten(), &mut ids);
@@ -80,7 +95,7 @@ impl<'a> Shared<'a> {
                 worker.ids.clear();
                 worker.ids.extend_from_slice(&ids[ends.of(part)]);
                 let n = worker.ids.len();
-                worker.cells.entries[i] = worker.part(0..n, part, division, &empty)?;
+                worker.cells.entries[i] = worker.part(0..n, part, division, &empty, growth)?;
             }
             Ok(worker.cells)
         };
@@ -125,7 +140,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Makes entries for the parts that `pairs` speaks of; the number of the first.
-    fn divide(&mut self, division: &Division) -> Result<u32, TooLarge> {
+    fn divide(&mut self, division: &Division, growth: f64) -> Result<u32, TooLarge> {
         let (first_entry, count) = (self.cells.entries.len(), division.count());
         self.cells.entries.resize(first_entry + count, 0);
         self.cells.check()?;
@@ -135,7 +150,7 @@ impl<'a> Worker<'a> {
         let empty = EmptyBoxes::new(division.parts, |part| ends.of(part).is_empty());
         for part in 0..count {
             let Range { start, end } = ends.of(part);
-            let entry = self.part(base + start..base + end, part, division, &empty)?;
+            let entry = self.part(base + start..base + end, part, division, &empty, growth)?;
             self.cells.entries[first_entry + part] = entry;
         }
         empty.share(&mut self.cells.entries[first_entry..first_entry + count]);
@@ -151,10 +166,11 @@ impl<'a> Worker<'a> {
         part: usize,
         division: &Division,
         empty: &EmptyBoxes,
+        growth: f64,
     ) -> Result<u32, TooLarge> {
         let first = division.part(part);
         if !ids.is_empty() {
-            return self.entry(ids, first, division.shift);
+            return self.entry(ids, first, division.shift, growth);
         }
         let (corner, last) = empty.around(part);
         if corner != part {
@@ -170,11 +186,13 @@ impl<'a> Worker<'a> {
         ids: Range<usize>,
         first: [u32; 3],
         levels: [u32; 3],
+        growth: f64,
     ) -> Result<u32, TooLarge> {
         let n = ids.len();
         let settings = self.shared.settings;
         if n > settings.longest_list
             && let Some(division) = self.division(n, first, levels)
+            && (n <= SAMPLED || self.may_pay(ids.clone(), &division, growth))
         {
             let large = if n > LARGE {
                 let pairs = self.shared.placement.place_all(&self.ids[ids.clone()], &division);
@@ -199,23 +217,38 @@ impl<'a> Worker<'a> {
             let step = settings.step_cost;
             let divided = (step * parts + self.pairs.len() as f64) * met;
             let pays = divided < step + n as f64;
-            if pays && !self.repeats(n, division.count()) {
+            let growth = growth * self.pairs.len() as f64 / n as f64;
+            if pays && growth <= settings.max_growth && !self.repeats(n, division.count()) {
                 let logs: [u32; 3] = std::array::from_fn(|k| levels[k] - division.shift[k]);
                 let entry = match large {
                     Some(pairs) => {
-                        let cells = self.shared.divide_large(&division, &pairs)?;
+                        let cells = self.shared.divide_large(&division, &pairs, growth)?;
                         let at = self.cells.entries.len();
                         self.cells.entries.resize(at + division.count(), 0);
                         let roots = self.cells.absorb(cells, division.count())?;
                         self.cells.entries[at..at + division.count()].copy_from_slice(&roots);
                         at as u32
                     }
-                    None => self.divide(&division)?,
+                    None => self.divide(&division, growth)?,
                 };
                 return Ok(DIVIDED | logs[0] << 29 | logs[1] << 27 | logs[2] << 25 | entry);
             }
         }
         self.cell(ids, first, std::array::from_fn(|k| first[k] + (1 << levels[k]) - 1))
+    }
+
+    /// Whether a sample of the primitives lets a division appear worth its time: placing all of them
+    /// only to find that they repeat would take that of as many parts.
+    fn may_pay(&mut self, ids: Range<usize>, division: &Division, growth: f64) -> bool {
+        let every = ids.len() / SAMPLE;
+        let sample: Vec<u32> = self.ids[ids].iter().copied().step_by(every).collect();
+        let mut pairs = std::mem::take(&mut self.pairs);
+        self.shared.placement.place(&sample, division, &mut pairs);
+        self.pairs = pairs;
+        let predicted = growth * self.pairs.len() as f64 / sample.len() as f64;
+        // twice: a sample may mislead
+        predicted <= 2.0 * self.shared.settings.max_growth
+            && !self.repeats(sample.len(), division.count())
     }
 
     /// Whether a part would have the whole list and others most of it again: all meet in a point or

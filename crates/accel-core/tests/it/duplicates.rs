@@ -1,0 +1,101 @@
+//! Primitives that no cell and no plane can separate: all in one place, or all about one centre. What a
+//! structure makes of them stays near-linear in their number.
+
+use accel_core::primitives::{MixedSet, MixedSetBuilder};
+use accel_core::structures::{Entry, PrimsRef, REGISTRY, find};
+use accel_core::{Hit, Ray};
+use glam::{DVec3, dvec3};
+
+const N: usize = 100_000;
+
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn signed(&mut self) -> DVec3 {
+        dvec3(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+}
+
+fn built(n: usize, mut add: impl FnMut(&mut MixedSetBuilder<f32>)) -> MixedSet<f32> {
+    let mut set = MixedSetBuilder::default();
+    (0..n).for_each(|_| add(&mut set));
+    set.finish()
+}
+
+fn scenes(n: usize) -> [(&'static str, MixedSet<f32>); 4] {
+    let (mut random, mut other) = (Random(7), Random(8));
+    let one = [dvec3(0.1, 0.2, 0.3), dvec3(1.0, 0.1, 0.2), dvec3(0.3, 0.9, 0.4)];
+    [
+        ("one triangle", built(n, |set| set.triangle(one).unwrap())),
+        (
+            "triangles about a point",
+            built(n, |set| {
+                let (a, b) = (random.signed(), random.signed());
+                set.triangle([a, b, -a - b]).unwrap();
+            }),
+        ),
+        ("one sphere", built(n, |set| set.sphere(DVec3::ZERO, 1.0).unwrap())),
+        (
+            "spheres about a point",
+            built(n, |set| set.sphere(DVec3::ZERO, 0.1 + other.unit()).unwrap()),
+        ),
+    ]
+}
+
+/// Most references that n primitives may have in a structure: near-linear.
+fn most_references(n: usize) -> u64 {
+    (16.0 * n as f64 * (n as f64).log2()) as u64
+}
+
+/// What a structure of so many primitives makes of them; its answers must be those of brute force.
+fn references(set: &MixedSet<f32>, entry: &Entry, settings: &str) -> u64 {
+    let settings = settings.split_whitespace().map(|s| s.split_once('=').unwrap());
+    let tracer = entry.build(PrimsRef::Mixed(set), &entry.params(settings).unwrap()).unwrap();
+    let rays = [[0.45, 0.4, -9.0], [0.1, 0.1, -9.0], [3.0, 3.0, -9.0]]
+        .map(|o| Ray::<f32>::new(o.into(), [0.0, 0.0, 1.0].into()));
+    let mut right = [Hit::NONE; 3];
+    let oracle = find("brute-force").unwrap();
+    let oracle = oracle.build(PrimsRef::Mixed(set), &oracle.params([]).unwrap()).unwrap();
+    oracle.closest_hits(&rays, &mut right);
+    let mut hits = [Hit { t: f32::NAN, id: 0 }; 3];
+    tracer.closest_hits(&rays, &mut hits);
+    assert_eq!(hits, right, "{}", entry.info.name);
+    tracer.shape().references
+}
+
+#[test]
+fn what_cannot_be_separated_is_near_linear() {
+    for (scene, set) in scenes(N) {
+        let rows = REGISTRY.iter().flat_map(|e| e.info.variants.iter().map(move |v| (e, *v)));
+        for (entry, variant) in rows {
+            let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
+            // obvhs as shipped: quadratic
+            if (entry.info.known_defect)(&entry.params(settings).unwrap()).is_some() {
+                continue;
+            }
+            let start = std::time::Instant::now();
+            let found = references(&set, entry, variant);
+            // shown with --nocapture: which structure takes long
+            let seconds = start.elapsed().as_secs_f64();
+            let name = entry.info.name;
+            println!("{scene}: {name} {variant}: {found} references, {seconds:.2} s");
+            assert!(found <= most_references(N), "{scene}: {name} {variant}: {found} references");
+        }
+    }
+}
+
+#[test]
+fn growth_without_a_limit_is_seen() {
+    let n = 4000;
+    let [_, (_, triangles), ..] = scenes(n);
+    let entry = find("irregular-grid").unwrap();
+    let found = |settings| references(&triangles, entry, settings);
+    assert!(found("") <= most_references(n));
+    let unlimited = found("max-growth=1e9 step-cost=0 longest-list=1");
+    assert!(unlimited > most_references(n), "{unlimited}");
+}
