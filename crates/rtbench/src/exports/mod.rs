@@ -3,4 +3,5 @@
 pub mod bencher;
 pub mod github_action_benchmark;
 pub mod measures;
+pub mod occupied;
 pub mod outputs;

@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show};
+use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show, unsealed};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
@@ -317,7 +317,7 @@ fn long_run(folder: &Path) -> Child {
     let mut child = begun(arguments, folder).spawn().unwrap();
     for _ in 0..3000 {
         let text = std::fs::read_to_string(folder.join("run.jsonl")).unwrap_or_default();
-        if text.ends_with("{\"scene\":1}\n") {
+        if text.ends_with("{\"scene\":1}}\n") {
             return child;
         }
         std::thread::sleep(Duration::from_millis(20));
@@ -339,7 +339,7 @@ fn k2_signals_mark_the_run_and_end_it() {
         assert!(err.contains("rtbench run --resume"), "{err}");
         assert!(out.contains("tetra:1: "), "{out}");
         let lines = std::fs::read_to_string(folder.path().join("run.jsonl")).unwrap();
-        let last: Line = serde_json::from_str(lines.lines().last().unwrap()).unwrap();
+        let last: Line = serde_json::from_str(unsealed(lines.lines().last().unwrap())).unwrap();
         assert_eq!(last, Line::Interrupted(number));
         let record = record(folder.path());
         assert!(!record.complete && record.scenes.len() == 1);
