@@ -19,6 +19,14 @@ pub trait KnownScene: Debug + Send + Sync {
     /// [`LoadError`].
     fn load(&self) -> Result<LoadedScene, LoadError>;
 
+    /// What another reader says of its file, line by line; nothing where there is none to ask.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    fn second_opinion(&self) -> Result<Vec<String>, LoadError> {
+        Ok(Vec::new())
+    }
+
     /// Brings what it needs to this machine; the path, or none when it needs nothing.
     ///
     /// # Errors
@@ -110,6 +118,10 @@ impl KnownScene for SceneRef {
 
     fn load(&self) -> Result<LoadedScene, LoadError> {
         self.load()
+    }
+
+    fn second_opinion(&self) -> Result<Vec<String>, LoadError> {
+        Ok(self.second_opinion()?.map(|opinion| opinion.lines()).unwrap_or_default())
     }
 
     fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {

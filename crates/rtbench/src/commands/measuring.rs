@@ -125,9 +125,7 @@ pub fn measure_rest(
                 failures += 1;
                 kept.append(|| Line::Failed { scene: i, error: error.to_string() })?;
                 progress.reach(steps);
-                progress.suspend(|| {
-                    let _ = writeln!(context.err, "error: {error}");
-                });
+                progress.suspend(|| context.error(&error));
                 continue;
             }
         };
