@@ -27,6 +27,9 @@ pub trait KnownScene: Debug + Send + Sync {
         Ok(Vec::new())
     }
 
+    /// Reads it even where its file names sources outside its folder.
+    fn allow_outside(&mut self) {}
+
     /// Brings what it needs to this machine; the path, or none when it needs nothing.
     ///
     /// # Errors
@@ -41,6 +44,11 @@ pub trait SceneSource {
     /// # Errors
     /// [`LoadError::UnknownScene`] listing what is valid.
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError>;
+
+    /// Whether sources of scene files may lie outside their folders.
+    fn allows_outside(&self) -> bool {
+        false
+    }
 
     /// Every scene that has a name: name and title.
     ///
@@ -118,6 +126,10 @@ impl KnownScene for SceneRef {
 
     fn load(&self) -> Result<LoadedScene, LoadError> {
         self.load()
+    }
+
+    fn allow_outside(&mut self) {
+        self.allow_outside();
     }
 
     fn second_opinion(&self) -> Result<Vec<String>, LoadError> {

@@ -55,6 +55,8 @@ pub struct Environment {
     pub cpu_pressure: Option<PathBuf>,
     /// RTBENCH_BASELINES: the folder of baselines.
     pub baselines: Option<PathBuf>,
+    /// The folder for temporary files.
+    pub temporary: Option<PathBuf>,
 }
 
 impl Environment {
@@ -67,6 +69,7 @@ impl Environment {
             github_step_summary: path("GITHUB_STEP_SUMMARY"),
             cpu_pressure: Some(pressure::CPU.into()),
             baselines: path("RTBENCH_BASELINES"),
+            temporary: Some(std::env::temp_dir()),
         }
     }
 }

@@ -58,7 +58,7 @@ use crate::exit_code::{FAILURE, SUCCESS, USAGE};
 use measurement::scenes::Installed;
 use measurement::settings::suggest;
 use measurement::system::clock::SystemClock;
-use measurement::system::{interrupt, panics};
+use measurement::system::{file_limit, interrupt, panics};
 use presentation::outside::{Guard, line};
 
 /// The whole program on the process's own arguments, outputs and clock.
@@ -70,6 +70,8 @@ pub fn main() -> ExitCode {
 pub fn main_over(registry: &[Entry]) -> ExitCode {
     panics::keep_quiet();
     interrupt::arm();
+    // without the signal a write beyond the limit ends the process: nothing is lost that was kept before
+    let _ = file_limit::refuse_writes_beyond();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     let mut out = io::stdout().lock();
@@ -153,7 +155,7 @@ fn run_guarded(
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => add(added, &mut command_line, &mut arguments),
     }
-    let scenes = Configured::new(context.scenes, config.as_ref());
+    let scenes = Configured::new(context.scenes, config.as_ref(), cli.allow_outside);
     match config::of_set(&arguments, &scenes) {
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => add(added, &mut command_line, &mut arguments),

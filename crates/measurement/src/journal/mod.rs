@@ -193,6 +193,25 @@ impl Journal {
         Ok((handle, self.seal.clone()))
     }
 
+    /// Writes the journal anew where its file was removed; its folder must be there. Whether it was.
+    ///
+    /// # Errors
+    /// [`JournalError`].
+    pub fn restore(&mut self) -> Result<bool, JournalError> {
+        if self.path.exists() {
+            return Ok(false);
+        }
+        // a file that was removed can be read as long as it is open
+        let bytes = self.bytes()?;
+        let folder = self.path.parent().unwrap_or(Path::new("")).to_owned();
+        let mut again = Self::open(&folder, true)?;
+        let written =
+            undisturbed(|| again.file.write_all(&bytes).and_then(|()| again.file.sync_data()));
+        written.map_err(|source| JournalError::Io { path: self.path.clone(), source })?;
+        self.file = again.file;
+        Ok(true)
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path

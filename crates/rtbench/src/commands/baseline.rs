@@ -118,7 +118,7 @@ pub(super) fn counted(
 ) -> Result<Counts, CallgrindError> {
     context.say("counting instructions under valgrind");
     let program = context.environment.program.as_deref();
-    callgrind::count(program, record)
+    callgrind::count(program, record, context.scenes.allows_outside())
 }
 
 fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Error> {

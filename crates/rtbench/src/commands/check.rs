@@ -175,13 +175,15 @@ impl Check<'_> {
         let program = context.environment.program.clone();
         let new = own_program(program.as_ref()).map_err(GateError::from)?;
         let (rounds, time_budget) = (args.rounds, args.time_budget);
-        let mut contest = Contest { old, new, like: now.clone(), rounds, time_budget };
+        let (like, allow_outside) = (now.clone(), context.scenes.allows_outside());
+        let mut contest = Contest { old, new, like, rounds, time_budget, allow_outside };
         context.say(format_args!("asking {}", old.display()));
         let base = contest.record_of_old().map_err(GateError::from)?;
         refuse(&base, &now)?;
         let counts = match self.wants_counts {
             true => {
-                let base = callgrind::count(Some(old), &now).map_err(GateError::from)?;
+                let base =
+                    callgrind::count(Some(old), &now, allow_outside).map_err(GateError::from)?;
                 Some((base, counted(context, &now).map_err(GateError::from)?))
             }
             false => None,

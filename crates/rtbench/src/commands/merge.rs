@@ -44,7 +44,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
         text::write_summary(context.out, &record, colors)?;
     }
     context.out.flush()?;
-    Ok(exit_code(&Measured { record, failures: 0 }))
+    Ok(exit_code(&Measured { record, failures: 0, disturbed: false }))
 }
 
 /// Whether a part, a file or its folder, lies in that folder.

@@ -10,6 +10,7 @@ use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use measurement::system::interrupt::{self, Mark, Unfinished};
+use measurement::system::progress::Progress;
 use scene_loading::source_names::name_of_path;
 
 use crate::commands::measuring::Kept;
@@ -50,7 +51,9 @@ pub fn go_on(
     let Begun { folder, journal, found } = begun;
     let Recovered { manifest: was, finished, died_in, .. } = found;
     let mut differences = was.differences(&manifest(context, plan, &record, Vec::new()));
+    let progress = Progress::new(context.shows_progress(), finished.len() as u64, None);
     for (&i, Finished { line, record: scene }) in &finished {
+        progress.message(format!("{}: is it the same?", scene.name));
         let (expected, has) = (plan.rows_in(i), scene.rows.len());
         if expected != has {
             let message = format!("scene {}: {has} of {expected} rows", scene.name);
@@ -64,7 +67,9 @@ pub fn go_on(
             let name = known.name();
             differences.push(format!("scene {name}: sha256 was {}, is {sha256}", scene.sha256));
         }
+        progress.step(context.clock.now());
     }
+    progress.finish();
     if !differences.is_empty() {
         let (folder, differences) = (folder.to_owned(), differences.join("; "));
         return Err(JournalError::Differs { folder, differences }.into());

@@ -1,6 +1,7 @@
 //! What sections write to.
 
 use presentation::html::Html;
+use scene_loading::source_hash::sha256_of_bytes;
 
 /// Whether there was something to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,10 +32,18 @@ impl Page {
     }
 }
 
-/// A name that is safe as a file's.
+/// The most bytes of a file's name, without its extension: systems take 255.
+const LONGEST: usize = 200;
+
+/// A name that is safe as a file's. One that is too long ends with a hash, so that names stay distinct.
 fn file_name(name: &str) -> String {
     let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-    name.chars().map(safe).collect()
+    let mut file: String = name.chars().map(safe).collect();
+    if file.len() > LONGEST {
+        file.truncate(LONGEST - 17);
+        file.extend(std::iter::once('-').chain(sha256_of_bytes(name.as_bytes()).chars().take(16)));
+    }
+    file
 }
 
 #[cfg(test)]
@@ -44,5 +53,9 @@ mod tests {
     #[test]
     fn names_of_files_stay_in_their_folder() {
         assert_eq!(file_name("../a b/c"), "___a_b_c");
+        let names = ["x".repeat(200), "x".repeat(201), "x".repeat(5000)];
+        let files = names.each_ref().map(|name| file_name(name));
+        assert_eq!(files[0], names[0]);
+        assert!(files.iter().all(|file| file.len() == LONGEST) && files[1] != files[2]);
     }
 }
