@@ -21,6 +21,12 @@ pub struct Progress {
     budget: Option<Duration>,
 }
 
+impl Default for Progress {
+    fn default() -> Self {
+        Self::hidden()
+    }
+}
+
 impl Progress {
     /// A bar over `steps` steps of about equal cost, or over a time budget.
     pub fn new(visible: bool, steps: u64, budget: Option<Duration>) -> Self {

@@ -172,6 +172,9 @@ impl Check<'_> {
         plan.limits.render_pass = 0.0;
         plan.rounds = Rounds::Fixed(1);
         let (now, failures) = measured(context, &plan)?;
+        if now.scenes.is_empty() {
+            return Err(GateError::from(LikeError::NothingMeasured).into());
+        }
         let program = context.environment.program.clone();
         let new = own_program(program.as_ref()).map_err(GateError::from)?;
         let (rounds, time_budget) = (args.rounds, args.time_budget);

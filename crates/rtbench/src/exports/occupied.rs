@@ -83,6 +83,11 @@ pub enum OccupiedError {
     Record(#[from] RecordError),
 }
 
+/// Whether there is nothing at a path.
+fn is_absent(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
 /// What is to be written to a folder.
 pub struct Wanted<'a> {
     /// The names of the files, the record first.
@@ -106,7 +111,7 @@ impl Wanted<'_> {
         for name in self.names.iter().copied().chain(journal) {
             let path = folder.join(name);
             sizes.push(file::length(&path).or_else(|error| match error {
-                RecordError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => Ok(0),
+                RecordError::Io { source, .. } if is_absent(&source) => Ok(0),
                 other => Err(other),
             })?);
         }

@@ -1,5 +1,6 @@
 //! What sections write to.
 
+use measurement::system::progress::Progress;
 use presentation::html::Html;
 use scene_loading::source_hash::sha256_of_bytes;
 
@@ -18,6 +19,7 @@ pub struct Page {
     pub(super) html: Html,
     pub(super) plots: Vec<(String, String)>,
     pub(super) is_beside_record: bool,
+    pub(super) progress: Progress,
 }
 
 impl Page {
@@ -28,6 +30,8 @@ impl Page {
         self.html.markup(&svg);
         self.html.close();
         self.html.close();
+        self.progress.message(format!("plot {name}"));
+        self.progress.reach(self.plots.len() as u64);
         self.plots.push((format!("{}.svg", file_name(name)), svg));
     }
 }

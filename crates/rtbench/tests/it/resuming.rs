@@ -35,6 +35,7 @@ pub fn run_in(
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
         environment: Environment::default(),
+        annotations: Vec::new(),
     };
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
     let code = rtbench::run(&mut context, arguments);
