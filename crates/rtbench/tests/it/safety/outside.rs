@@ -6,12 +6,12 @@ use crate::resuming::{journal, record, run, show};
 
 /// A scene file that names a file above its folder.
 fn scene_file(folder: &Path) -> String {
-    std::fs::create_dir(folder.join("in")).unwrap();
+    std::fs::create_dir(folder.join("scenes")).unwrap();
     super::write_triangle(&folder.join("a.obj"));
     let text = serde_json::json!({
         "name": "outer", "title": "t", "why": "w", "source": { "file": "../a.obj" }
     });
-    let path = folder.join("in/outer.json");
+    let path = folder.join("scenes/outer.json");
     std::fs::write(&path, text.to_string()).unwrap();
     show(&path)
 }
@@ -47,12 +47,12 @@ fn sources_outside_are_read_where_that_is_said() {
 #[test]
 fn children_read_what_their_parents_may() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene_file(folder.path());
+    scene_file(folder.path());
     let program = env!("CARGO_BIN_EXE_rtbench");
     let check = |more: &str| {
         let mut command = std::process::Command::new(program);
         let rest = "--quick --size 4 --rounds 1 -s obvhs-cwbvh,uniform-grid";
-        command.arg("check").arg(&scene).arg("--against").arg(program);
+        command.current_dir(folder.path()).args(["check", "outer", "--against", program]);
         command.args(rest.split(' ')).args(more.split_whitespace()).output().unwrap()
     };
     let refused = check("");
