@@ -19,6 +19,17 @@ pub trait KnownScene: Debug + Send + Sync {
     /// [`LoadError`].
     fn load(&self) -> Result<LoadedScene, LoadError>;
 
+    /// What another reader says of its file, line by line; nothing where there is none to ask.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    fn second_opinion(&self) -> Result<Vec<String>, LoadError> {
+        Ok(Vec::new())
+    }
+
+    /// Reads it even where its file names sources outside its folder.
+    fn allow_outside(&mut self) {}
+
     /// Brings what it needs to this machine; the path, or none when it needs nothing.
     ///
     /// # Errors
@@ -33,6 +44,11 @@ pub trait SceneSource {
     /// # Errors
     /// [`LoadError::UnknownScene`] listing what is valid.
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError>;
+
+    /// Whether sources of scene files may lie outside their folders.
+    fn allows_outside(&self) -> bool {
+        false
+    }
 
     /// Every scene that has a name: name and title.
     ///
@@ -110,6 +126,14 @@ impl KnownScene for SceneRef {
 
     fn load(&self) -> Result<LoadedScene, LoadError> {
         self.load()
+    }
+
+    fn allow_outside(&mut self) {
+        self.allow_outside();
+    }
+
+    fn second_opinion(&self) -> Result<Vec<String>, LoadError> {
+        Ok(self.second_opinion()?.map(|opinion| opinion.lines()).unwrap_or_default())
     }
 
     fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {

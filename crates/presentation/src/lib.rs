@@ -20,6 +20,7 @@ pub mod html;
 pub mod json;
 pub mod markdown;
 pub mod numbers;
+pub mod outside;
 pub mod svg_plot;
 pub mod table;
 pub mod text;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::outside;
 use crate::table::Table;
 
 /// Appends a table with its title and notes.
@@ -21,7 +22,50 @@ pub fn push_table(text: &mut String, table: &Table) {
     }
 }
 
-/// Keeps text from breaking out of its cell.
-fn escaped(text: &str) -> String {
-    text.replace('\\', "\\\\").replace('|', "\\|").replace(['\n', '\r'], " ").replace('_', "\\_")
+/// Text of a paragraph, a cell or a list, and nothing but text: no markup, no link, no end of a cell.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len() + 8);
+    let mut previous = ' ';
+    for c in outside::line(text).chars() {
+        match (previous, c) {
+            (_, '<') => out.push_str("&lt;"),
+            (_, '&') => out.push_str("&amp;"),
+            (_, '\\' | '|' | '_' | '`' | '*' | '~') | ('!', '[') | (']', '(' | ':') => {
+                out.push('\\');
+                out.push(c);
+            }
+            _ => out.push(c),
+        }
+        previous = c;
+    }
+    out
+}
+
+/// Text as code, whatever it holds.
+pub fn code(text: &str) -> String {
+    let text = outside::line(text);
+    let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+    let fence = "`".repeat(longest + 1);
+    let space = if longest > 0 { " " } else { "" };
+    format!("{fence}{space}{text}{space}{fence}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_stays_text() {
+        for (text, expected) in [
+            ("a|b<img src=x>", "a\\|b&lt;img src=x>"),
+            ("`c`\nd\r", "\\`c\\`\\\\nd\\\\r"),
+            ("[x](http://y) ![z](w)", "[x]\\(http://y) !\\[z]\\(w)"),
+            ("1.05 [1.01, 1.09]", "1.05 [1.01, 1.09]"),
+            ("*a* ~~b~~ _c_", "\\*a\\* \\~\\~b\\~\\~ \\_c\\_"),
+        ] {
+            assert_eq!(escaped(text), expected);
+        }
+        assert_eq!(code("run -s x"), "`run -s x`");
+        assert_eq!(code("a`` `b\n"), "``` a`` `b\\n ```");
+    }
 }

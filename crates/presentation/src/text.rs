@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::outside::{COLORS, line};
 use crate::table::{Cell, Style, Table};
 
 /// Prints lines of little weight.
@@ -20,6 +21,7 @@ pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Res
 /// # Errors
 /// Those of the writer.
 pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
+    let table = &shown(table);
     let widths: Vec<usize> = (0..table.header.len())
         .map(|c| {
             let cells = table.rows.iter().filter_map(|r| r.get(c)).map(|c| c.text.chars().count());
@@ -48,13 +50,49 @@ pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Resu
     writeln!(out)
 }
 
-/// Text with the escape sequences of a style.
+/// A table whose cells are as wide as they are shown.
+fn shown(table: &Table) -> Table {
+    let cell = |cell: &Cell| Cell { text: line(&cell.text).into_owned(), style: cell.style };
+    Table {
+        title: table.title.clone(),
+        header: table.header.clone(),
+        rows: table.rows.iter().map(|row| row.iter().map(cell).collect()).collect(),
+        notes: table.notes.clone(),
+    }
+}
+
+/// Text on one line with the escape sequences of a style.
 pub fn painted(text: &str, style: Style, colors: bool) -> String {
-    let code = match style {
-        Style::Plain => return text.to_owned(),
-        Style::Bad => "31",
-        Style::Best => "1",
-        Style::Dim => "2",
+    let [end, bad, best, dim] = COLORS;
+    let begin = match style {
+        Style::Bad => bad,
+        Style::Best => best,
+        Style::Dim => dim,
+        Style::Plain => "",
     };
-    if colors { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+    let text = line(text);
+    if colors && style != Style::Plain { format!("{begin}{text}{end}") } else { text.into_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_from_outside_are_text() {
+        assert_eq!(painted("\u{1b}[31mx", Style::Plain, true), "\\u001b[31mx");
+        assert_eq!(painted("x", Style::Bad, true), "\u{1b}[31mx\u{1b}[0m");
+        let name = "a\u{1b}[2K\n::error::b";
+        let rows = vec![vec![Cell::from(name.to_owned()), Cell::from("1".to_owned())]];
+        let table =
+            Table { title: name.into(), header: vec!["x", "y"], rows, notes: vec![name.into()] };
+        let mut out = Vec::new();
+        write_table(&mut out, &table, false).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        assert_eq!(text.matches("a\\u001b[2K\\n::error::b").count(), 3, "{text}");
+        assert_eq!(text.lines().count(), 5, "{text}");
+        // as wide as they are shown
+        let at = |line: usize| text.lines().nth(line).unwrap().chars().count();
+        assert_eq!(at(1), at(2), "{text}");
+    }
 }

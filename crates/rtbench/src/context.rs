@@ -12,6 +12,7 @@ use measurement::system::clock::Clock;
 use measurement::system::pressure;
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
+use presentation::outside::{self, Annotation};
 
 /// The outside world as a command sees it.
 pub struct Context<'a> {
@@ -37,6 +38,8 @@ pub struct Context<'a> {
     pub verbosity: Verbosity,
     /// What the environment of the process says.
     pub environment: Environment,
+    /// What a CI job is told when the command has ended.
+    pub annotations: Vec<Annotation>,
 }
 
 /// What the environment of the process says, beside the terminal.
@@ -52,6 +55,8 @@ pub struct Environment {
     pub cpu_pressure: Option<PathBuf>,
     /// RTBENCH_BASELINES: the folder of baselines.
     pub baselines: Option<PathBuf>,
+    /// The folder for temporary files.
+    pub temporary: Option<PathBuf>,
 }
 
 impl Environment {
@@ -64,6 +69,7 @@ impl Environment {
             github_step_summary: path("GITHUB_STEP_SUMMARY"),
             cpu_pressure: Some(pressure::CPU.into()),
             baselines: path("RTBENCH_BASELINES"),
+            temporary: Some(std::env::temp_dir()),
         }
     }
 }
@@ -132,14 +138,19 @@ impl Context<'_> {
     /// Prints a warning. A closed standard error is nobody's loss.
     pub fn warn(&mut self, message: impl std::fmt::Display) {
         if self.verbosity > Verbosity::Quiet {
-            let _ = writeln!(self.err, "warning: {message}");
+            let _ = writeln!(self.err, "warning: {}", outside::message(&message.to_string()));
         }
+    }
+
+    /// Prints an error, whatever it holds.
+    pub fn error(&mut self, message: impl std::fmt::Display) {
+        let _ = writeln!(self.err, "error: {}", outside::message(&message.to_string()));
     }
 
     /// Prints what is being done, when asked to.
     pub fn say(&mut self, message: impl std::fmt::Display) {
         if self.verbosity >= Verbosity::Verbose {
-            let _ = writeln!(self.err, "{message}");
+            let _ = writeln!(self.err, "{}", outside::message(&message.to_string()));
         }
     }
 }

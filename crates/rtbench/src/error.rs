@@ -19,6 +19,7 @@ use studies::sweep::SweepError;
 use crate::comparison::CompareError;
 use crate::config::ConfigError;
 use crate::exit_code::{FAILURE, USAGE};
+use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
 use crate::gate::GateError;
 use crate::like::LikeError;
@@ -52,6 +53,9 @@ pub enum Error {
     /// Two outputs would be mixed up, or the files of results cannot be written.
     #[error(transparent)]
     Outputs(OutputError),
+    /// The folder of `-o` holds other results.
+    #[error(transparent)]
+    Occupied(#[from] OccupiedError),
     /// Nothing was measured that a model of times could be made from.
     #[error("the images of {scenes} took no time that a prediction could be made from")]
     NoModel {

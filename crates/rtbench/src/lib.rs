@@ -58,7 +58,8 @@ use crate::exit_code::{FAILURE, SUCCESS, USAGE};
 use measurement::scenes::Installed;
 use measurement::settings::suggest;
 use measurement::system::clock::SystemClock;
-use measurement::system::{interrupt, panics};
+use measurement::system::{file_limit, interrupt, panics};
+use presentation::outside::{Guard, line};
 
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
@@ -69,6 +70,8 @@ pub fn main() -> ExitCode {
 pub fn main_over(registry: &[Entry]) -> ExitCode {
     panics::keep_quiet();
     interrupt::arm();
+    // without the signal a write beyond the limit ends the process: nothing is lost that was kept before
+    let _ = file_limit::refuse_writes_beyond();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     let mut out = io::stdout().lock();
@@ -85,10 +88,12 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
         terminal: Terminal::detect(),
         verbosity: Verbosity::Normal,
         environment: Environment::detect(),
+        annotations: Vec::new(),
     };
     let folder = std::env::current_dir().ok();
     let ended = panics::caught(|| run_in(&mut context, arguments, folder.as_deref()));
     ExitCode::from(ended.unwrap_or_else(|panicked| {
+        let panicked = line(&panicked.to_string()).into_owned();
         let _ = writeln!(io::stderr(), "error: {panicked}; this is a defect of rtbench");
         FAILURE
     }))
@@ -103,8 +108,35 @@ pub fn run(
     run_in(context, arguments, None)
 }
 
-/// The same, with the configuration that lies in a folder or above it, if any.
+/// The same, with the configuration that lies in a folder or above it, if any. What is printed is
+/// guarded: only annotations are orders to a CI job.
 pub fn run_in(
+    context: &mut Context<'_>,
+    arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    folder: Option<&Path>,
+) -> u8 {
+    let mut guarded = Context {
+        registry: context.registry,
+        occluders: context.occluders,
+        scenes: context.scenes,
+        clock: context.clock,
+        world: context.world,
+        environment: context.environment.clone(),
+        out: &mut Guard::new(&mut *context.out),
+        err: &mut Guard::new(&mut *context.err),
+        command_line: context.command_line.clone(),
+        terminal: context.terminal,
+        verbosity: context.verbosity,
+        annotations: Vec::new(),
+    };
+    let code = run_guarded(&mut guarded, arguments, folder);
+    for annotation in guarded.annotations {
+        let _ = writeln!(context.err, "{annotation}");
+    }
+    code
+}
+
+fn run_guarded(
     context: &mut Context<'_>,
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     folder: Option<&Path>,
@@ -123,7 +155,7 @@ pub fn run_in(
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => add(added, &mut command_line, &mut arguments),
     }
-    let scenes = Configured::new(context.scenes, config.as_ref());
+    let scenes = Configured::new(context.scenes, config.as_ref(), cli.allow_outside);
     match config::of_set(&arguments, &scenes) {
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => add(added, &mut command_line, &mut arguments),
@@ -132,24 +164,25 @@ pub fn run_in(
         Ok(cli) => cli,
         Err(error) => return usage(context, error),
     };
-    let mut context = Context {
-        registry: context.registry,
-        occluders: context.occluders,
+    let outer = context;
+    let context = &mut Context {
+        registry: outer.registry,
+        occluders: outer.occluders,
         scenes: &scenes,
-        clock: context.clock,
-        world: context.world,
-        environment: context.environment.clone(),
-        out: &mut *context.out,
-        err: &mut *context.err,
+        clock: outer.clock,
+        world: outer.world,
+        environment: outer.environment.clone(),
+        out: &mut *outer.out,
+        err: &mut *outer.err,
         command_line: recorded_command::recorded(&command_line, folder),
-        terminal: context.terminal,
+        terminal: outer.terminal,
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
             _ => Verbosity::Normal,
         },
+        annotations: Vec::new(),
     };
-    let context = &mut context;
     if let Some(config) = &config {
         context.say(format_args!("configuration: {}", config.path().display()));
     }
@@ -184,7 +217,9 @@ pub fn run_in(
         }
         Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
     };
-    ended.unwrap_or_else(|error| failed(context, &cli, &error))
+    let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
+    outer.annotations = std::mem::take(&mut context.annotations);
+    code
 }
 
 /// Adds arguments to the command line, and to what the record has of it.
@@ -206,7 +241,7 @@ fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
         );
         return FAILURE;
     }
-    let _ = writeln!(context.err, "error: {error}");
+    context.error(error);
     if error.exit_code() == USAGE {
         let _ = writeln!(context.err, "For what there is, try 'rtbench list --help'.");
     }
@@ -226,6 +261,7 @@ fn parsed(context: &Context<'_>, arguments: &[OsString]) -> Result<Cli, clap::Er
 /// Help and version on standard output, usage errors on standard error.
 fn usage(context: &mut Context<'_>, mut error: clap::Error) -> u8 {
     suggest_command(&mut error);
+    show_hidden(&mut error);
     let text = error.render();
     let written = if error.use_stderr() {
         write!(context.err, "{text}")
@@ -236,6 +272,24 @@ fn usage(context: &mut Context<'_>, mut error: clap::Error) -> u8 {
         _ if error.use_stderr() => USAGE,
         Err(e) if !e.is_closed_pipe() => FAILURE,
         _ => SUCCESS,
+    }
+}
+
+/// What was typed is shown, whatever it holds.
+fn show_hidden(error: &mut clap::Error) {
+    let shown = |text: &String| line(text).into_owned();
+    let typed: Vec<(ContextKind, ContextValue)> = error
+        .context()
+        .filter_map(|(kind, value)| match value {
+            ContextValue::String(text) => Some((kind, ContextValue::String(shown(text)))),
+            ContextValue::Strings(all) => {
+                Some((kind, ContextValue::Strings(all.iter().map(shown).collect())))
+            }
+            _ => None,
+        })
+        .collect();
+    for (kind, value) in typed {
+        error.insert(kind, value);
     }
 }
 

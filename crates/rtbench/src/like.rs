@@ -29,6 +29,9 @@ pub enum LikeError {
         /// What it has.
         valid: String,
     },
+    /// No scene could be measured now.
+    #[error("no scene could be measured: there is nothing to hold against")]
+    NothingMeasured,
     /// Nothing was finished in it.
     #[error("the baseline has no finished scene: there is nothing to hold against it")]
     Empty,

@@ -87,14 +87,15 @@ pub fn geometric_mean_of_medians(groups: &[&[f64]], seed: u64) -> Option<Estimat
     let middle = of(&medians)?;
     let mut random = Random::new(seed, "bootstrap");
     let mut resampled = Vec::with_capacity(RESAMPLES);
-    let mut buffer = Vec::new();
+    // both are used again: this is most of the time of a report
+    let (mut buffer, mut medians) = (Vec::new(), medians);
     for _ in 0..RESAMPLES {
-        let medians = groups.iter().map(|group| {
+        for (group, median) in groups.iter().zip(&mut medians) {
             buffer.clear();
             buffer.extend(group.iter().map(|_| group[random.below(group.len())]));
-            median_of(&mut buffer)
-        });
-        resampled.push(of(&medians.collect::<Option<Vec<_>>>()?)?);
+            *median = median_of(&mut buffer)?;
+        }
+        resampled.push(of(&medians)?);
     }
     let fewest = groups.iter().map(|g| g.len()).min().unwrap_or(0);
     let [low, high] = interval(&mut resampled, fewest);

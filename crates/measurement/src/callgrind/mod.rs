@@ -19,7 +19,7 @@ use std::process::Command;
 use serde::{Deserialize, Serialize};
 
 use crate::record::RunRecord;
-use crate::system::child_process::{ChildError, answer, without_samples};
+use crate::system::child_process::{ChildError, answer, arguments, without_samples};
 
 /// The function whose calls are counted, in whichever crate older and newer binaries have it: of two
 /// options with the same pattern, callgrind 3.19 follows only one.
@@ -134,16 +134,21 @@ pub fn version() -> Result<String, CallgrindError> {
     }
 }
 
-/// Counts what `program` takes for the rows of a record.
+/// Counts what `program` takes for the rows of a record; sources of scene files may lie outside their
+/// folders where that is allowed.
 ///
 /// # Errors
 /// [`CallgrindError`].
-pub fn count(program: Option<&Path>, record: &RunRecord) -> Result<Counts, CallgrindError> {
+pub fn count(
+    program: Option<&Path>,
+    record: &RunRecord,
+    allow_outside: bool,
+) -> Result<Counts, CallgrindError> {
     let valgrind = version()?;
     let program = program.ok_or(CallgrindError::NoProgram)?;
     let folder = Scratch::new()?;
     let mut command = callgrind(&folder);
-    command.arg(program).args(["--quiet", "child", "count-instructions"]);
+    command.arg(program).args(arguments(allow_outside)).arg("count-instructions");
     let phases: Vec<counted::Counted> = answer(&mut command, &without_samples(record))?;
     let totals = totals(&folder.0)?;
     let expected = phases.iter().flat_map(|p| [p.build_call, p.trace_call]).flatten().count();

@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::callgrind::caches::AskedBatch;
 use crate::callgrind::{CallgrindError, Scratch, callgrind, events_of_calls, version};
 use crate::record::RunRecord;
-use crate::system::child_process::{answer, without_samples};
+use crate::system::child_process::{answer, arguments, without_samples};
 
 /// A level of the data caches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,6 +88,7 @@ pub fn simulate(
     record: &RunRecord,
     caches: &[CacheLevel],
     rays: u32,
+    allow_outside: bool,
 ) -> Result<Vec<Fetched>, CallgrindError> {
     version()?;
     let program = program.ok_or(CallgrindError::NoProgram)?;
@@ -104,7 +105,8 @@ pub fn simulate(
             .arg(format!("--D1={}", first.option()))
             .arg(format!("--LL={}", cache.option()))
             .arg(program)
-            .args(["--quiet", "child", "ask-windows", "--rays"])
+            .args(arguments(allow_outside))
+            .args(["ask-windows", "--rays"])
             .arg(rays.to_string());
         let batches: Vec<AskedBatch> = answer(&mut command, &without_samples(record))?;
         let calls = events_of_calls(&folder.0)?;

@@ -3,14 +3,16 @@
 //! A journal is text of one JSON value a line. Lines are only ever appended, each with one write
 //! and a synchronisation, so whatever ends the program, a journal is whole lines and at most one
 //! torn line behind them, which is cut off. The unit that can be finished is a scene: its rows are
-//! measured in interleaved rounds, so that all of them end together.
+//! measured in interleaved rounds, so that all of them end together. Each line has a checksum
+//! ([`seal`](crate::journal::seal)), and what it says must fit the manifest.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::record::{Compiler, Machine, SCHEMA_VERSION, SceneRecord, Settings, Tool};
+use crate::journal::seal::Seal;
+use crate::record::{Compiler, Machine, RowRecord, SCHEMA_VERSION, SceneRecord, Settings, Tool};
 
 /// What a run is: two runs whose manifests agree may be parts of one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -91,13 +93,24 @@ pub enum LineError {
     },
 }
 
+/// A scene that is finished.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finished {
+    /// Its line in the journal, counted from 1.
+    pub line: usize,
+    /// Its rows.
+    pub record: SceneRecord,
+}
+
 /// What a journal holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recovered {
     /// What the run is.
     pub manifest: Manifest,
+    /// What its further lines are sealed with.
+    pub seal: Seal,
     /// The finished scenes, by their places among the scenes of the manifest.
-    pub finished: BTreeMap<usize, SceneRecord>,
+    pub finished: BTreeMap<usize, Finished>,
     /// Every scene had its turn.
     pub is_complete: bool,
     /// The scene in which the program ended without a word: killed, or out of memory.
@@ -123,14 +136,26 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
     if let Some(found) = schema_of(first).filter(|&found| found != SCHEMA_VERSION) {
         return Err(LineError::Schema { found });
     }
-    let manifest = match serde_json::from_slice(first).map_err(|e| damaged(0, &e))? {
+    let opened = |i: usize, line: &[u8], seal: &Seal| -> Result<String, LineError> {
+        let line = std::str::from_utf8(line).map_err(|e| damaged(i, &e))?;
+        Ok(seal.opened(line).map_err(|e| damaged(i, &e))?.to_owned())
+    };
+    let first = opened(0, first, &Seal::default())?;
+    let manifest = match serde_json::from_str(&first).map_err(|e| damaged(0, &e))? {
         Line::Begun(manifest) => *manifest,
         _ => return Err(damaged(0, &"expected the manifest of a run")),
     };
-    let mut found =
-        Recovered { manifest, finished: BTreeMap::new(), is_complete: false, died_in: None, whole };
+    let mut found = Recovered {
+        manifest,
+        seal: Seal::behind(&first),
+        finished: BTreeMap::new(),
+        is_complete: false,
+        died_in: None,
+        whole,
+    };
     for (i, line) in lines {
-        let line: Line = serde_json::from_slice(line).map_err(|e| damaged(i, &e))?;
+        let text = opened(i, line, &found.seal)?;
+        let line: Line = serde_json::from_str(&text).map_err(|e| damaged(i, &e))?;
         let known = |scene: usize| match found.manifest.scenes.len() {
             n if scene < n => Ok(scene),
             n => Err(damaged(i, &format!("scene {scene} of {n}"))),
@@ -142,7 +167,10 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
                 found.is_complete = false;
             }
             Line::Finished { scene, record } => {
-                if found.finished.insert(known(scene)?, *record).is_some() {
+                known(scene)?;
+                found.manifest.holds(scene, &record).map_err(|e| damaged(i, &e))?;
+                let finished = Finished { line: i + 1, record: *record };
+                if found.finished.insert(scene, finished).is_some() {
                     return Err(damaged(i, &format!("scene {scene} is finished twice")));
                 }
                 found.died_in = None;
@@ -161,7 +189,8 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
 /// The version in a manifest, whatever else it holds.
 fn schema_of(line: &[u8]) -> Option<u32> {
     let value: Value = serde_json::from_slice(line).ok()?;
-    value.get("begun")?.get("schema_version")?.as_u64()?.try_into().ok()
+    let line = value.get("line").unwrap_or(&value);
+    line.get("begun")?.get("schema_version")?.as_u64()?.try_into().ok()
 }
 
 /// What may differ between the parts of one run.
@@ -182,6 +211,29 @@ impl Manifest {
             compare("", &Value::Object(was), &Value::Object(is), &mut differences);
         }
         differences
+    }
+
+    /// Whether a record can be that of the scene at a place: it has its name, and rows of the run.
+    fn holds(&self, scene: usize, record: &SceneRecord) -> Result<(), String> {
+        if let Some(name) = self.scenes.get(scene).filter(|name| **name != record.name) {
+            return Err(format!("scene {scene} is {name}, its record is of {}", record.name));
+        }
+        let mut left: BTreeMap<&str, usize> = BTreeMap::new();
+        for label in &self.rows {
+            *left.entry(label).or_default() += 1;
+        }
+        for label in record.rows.iter().map(RowRecord::label) {
+            match left.get_mut(&*label) {
+                Some(count) if *count > 0 => *count -= 1,
+                _ => {
+                    return Err(format!(
+                        "scene {}: the run has no further row {label}",
+                        record.name
+                    ));
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -242,8 +294,16 @@ mod tests {
     }
 
     fn text(lines: &[Line]) -> Vec<u8> {
-        let line = |l: &Line| serde_json::to_string(l).unwrap() + "\n";
-        lines.iter().map(line).collect::<String>().into_bytes()
+        let mut seal = Seal::default();
+        let mut text = String::new();
+        for (i, line) in lines.iter().enumerate() {
+            let line = serde_json::to_string(line).unwrap();
+            text += &(seal.sealed(&line) + "\n");
+            if i == 0 {
+                seal = Seal::behind(&line);
+            }
+        }
+        text.into_bytes()
     }
 
     #[test]
@@ -274,6 +334,14 @@ mod tests {
         ] {
             let error = read(&text(&lines)).unwrap_err();
             assert!(matches!(error, LineError::Damaged { line: l, .. } if l == line), "{error}");
+        }
+        for edited in 0..3 {
+            let whole = text(&[begun(), Line::Scene(0), Line::Complete]);
+            let mut lines: Vec<_> = whole.split_inclusive(|&b| b == b'\n').map(Vec::from).collect();
+            let last = lines[edited].len() - 4;
+            lines[edited][last] ^= 1;
+            let error = read(&lines.concat()).unwrap_err();
+            assert!(error.to_string().contains(&format!("line {}: ", edited + 1)), "{error}");
         }
         let mut bytes = text(&[begun(), Line::Scene(0), Line::Complete]);
         let middle = text(&[begun()]).len() + 2;

@@ -2,12 +2,14 @@
 //! whatever ends the program. [`lines`] has the format.
 
 pub mod lines;
+pub mod seal;
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::journal::lines::{Line, LineError, Manifest, Recovered, read};
+use crate::journal::seal::Seal;
 use crate::system::interrupt::undisturbed;
 use presentation::format_error::FormatError;
 
@@ -54,19 +56,15 @@ pub enum JournalError {
         /// The journal.
         path: PathBuf,
     },
-    /// A new run would overwrite one that is not finished.
-    #[error(
-        "{}: a run with {finished} of {scenes} scenes finished; go on with `rtbench run --resume \
-         {}`, or remove {NAME} there",
-        folder.display(), folder.display()
-    )]
-    Unfinished {
-        /// The folder.
-        folder: PathBuf,
-        /// Scenes that are finished.
-        finished: usize,
-        /// All scenes.
-        scenes: usize,
+    /// A scene that is finished there is not what this run would have measured.
+    #[error("{}: line {line}: {message}; begin a new run in another folder", path.display())]
+    NotOfPlan {
+        /// The journal.
+        path: PathBuf,
+        /// Its line, counted from 1.
+        line: usize,
+        /// What was expected there.
+        message: String,
     },
     /// The run that is to be resumed is not the one that this program would run.
     #[error(
@@ -89,30 +87,22 @@ pub enum JournalError {
 pub struct Journal {
     file: File,
     path: PathBuf,
+    seal: Seal,
     /// Bytes of whole lines.
     length: u64,
 }
 
 impl Journal {
-    /// Begins the journal of a new run in a folder. One of a run that is over, or that finished
-    /// nothing, is replaced.
+    /// Begins the journal of a new run in a folder, in place of the one that is there.
     ///
     /// # Errors
-    /// [`JournalError::Busy`], [`JournalError::Unfinished`], or that of [`Journal::append`].
+    /// [`JournalError::Busy`], or that of [`Journal::append`].
     pub fn begin(folder: &Path, manifest: Manifest) -> Result<Self, JournalError> {
         let mut journal = Self::open(folder, true)?;
-        if let Ok(old) = read(&journal.bytes()?)
-            && !old.is_complete
-            && !old.finished.is_empty()
-        {
-            return Err(JournalError::Unfinished {
-                folder: folder.to_owned(),
-                finished: old.finished.len(),
-                scenes: old.manifest.scenes.len(),
-            });
-        }
         journal.cut()?;
-        journal.append(&Line::Begun(Box::new(manifest)))?;
+        let first = text(&Line::Begun(Box::new(manifest)))?;
+        journal.append_text(&first)?;
+        journal.seal = Seal::behind(&first);
         Ok(journal)
     }
 
@@ -125,6 +115,7 @@ impl Journal {
         let found = read(&journal.bytes()?)
             .map_err(|source| JournalError::Lines { path: journal.path.clone(), source })?;
         journal.length = found.whole as u64;
+        journal.seal = found.seal.clone();
         journal.cut()?;
         Ok((journal, found))
     }
@@ -143,11 +134,11 @@ impl Journal {
             return Err(fail(io::Error::other("not a regular file")));
         }
         match file.try_lock() {
-            Ok(()) => Ok(Self { file, path, length: 0 }),
+            Ok(()) => Ok(Self { file, path, seal: Seal::default(), length: 0 }),
             Err(std::fs::TryLockError::WouldBlock) => Err(JournalError::Busy { path }),
             // a file system without locks
             Err(std::fs::TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => {
-                Ok(Self { file, path, length: 0 })
+                Ok(Self { file, path, seal: Seal::default(), length: 0 })
             }
             Err(std::fs::TryLockError::Error(e)) => Err(fail(e)),
         }
@@ -175,9 +166,11 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`].
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
-        let mut text = serde_json::to_string(line)
-            .map_err(|e| FormatError { format: "JSON", message: e.to_string() })?;
-        text.push('\n');
+        self.append_text(&text(line)?)
+    }
+
+    fn append_text(&mut self, text: &str) -> Result<(), JournalError> {
+        let text = self.seal.sealed(text) + "\n";
         let written = undisturbed(|| {
             self.file.write_all(text.as_bytes()).and_then(|()| self.file.sync_data())
         });
@@ -189,12 +182,43 @@ impl Journal {
         Ok(())
     }
 
-    /// Another handle to the journal, for the last line of a run that is interrupted.
+    /// Another handle to the journal, and how the last line of a run that is interrupted is sealed.
     ///
     /// # Errors
     /// [`JournalError::Io`].
-    pub fn handle(&self) -> Result<File, JournalError> {
+    pub fn handle(&self) -> Result<(File, Seal), JournalError> {
         let handle = self.file.try_clone();
-        handle.map_err(|source| JournalError::Io { path: self.path.clone(), source })
+        let handle =
+            handle.map_err(|source| JournalError::Io { path: self.path.clone(), source })?;
+        Ok((handle, self.seal.clone()))
     }
+
+    /// Writes the journal anew where its file was removed; its folder must be there. Whether it was.
+    ///
+    /// # Errors
+    /// [`JournalError`].
+    pub fn restore(&mut self) -> Result<bool, JournalError> {
+        if self.path.exists() {
+            return Ok(false);
+        }
+        // a file that was removed can be read as long as it is open
+        let bytes = self.bytes()?;
+        let folder = self.path.parent().unwrap_or(Path::new("")).to_owned();
+        let mut again = Self::open(&folder, true)?;
+        let written =
+            undisturbed(|| again.file.write_all(&bytes).and_then(|()| again.file.sync_data()));
+        written.map_err(|source| JournalError::Io { path: self.path.clone(), source })?;
+        self.file = again.file;
+        Ok(true)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// The text of a line, before it is sealed.
+fn text(line: &Line) -> Result<String, FormatError> {
+    serde_json::to_string(line).map_err(|e| FormatError { format: "JSON", message: e.to_string() })
 }

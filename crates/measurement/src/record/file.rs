@@ -1,6 +1,6 @@
 //! Reading records of runs back: what `compare`, `check`, `merge` and `report` work on.
 
-use std::fs::File;
+use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -28,6 +28,14 @@ pub enum RecordError {
         path: PathBuf,
         /// The system's reason.
         source: io::Error,
+    },
+    /// It is a folder, a pipe, a socket or a device.
+    #[error("cannot read {}: {what}, expected a file", path.display())]
+    NotAFile {
+        /// What is there.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
     },
     /// It is too large to be one.
     #[error("{}: more than {MAX_BYTES} bytes, too large for a record", path.display())]
@@ -98,6 +106,7 @@ pub fn path_of(path: &Path) -> PathBuf {
 /// [`RecordError`], naming the file.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
     let io = |source| RecordError::Io { path: path.to_owned(), source };
+    length(path)?;
     let mut text = Vec::new();
     let file = File::open(path).map_err(io)?;
     let length = file.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(io)?;
@@ -105,6 +114,40 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
         return Err(RecordError::TooLarge { path: path.to_owned() });
     }
     Ok(text)
+}
+
+/// The length of a file, in bytes. A pipe that nobody writes to would never be read to its end, so
+/// whatever is no file is refused before it is opened.
+///
+/// # Errors
+/// [`RecordError::NotAFile`], [`RecordError::Io`].
+pub fn length(path: &Path) -> Result<u64, RecordError> {
+    let found = std::fs::metadata(path)
+        .map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
+    match kind_of(found.file_type()) {
+        Some(what) => Err(RecordError::NotAFile { path: path.to_owned(), what }),
+        None => Ok(found.len()),
+    }
+}
+
+/// What something that is no file is.
+fn kind_of(kind: FileType) -> Option<&'static str> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if kind.is_fifo() {
+            return Some("it is a pipe");
+        } else if kind.is_socket() {
+            return Some("it is a socket");
+        } else if kind.is_char_device() || kind.is_block_device() {
+            return Some("it is a device");
+        }
+    }
+    match () {
+        () if kind.is_dir() => Some("it is a folder"),
+        () if kind.is_file() => None,
+        () => Some("it is no regular file"),
+    }
 }
 
 /// What a file of JSON says.

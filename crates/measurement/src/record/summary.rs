@@ -1,6 +1,6 @@
 //! All scenes together: geometric means of ratios, over the scenes whose ratios are to one row.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::record::query::Query;
 use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
@@ -12,34 +12,49 @@ use statistics::estimate::geometric_mean_of_medians;
 /// scenes only. Means leave out scenes whose ratios are to another row than
 /// [`reference::of_means`]; verdicts are over all.
 pub fn summarize(scenes: &[SceneRecord], settings: &Settings) -> Vec<SummaryRow> {
-    let mut rows: Vec<&RowRecord> = Vec::new();
-    for row in scenes.iter().flat_map(|scene| &scene.rows) {
-        if !rows.iter().any(|r| r.is_same(row)) {
-            rows.push(row);
+    let reference = reference::of_means(scenes, &settings.reference);
+    // the first row of each setting, and all that are the same, one a scene
+    let mut groups: Vec<(&RowRecord, Vec<Own<'_>>)> = Vec::new();
+    let mut places: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for scene in scenes {
+        let is_over = reference::is_over(scene, &reference);
+        let mut seen = BTreeSet::new();
+        for row in &scene.rows {
+            let key = (&*row.structure, &*row.settings);
+            let place = *places.entry(key).or_insert_with(|| {
+                groups.push((row, Vec::new()));
+                groups.len() - 1
+            });
+            if seen.insert(key)
+                && let Some((_, rows)) = groups.get_mut(place)
+            {
+                rows.push(Own { scene, row, is_over });
+            }
         }
     }
-    let reference = reference::of_means(scenes, &settings.reference);
-    rows.into_iter().map(|row| summarize_row(row, scenes, &reference, settings.seed)).collect()
+    groups.into_iter().map(|(row, rows)| summarize_row(row, &rows, settings.seed)).collect()
 }
 
-fn summarize_row(
-    row: &RowRecord,
-    scenes: &[SceneRecord],
-    reference: &str,
-    seed: u64,
-) -> SummaryRow {
+/// A row in one of its scenes.
+struct Own<'a> {
+    scene: &'a SceneRecord,
+    row: &'a RowRecord,
+    /// The scene's ratios count.
+    is_over: bool,
+}
+
+fn summarize_row(row: &RowRecord, rows: &[Own<'_>], seed: u64) -> SummaryRow {
     let mut ratios = Vec::new();
     let mut builds = Vec::new();
     let mut kinds: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
     let mut batch_scenes = 0;
     let mut verdicts = Vec::new();
     let mut mismatches = 0;
-    for scene in scenes {
-        let Some(own) = scene.rows.iter().find(|r| r.is_same(row)) else { continue };
+    for &Own { scene, row: own, is_over } in rows {
         verdicts.push(own.verdict);
         mismatches += own.mismatches;
         let trace = trace_ratios(own);
-        if !trace.is_empty() && reference::is_over(scene, reference) {
+        if !trace.is_empty() && is_over {
             builds.push(build_ratios(scene, own));
             ratios.push(trace);
             batch_scenes += u64::from(own.query == Query::Batch);

@@ -49,6 +49,14 @@ pub enum ChildError {
     },
 }
 
+/// The first arguments of this program as a child, which reads the scenes that its parent may read.
+pub fn arguments(allow_outside: bool) -> &'static [&'static str] {
+    match allow_outside {
+        true => &["--quiet", "--allow-outside", "child"],
+        false => &["--quiet", "child"],
+    }
+}
+
 /// Starts the command with a record on its standard input and reads its answer.
 ///
 /// # Errors

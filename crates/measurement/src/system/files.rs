@@ -1,8 +1,10 @@
 //! Files that are written whole, or not at all.
 
-use std::fs::{self, File};
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use crate::system::created::Created;
 use crate::system::interrupt::undisturbed;
@@ -50,17 +52,115 @@ pub fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
 /// # Errors
 /// The system's.
 pub fn put(path: &Path, content: &[u8]) -> io::Result<()> {
+    remove_left(path);
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.tmp", std::process::id()));
+    name.push(format!(".{}{TEMPORARY}", std::process::id()));
     let temporary = path.with_file_name(name);
-    let mut file = match File::create(&temporary) {
+    let _ = fs::remove_file(&temporary);
+    let mut file = match OpenOptions::new().write(true).create_new(true).open(&temporary) {
         Ok(file) => file,
         Err(e) if e.kind() == io::ErrorKind::PermissionDenied => return fs::write(path, content),
         Err(e) => return Err(e),
     };
+    // so that nobody takes it for one that was left; a file system without locks has the process
+    let _ = file.try_lock();
     let replaced = file.write_all(content).and_then(|()| fs::rename(&temporary, path));
     if replaced.is_err() {
         let _ = fs::remove_file(&temporary);
     }
     replaced
+}
+
+/// How the names of files end that are not yet in their place: `results.json.<process>.tmp`.
+const TEMPORARY: &str = ".tmp";
+
+/// Files in a folder that may have been left by processes that were killed: path and process.
+type Left = Vec<(PathBuf, u32)>;
+
+/// What a process found in the folders that it writes to, each looked through once.
+static FOUND: Mutex<BTreeMap<PathBuf, Left>> = Mutex::new(BTreeMap::new());
+
+/// Removes what killed processes left when they wrote this file.
+fn remove_left(path: &Path) {
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return };
+    let mut found = FOUND.lock().unwrap_or_else(PoisonError::into_inner);
+    let left = found.entry(folder.to_owned()).or_insert_with(|| left_in(folder));
+    left.retain(|(temporary, process)| {
+        // what is left of the name without the process and its end
+        let of = temporary.with_extension("").with_extension("");
+        if of.file_name() != Some(name) || is_running(*process) || is_locked(temporary) {
+            return true;
+        }
+        let _ = fs::remove_file(temporary);
+        false
+    });
+}
+
+fn left_in(folder: &Path) -> Left {
+    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let left = entries.filter_map(|entry| {
+        let name = entry.file_name();
+        let (_, process) = name.to_str()?.strip_suffix(TEMPORARY)?.rsplit_once('.')?;
+        let process = process.parse().ok().filter(|p| *p != std::process::id())?;
+        entry.file_type().ok()?.is_file().then(|| (entry.path(), process))
+    });
+    left.collect()
+}
+
+/// Whether there is a process of that number, where the system says so.
+fn is_running(process: u32) -> bool {
+    Path::new("/proc").join(process.to_string()).exists()
+}
+
+/// Whether a process writes to the file.
+fn is_locked(path: &Path) -> bool {
+    let open = OpenOptions::new().write(true).open(path);
+    open.is_ok_and(|file| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No process has that number: Linux counts to 4194304.
+    const DEAD: u32 = 4_200_000;
+
+    #[test]
+    fn what_killed_processes_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let kept = [
+            format!("other.json.{DEAD}.tmp"),
+            "results.json.1.tmp".into(),
+            "results.json.mine.tmp".into(),
+            format!("results.json.{DEAD}.txt"),
+            format!("results.json.{}.tmp", DEAD + 1),
+        ];
+        for name in kept.iter().chain([&format!("results.json.{DEAD}.tmp")]) {
+            fs::write(at(name), "half").unwrap();
+        }
+        let held = File::open(at(&kept[4])).unwrap();
+        held.try_lock().unwrap();
+        put(&at("results.json"), b"whole").unwrap();
+        assert!(!at(&format!("results.json.{DEAD}.tmp")).exists());
+        assert!(kept.iter().all(|name| at(name).exists()));
+        assert_eq!(fs::read_to_string(at("results.json")).unwrap(), "whole");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), kept.len() + 1);
+        drop(held);
+        put(&at("results.json"), b"again").unwrap();
+        assert!(!at(&kept[4]).exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_planted_link_is_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, mine) = (folder.path().join("a.json"), folder.path().join("mine"));
+        fs::write(&mine, "mine").unwrap();
+        let planted = folder.path().join(format!("a.json.{}.tmp", std::process::id()));
+        std::os::unix::fs::symlink(&mine, planted).unwrap();
+        put(&path, b"text").unwrap();
+        assert_eq!(fs::read_to_string(&mine).unwrap(), "mine");
+    }
 }

@@ -13,6 +13,8 @@ use std::time::Duration;
 #[cfg(any(unix, test))]
 use std::time::Instant;
 
+use presentation::outside::line;
+
 /// What a program that is asked to end is left, whatever comes: so long may a file that is being
 /// written keep it from ending, and so long are further signals the same request. `timeout` sends
 /// its signal to the process and then to the group that the process is in, and a terminal's Ctrl-C
@@ -36,11 +38,10 @@ pub fn undisturbed<T>(write: impl FnOnce() -> T) -> T {
     write()
 }
 
-/// A line that says which signal ended the program.
-pub type Mark = fn(i32) -> Option<String>;
+/// Makes the line that says which signal ended the program.
+pub type Mark = Box<dyn Fn(i32) -> Option<String> + Send>;
 
 /// What is said and marked when a signal comes.
-#[derive(Debug)]
 pub struct Unfinished {
     /// The journal, how it is marked, and its folder.
     pub journal: Option<(File, Mark, PathBuf)>,
@@ -57,7 +58,8 @@ impl Unfinished {
             format!("{} of {} scenes are finished", self.finished.load(SeqCst), self.scenes);
         match &self.journal {
             Some((_, _, folder)) => {
-                let folder = folder.display();
+                let folder = folder.display().to_string();
+                let folder = line(&folder);
                 format!("interrupted: {counts} and kept; go on with: rtbench run --resume {folder}")
             }
             None => format!("interrupted: {counts}; with -o DIR they would be kept"),

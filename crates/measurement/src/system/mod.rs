@@ -3,6 +3,7 @@
 pub mod child_process;
 pub mod clock;
 pub mod created;
+pub mod file_limit;
 pub mod files;
 pub mod interrupt;
 pub mod machine;

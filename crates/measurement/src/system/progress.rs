@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use presentation::outside::line;
 
 /// The share of the file that is read, while one is.
 fn write_loaded(_: &ProgressState, to: &mut dyn Write) {
@@ -18,6 +19,12 @@ pub struct Progress {
     bar: ProgressBar,
     /// Where the bar follows a time budget: that budget.
     budget: Option<Duration>,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self::hidden()
+    }
 }
 
 impl Progress {
@@ -56,7 +63,7 @@ impl Progress {
     /// Says what is being done.
     pub fn message(&self, message: impl Into<String>) {
         if !self.bar.is_hidden() {
-            self.bar.set_message(message.into());
+            self.bar.set_message(line(&message.into()).into_owned());
         }
     }
 

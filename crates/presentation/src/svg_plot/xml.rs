@@ -1,5 +1,7 @@
 //! Text inside XML.
 
+use crate::outside::is_hidden;
+
 /// Text that may stand in an element or an attribute; what XML 1.0 cannot hold is replaced.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
@@ -11,7 +13,8 @@ pub fn escaped(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&apos;"),
             '\t' | '\n' | '\r' => out.push(' '),
-            '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
+            '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
+            c if is_hidden(c) => out.push(char::REPLACEMENT_CHARACTER),
             c => out.push(c),
         }
     }

@@ -65,6 +65,9 @@ pub struct Cli {
     /// Say on stderr what is done.
     #[arg(short, long, global = true)]
     pub verbose: bool,
+    /// Read scene files whose sources lie outside their folders: for files that are your own
+    #[arg(long, global = true)]
+    pub allow_outside: bool,
     /// Sets of scenes and defaults of `run` [default: rtbench.toml here or in a folder above]
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,

@@ -37,10 +37,11 @@ pub struct RunArgs {
     /// What to write.
     #[command(flatten)]
     pub exports: ExportArgs,
-    /// Finish the run that was begun with -o DIR: scenes that are finished are not measured again
+    /// Finish the run that was begun with -o DIR: scenes that are finished are not measured again,
+    /// and other files than those in DIR are written where this command line says so
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
           "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
-          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "exports"])]
+          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "output", "overwrite"])]
     pub resume: Option<PathBuf>,
 }
 

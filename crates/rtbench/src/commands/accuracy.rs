@@ -10,12 +10,14 @@ use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
+use crate::exports::occupied::Wanted;
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
 use measurement::system::created::Created;
 use measurement::system::files::WriteError;
 use measurement::system::pools::pool;
 use presentation::format_error::FormatError;
+use presentation::outside::line;
 use presentation::text::{write_notes, write_table};
 use studies::accuracy::axis::{Axis, select};
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
@@ -47,6 +49,13 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let named = context.scenes.resolve(&args.scenes)?;
     let mut created = Created::default();
     if let Some(folder) = &args.output {
+        let wanted = Wanted {
+            names: &["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"],
+            command_line: &context.command_line,
+            manifest: None,
+            overwrite: args.overwrite,
+        };
+        wanted.check(folder)?;
         created.folder(folder)?;
     }
     let rounds = args.rounds.map_or(pick(ROUNDS, quick), |n| n as usize);
@@ -102,7 +111,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
                 Ok(outcome) => of_axis.scenes.push(outcome),
                 Err(error) => {
                     failures += 1;
-                    let _ = writeln!(context.err, "error: {error}");
+                    context.error(&error);
                     continue;
                 }
             }
@@ -121,11 +130,12 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         pictures::write_all(folder, context.registry)?;
     }
     write_notes(context.out, tables::GLOSSARY, colors)?;
-    let words = record.axes.iter().filter_map(|axis| {
-        Some(summary::line(axis, &summary::cost(axis, record.seed)?).replace("**", ""))
-    });
-    for line in words {
-        writeln!(context.out, "\n{line}")?;
+    let words = record
+        .axes
+        .iter()
+        .filter_map(|axis| Some(summary::line(axis, &summary::cost(axis, record.seed)?)));
+    for words in words {
+        writeln!(context.out, "\n{}", line(&words))?;
     }
     writeln!(context.out, "\nThe whole took {}.", tables::took(record.took_s))?;
     context.out.flush()?;

@@ -87,6 +87,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
         run.measuring.rounds.get_or_insert(ROUNDS);
     }
     let plan = Plan::of_run(&run.settings(), context.registry, context.occluders, context.scenes)?;
+    run_outputs::refuse_occupied(&run.exports, &context.command_line, None)?;
     let mut outputs = run_outputs::of_run(&run.exports)?;
     let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
@@ -117,7 +118,7 @@ pub(super) fn counted(
 ) -> Result<Counts, CallgrindError> {
     context.say("counting instructions under valgrind");
     let program = context.environment.program.as_deref();
-    callgrind::count(program, record)
+    callgrind::count(program, record, context.scenes.allows_outside())
 }
 
 fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Error> {

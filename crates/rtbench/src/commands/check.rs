@@ -28,6 +28,7 @@ use measurement::system::interrupt::undisturbed;
 use measurement::system::pressure::Watch;
 use measurement::system::progress::Progress;
 use presentation::json;
+use presentation::outside::line;
 use presentation::text;
 
 /// Checks and returns the exit code.
@@ -65,16 +66,17 @@ pub fn run(
     let colors = context.terminal.colors(color);
     for table in report.tables(args.all) {
         if table.rows.is_empty() {
-            writeln!(context.out, "{}\n{}\n", table.title, table.notes.join(" "))?;
+            let (title, notes) = (line(&table.title), table.notes.join(" "));
+            writeln!(context.out, "{title}\n{}\n", line(&notes))?;
         } else {
             text::write_table(context.out, &table, colors)?;
         }
     }
     for remark in &report.remarks {
-        writeln!(context.out, "{remark}")?;
+        writeln!(context.out, "{}", line(remark))?;
     }
     text::write_notes(context.out, GLOSSARY, colors)?;
-    writeln!(context.out, "{}", report.verdict())?;
+    writeln!(context.out, "{}", line(&report.verdict()))?;
     context.out.flush()?;
     write_file(args.export_csv.as_deref(), || export::csv(&report))?;
     write_file(args.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
@@ -170,16 +172,21 @@ impl Check<'_> {
         plan.limits.render_pass = 0.0;
         plan.rounds = Rounds::Fixed(1);
         let (now, failures) = measured(context, &plan)?;
+        if now.scenes.is_empty() {
+            return Err(GateError::from(LikeError::NothingMeasured).into());
+        }
         let program = context.environment.program.clone();
         let new = own_program(program.as_ref()).map_err(GateError::from)?;
         let (rounds, time_budget) = (args.rounds, args.time_budget);
-        let mut contest = Contest { old, new, like: now.clone(), rounds, time_budget };
+        let (like, allow_outside) = (now.clone(), context.scenes.allows_outside());
+        let mut contest = Contest { old, new, like, rounds, time_budget, allow_outside };
         context.say(format_args!("asking {}", old.display()));
         let base = contest.record_of_old().map_err(GateError::from)?;
         refuse(&base, &now)?;
         let counts = match self.wants_counts {
             true => {
-                let base = callgrind::count(Some(old), &now).map_err(GateError::from)?;
+                let base =
+                    callgrind::count(Some(old), &now, allow_outside).map_err(GateError::from)?;
                 Some((base, counted(context, &now).map_err(GateError::from)?))
             }
             false => None,
@@ -302,7 +309,7 @@ fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
 /// Annotations and the job's summary, where there is a GitHub to read them.
 fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> {
     if context.environment.github_actions {
-        annotations::write(context.err, report)?;
+        context.annotations = annotations::of(report);
     }
     let Some(path) = &context.environment.github_step_summary else { return Ok(()) };
     let append = || -> io::Result<()> {

@@ -19,6 +19,7 @@ use crate::commands::render::{one_scene, structure};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{SUCCESS, WRONG_HITS};
+use crate::exports::occupied::Wanted;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
@@ -55,6 +56,13 @@ pub fn run(
     let known = one_scene(context.scenes, &args.scene)?;
     let mut created = Created::default();
     if let Some(folder) = &args.output {
+        let wanted = Wanted {
+            names: &["tracers.json", "tracers.csv", "tracers.md", "tracers.svg"],
+            command_line: &context.command_line,
+            manifest: None,
+            overwrite: args.overwrite,
+        };
+        wanted.check(folder)?;
         created.folder(folder)?;
     }
     let loaded = known.load()?;

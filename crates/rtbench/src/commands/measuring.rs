@@ -11,6 +11,7 @@ use std::time::Duration;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
+use crate::exports::elsewhere;
 use crate::exports::outputs::Outputs;
 use measurement::journal::Journal;
 use measurement::journal::lines::Line;
@@ -35,6 +36,8 @@ pub struct Measured {
     pub record: RunRecord,
     /// Scenes that could not.
     pub failures: usize,
+    /// Files or folders of results were removed while it went on, and made again.
+    pub disturbed: bool,
 }
 
 /// What a run keeps beside its outputs, and what it has from an earlier part of itself.
@@ -51,6 +54,21 @@ pub struct Kept {
 impl Kept {
     fn append(&mut self, line: impl FnOnce() -> Line) -> Result<(), Error> {
         self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.append(&line())?))
+    }
+
+    /// Makes what was removed since again, and writes what is finished. Whether anything was.
+    fn write(
+        &mut self,
+        outputs: &mut Outputs<'_>,
+        record: &RunRecord,
+        over: bool,
+    ) -> Result<bool, Error> {
+        let mut was_gone = outputs.restore()?;
+        if let Some(journal) = &mut self.journal {
+            was_gone |= journal.restore()?;
+        }
+        outputs.write(record, over)?;
+        Ok(was_gone)
     }
 }
 
@@ -87,7 +105,7 @@ pub fn measure_rest(
     let unfinished = (0..plan.scenes.len()).filter(|i| !kept.finished.contains_key(i));
     let progress = progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum());
     let budget = Budget::new(plan, context.clock.now(), kept.finished.len());
-    let mut failures = 0_usize;
+    let (mut failures, mut disturbed, mut is_summed_up) = (0_usize, false, true);
     let mut steps = 0;
     let mut left = plan.scenes.len() - kept.finished.len();
     for (i, known) in plan.scenes.iter().enumerate() {
@@ -125,43 +143,93 @@ pub fn measure_rest(
                 failures += 1;
                 kept.append(|| Line::Failed { scene: i, error: error.to_string() })?;
                 progress.reach(steps);
-                progress.suspend(|| {
-                    let _ = writeln!(context.err, "error: {error}");
-                });
+                progress.suspend(|| context.error(&error));
                 continue;
             }
         };
         progress.reach(steps);
-        let mut kept_well = Ok(());
+        let mut kept_well = Ok(false);
         if is_new {
-            let record = || Line::Finished { scene: i, record: Box::new(scene.clone()) };
-            kept_well = kept.append(record);
+            let finished = || Line::Finished { scene: i, record: Box::new(scene.clone()) };
+            let appended = kept.append(finished);
             kept.count.fetch_add(1, SeqCst);
+            record.scenes.push(scene);
+            sum_up(&mut record);
+            is_summed_up = true;
+            record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
+            kept_well = appended.and_then(|()| kept.write(outputs, &record, false));
+        } else {
+            // what was finished before is written once, with the next scene or at the end
+            record.scenes.push(scene);
+            is_summed_up = false;
         }
-        record.scenes.push(scene);
-        record.summary = summarize(&record.scenes, &record.settings);
-        if let Some(scale) = &mut record.scale {
-            scale.slopes = quantities::slopes(&record.scenes);
-        }
-        record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
-        let kept_well = kept_well.and_then(|()| Ok(outputs.write(&record, false)?));
         if let Some(scene) = record.scenes.last() {
             // What the disk does not take is shown at least.
             progress.suspend(|| show(context, &record, scene))?;
         }
-        kept_well?;
+        disturbed |= progress.suspend(|| saved(context, kept_well, outputs, &record))?;
     }
     progress.finish();
+    if !is_summed_up {
+        sum_up(&mut record);
+    }
     record.complete = true;
     record.load[1] = context.world.load();
     record.warnings = warnings::of(&record);
-    kept.append(|| Line::Complete)?;
-    outputs.write(&record, true)?;
+    let kept_well =
+        kept.append(|| Line::Complete).and_then(|()| kept.write(outputs, &record, true));
+    disturbed |= saved(context, kept_well, outputs, &record)?;
     for warning in &record.warnings {
         context.warn(warning);
     }
     outputs.print(&record, context.out)?;
-    Ok(Measured { record, failures })
+    Ok(Measured { record, failures, disturbed })
+}
+
+/// What all scenes so far say together.
+fn sum_up(record: &mut RunRecord) {
+    record.summary = summarize(&record.scenes, &record.settings);
+    if let Some(scale) = &mut record.scale {
+        scale.slopes = quantities::slopes(&record.scenes);
+    }
+}
+
+/// Says where results had to be made again. Those that cannot be written where they belong are written
+/// elsewhere, and printed where that fails, too.
+fn saved(
+    context: &mut Context<'_>,
+    kept_well: Result<bool, Error>,
+    outputs: &Outputs<'_>,
+    record: &RunRecord,
+) -> Result<bool, Error> {
+    let error = match kept_well {
+        Ok(was_gone) => {
+            if was_gone {
+                context.warn(
+                    "files of results were removed while the run went on: they are made again, with \
+                     all that was measured",
+                );
+            }
+            return Ok(was_gone);
+        }
+        Err(error) => error,
+    };
+    if outputs.are_files() && !record.scenes.is_empty() {
+        let scenes = record.scenes.len();
+        match elsewhere::keep(context.environment.temporary.as_deref(), record) {
+            Ok(path) => context.error(format_args!(
+                "what is measured so far, {scenes} scene(s), is kept in {}",
+                path.display()
+            )),
+            Err(why) => {
+                outputs.print(record, context.out)?;
+                context.error(format_args!(
+                    "what is measured so far, {scenes} scene(s), is printed and nowhere else: {why}"
+                ));
+            }
+        }
+    }
+    Err(error)
 }
 
 /// Loads and measures a scene; a panic is its failure.
@@ -183,12 +251,13 @@ fn measure_one(
     })
 }
 
-/// 4 when a row is wrong, 1 when something could not be measured, else 0.
+/// 4 when a row is wrong, 1 when something could not be measured or kept where it belongs, else 0.
 pub fn exit_code(measured: &Measured) -> u8 {
     let rows = || measured.record.scenes.iter().flat_map(|s| &s.rows);
     if rows().any(|r| r.verdict == Verdict::Wrong) {
         WRONG_HITS
     } else if measured.failures > 0
+        || measured.disturbed
         || rows().any(|r| r.verdict == Verdict::Panicked)
         || rows().any(|r| r.verdict == Verdict::NotBuilt && r.known_defect.is_none())
     {

@@ -26,6 +26,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
         let problems = vec![MergeProblem::Overwrites { folder: folder.clone() }];
         return Err(MergeError { problems }.into());
     }
+    run_outputs::refuse_occupied(&args.exports, &context.command_line, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
     record.command_line = context.command_line.clone();
     // not before: parts that do not fit leave no empty files
@@ -43,7 +44,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
         text::write_summary(context.out, &record, colors)?;
     }
     context.out.flush()?;
-    Ok(exit_code(&Measured { record, failures: 0 }))
+    Ok(exit_code(&Measured { record, failures: 0, disturbed: false }))
 }
 
 /// Whether a part, a file or its folder, lies in that folder.

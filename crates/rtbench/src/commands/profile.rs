@@ -36,7 +36,9 @@ pub fn run(context: &mut Context<'_>, args: &ProfileArgs, color: Color) -> Resul
     let latencies = memory::measure(&memory::SIZES, context.clock);
     context.say(format_args!("simulating caches: some minutes"));
     let program = context.environment.program.as_deref();
-    let fetched = simulate(program, &record, &caches, args.rays).map_err(GateError::from)?;
+    let allow_outside = context.scenes.allows_outside();
+    let fetched = simulate(program, &record, &caches, args.rays, allow_outside);
+    let fetched = fetched.map_err(GateError::from)?;
     let tables = tables(&record, &fetched, &Machine::new(&caches, &latencies));
     let colors = context.terminal.colors(color);
     for table in &tables {

@@ -11,6 +11,7 @@ use crate::report::page;
 use measurement::record::file;
 use measurement::system::files::WriteError;
 use measurement::system::files::write_text;
+use measurement::system::progress::Progress;
 
 /// The page's name unless another is asked for.
 const NAME: &str = "report.html";
@@ -25,7 +26,11 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     let usual = material.folder.join(NAME);
     let output = args.output.as_deref().unwrap_or(&usual);
     let is_stdout = output == Path::new("-");
-    let page = page(&material, !is_stdout && is_within(output, &material.folder));
+    // two plots a scene, about
+    let steps = 2 * material.run.scenes.len() as u64;
+    let progress = Progress::new(context.shows_progress(), steps, None);
+    progress.message("costs of rows");
+    let page = page(&material, !is_stdout && is_within(output, &material.folder), progress);
     if is_stdout {
         context.out.write_all(page.html.as_bytes())?;
         context.out.flush()?;

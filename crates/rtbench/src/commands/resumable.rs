@@ -5,30 +5,27 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
-use measurement::journal::lines::{Line, Manifest, Recovered};
+use measurement::journal::lines::{Finished, Line, Manifest, Recovered};
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use measurement::system::interrupt::{self, Mark, Unfinished};
+use measurement::system::progress::Progress;
 use scene_loading::source_names::name_of_path;
 
 use crate::commands::measuring::Kept;
 use crate::context::Context;
 use crate::error::Error;
 
-/// Begins the journal of a run in its folder, which is there.
-///
-/// # Errors
-/// Those of [`Journal::begin`].
-pub fn journal_in(
+/// What a run is, for the journal of its folder; `arguments` are those of the process, program first.
+pub fn manifest_of(
     context: &Context<'_>,
-    folder: &Path,
     plan: &Plan<'_>,
     record: &RunRecord,
     arguments: &[OsString],
-) -> Result<Journal, Error> {
+) -> Manifest {
     let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
-    Ok(Journal::begin(folder, manifest(context, plan, record, arguments))?)
+    manifest(context, plan, record, arguments)
 }
 
 /// A run that was begun in a folder, and what it left there.
@@ -54,7 +51,15 @@ pub fn go_on(
     let Begun { folder, journal, found } = begun;
     let Recovered { manifest: was, finished, died_in, .. } = found;
     let mut differences = was.differences(&manifest(context, plan, &record, Vec::new()));
-    for (&i, scene) in &finished {
+    let progress = Progress::new(context.shows_progress(), finished.len() as u64, None);
+    for (&i, Finished { line, record: scene }) in &finished {
+        progress.message(format!("{}: is it the same?", scene.name));
+        let (expected, has) = (plan.rows_in(i), scene.rows.len());
+        if expected != has {
+            let message = format!("scene {}: {has} of {expected} rows", scene.name);
+            let (path, line) = (journal.path().to_owned(), *line);
+            return Err(JournalError::NotOfPlan { path, line, message }.into());
+        }
         // one without a row within its limits was never loaded
         let Some(known) = plan.scenes.get(i).filter(|_| !scene.sha256.is_empty()) else { continue };
         let sha256 = known.load()?.sha256;
@@ -62,7 +67,9 @@ pub fn go_on(
             let name = known.name();
             differences.push(format!("scene {name}: sha256 was {}, is {sha256}", scene.sha256));
         }
+        progress.step(context.clock.now());
     }
+    progress.finish();
     if !differences.is_empty() {
         let (folder, differences) = (folder.to_owned(), differences.join("; "));
         return Err(JournalError::Differs { folder, differences }.into());
@@ -75,6 +82,7 @@ pub fn go_on(
     }
     (record.command_line, record.started_unix_s) = (was.command_line, was.started_unix_s);
     let count = Arc::new(AtomicUsize::new(finished.len()));
+    let finished = finished.into_iter().map(|(i, finished)| (i, finished.record)).collect();
     Ok((Kept { journal: Some(journal), finished, count }, record))
 }
 
@@ -85,17 +93,16 @@ pub fn go_on(
 pub fn watch(kept: &Kept, folder: Option<&Path>, scenes: usize) -> Result<(), Error> {
     let journal = match (&kept.journal, folder) {
         (Some(journal), Some(folder)) => {
-            Some((journal.handle()?, mark_line as Mark, folder.to_owned()))
+            let (handle, seal) = journal.handle()?;
+            let mark: Mark = Box::new(move |signal| {
+                Some(seal.sealed(&serde_json::to_string(&Line::Interrupted(signal)).ok()?))
+            });
+            Some((handle, mark, folder.to_owned()))
         }
         _ => None,
     };
     let finished = Arc::clone(&kept.count);
     interrupt::watch(Unfinished { journal, scenes, finished }).map_err(Error::Signals)
-}
-
-/// The last line of a journal whose run a signal ended.
-fn mark_line(signal: i32) -> Option<String> {
-    serde_json::to_string(&Line::Interrupted(signal)).ok()
 }
 
 /// What the run is, for its journal.

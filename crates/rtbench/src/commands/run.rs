@@ -6,9 +6,9 @@ use std::path::Path;
 use clap::Parser;
 use scene_loading::source_names::path_of_name;
 
-use crate::args::{Cli, Color, Command, RunArgs};
+use crate::args::{Cli, Color, Command, ExportArgs, RunArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
-use crate::commands::resumable::{Begun, go_on, journal_in, watch};
+use crate::commands::resumable::{Begun, go_on, manifest_of, watch};
 use crate::commands::run_outputs;
 use crate::commands::scale;
 use crate::context::Context;
@@ -30,22 +30,31 @@ pub fn run(
     arguments: &[OsString],
 ) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
-        return resume(context, folder, color);
+        let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };
+        return resume(context, folder, &exports, color);
     }
     let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let mut kept = Kept::default();
+    let manifest = manifest_of(context, &plan, &record, arguments);
+    run_outputs::refuse_occupied(&args.exports, &record.command_line, Some(&manifest))?;
     // the outputs first: where one of them is refused, no run has begun
     let outputs = run_outputs::of_run(&args.exports)?;
     if let Some(folder) = &args.exports.output {
-        kept.journal = Some(journal_in(context, folder, &plan, &record, arguments)?);
+        kept.journal = Some(Journal::begin(folder, manifest)?);
     }
     watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
     measure(context, color, &plan, outputs, kept, record)
 }
 
-/// Finishes the run that was begun in a folder.
-fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, Error> {
+/// Finishes the run that was begun in a folder. Where to write is taken from this command line alone:
+/// the journal is a file that others may have had their hands on.
+fn resume(
+    context: &mut Context<'_>,
+    folder: &Path,
+    exports: &ExportArgs,
+    color: Color,
+) -> Result<u8, Error> {
     let (journal, found) = Journal::resume(folder)?;
     let differs =
         |differences: String| JournalError::Differs { folder: folder.into(), differences };
@@ -53,17 +62,16 @@ fn resume(context: &mut Context<'_>, folder: &Path, color: Color) -> Result<u8, 
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
     let command = Cli::try_parse_from(arguments).map(|cli| cli.command);
     let begun = Begun { folder, journal, found };
-    let mut args = match command {
+    let args = match command {
         Ok(Command::Run(args)) if args.resume.is_none() => args,
-        Ok(Command::Scale(args)) => return scale::resume(context, &args, color, begun),
+        Ok(Command::Scale(args)) => return scale::resume(context, &args, exports, color, begun),
         Ok(_) => return Err(differs("arguments: expected those of `run`".into()).into()),
         Err(error) => return Err(differs(format!("arguments: {error}")).into()),
     };
-    args.exports.output = Some(folder.to_owned());
     let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
-    let outputs = run_outputs::of_run(&args.exports)?;
+    let outputs = run_outputs::of_run(exports)?;
     watch(&kept, Some(folder), plan.scenes.len())?;
     measure(context, color, &plan, outputs, kept, record)
 }

@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use measurement::record::RunRecord;
+use measurement::journal::lines::Manifest;
+use measurement::record::{RunRecord, file};
 use presentation::format_error::FormatError;
 use presentation::json;
 use studies::run::{csv, markdown};
 
 use crate::args::ExportArgs;
+use crate::exports::occupied::{OccupiedError, Wanted};
 use crate::exports::outputs::{OutputError, Outputs};
 use crate::exports::{bencher, github_action_benchmark};
 
@@ -26,7 +28,7 @@ pub(super) struct Exporter {
 static EXPORTERS: [Exporter; 6] = [
     exporter(|args| args.export_csv.as_ref(), Some("results.csv"), csv::to_string),
     exporter(|args| args.export_markdown.as_ref(), Some("results.md"), markdown::exported),
-    exporter(|args| args.export_json.as_ref(), Some("results.json"), json::written),
+    exporter(|args| args.export_json.as_ref(), Some(file::NAME), json::written),
     exporter(|args| args.export_github_smaller.as_ref(), None, github_action_benchmark::smaller),
     exporter(|args| args.export_github_bigger.as_ref(), None, github_action_benchmark::bigger),
     exporter(|args| args.export_bencher.as_ref(), None, bencher::to_string),
@@ -38,6 +40,21 @@ const fn exporter(
     to_string: fn(&RunRecord) -> Result<String, FormatError>,
 ) -> Exporter {
     Exporter { path, in_folder, to_string }
+}
+
+/// Refuses a folder of `-o` that holds other results, unless they may be replaced.
+///
+/// # Errors
+/// [`OccupiedError`].
+pub fn refuse_occupied(
+    args: &ExportArgs,
+    command_line: &[String],
+    manifest: Option<&Manifest>,
+) -> Result<(), OccupiedError> {
+    let Some(folder) = &args.output else { return Ok(()) };
+    let mut names: Vec<&str> = EXPORTERS.iter().filter_map(|e| e.in_folder).collect();
+    names.sort_by_key(|name| *name != file::NAME);
+    Wanted { names: &names, command_line, manifest, overwrite: args.overwrite }.check(folder)
 }
 
 /// Creates the files that the command line of a run names.

@@ -2,12 +2,15 @@
 
 use std::ffi::OsString;
 
-use crate::args::{Color, ScaleArgs};
+use crate::args::{Color, ExportArgs, ScaleArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
-use crate::commands::resumable::{Begun, go_on, journal_in, watch};
+use crate::commands::resumable::{Begun, go_on, manifest_of, watch};
 use crate::context::Context;
 use crate::error::Error;
+use crate::exports::occupied::Wanted;
 use crate::exports::outputs::Outputs;
+use measurement::journal::Journal;
+use measurement::plan::error::PlanError;
 use measurement::record::RunRecord;
 use presentation::json;
 use studies::scale::Scale;
@@ -26,9 +29,19 @@ pub fn run(
     let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begun(context, &scale);
     let mut kept = Kept::default();
+    let manifest = manifest_of(context, &scale.plan, &record, arguments);
+    if let Some(folder) = &args.output {
+        let wanted = Wanted {
+            names: &NAMES,
+            command_line: &record.command_line,
+            manifest: Some(&manifest),
+            overwrite: args.overwrite,
+        };
+        wanted.check(folder)?;
+    }
     let outputs = outputs(args)?;
     if let Some(folder) = &args.output {
-        kept.journal = Some(journal_in(context, folder, &scale.plan, &record, arguments)?);
+        kept.journal = Some(Journal::begin(folder, manifest)?);
     }
     watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
     measure(context, color, &scale, outputs, kept, record)
@@ -41,16 +54,40 @@ pub fn run(
 pub(super) fn resume(
     context: &mut Context<'_>,
     args: &ScaleArgs,
+    exports: &ExportArgs,
     color: Color,
     begun_before: Begun<'_>,
 ) -> Result<u8, Error> {
-    let args = ScaleArgs { output: Some(begun_before.folder.to_owned()), ..args.clone() };
+    let args = with_outputs(args, exports)?;
     let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begun(context, &scale);
     let (kept, record) = go_on(context, begun_before, &scale.plan, record)?;
     let outputs = outputs(&args)?;
     watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
     measure(context, color, &scale, outputs, kept, record)
+}
+
+/// A scale that writes what the command line of `run --resume` names, and nothing that a journal does.
+fn with_outputs(args: &ScaleArgs, exports: &ExportArgs) -> Result<ScaleArgs, PlanError> {
+    let ExportArgs { export_github_smaller, export_github_bigger, export_bencher, .. } = exports;
+    for (path, option) in [
+        (export_github_smaller, "--export-github-smaller"),
+        (export_github_bigger, "--export-github-bigger"),
+        (export_bencher, "--export-bencher"),
+    ] {
+        if path.is_some() {
+            return Err(PlanError::NotOfScale { option });
+        }
+    }
+    Ok(ScaleArgs {
+        output: exports.output.clone(),
+        export_csv: exports.export_csv.clone(),
+        export_markdown: exports.export_markdown.clone(),
+        export_json: exports.export_json.clone(),
+        export_slopes: None,
+        export_svg: None,
+        ..args.clone()
+    })
 }
 
 /// The record before the first size.
@@ -84,6 +121,9 @@ fn measure(
     Ok(exit_code(&measured))
 }
 
+/// The files in the folder of `-o`, the record first.
+const NAMES: [&str; 5] = ["results.json", "scale.csv", "slopes.csv", "scale.md", "scale.svg"];
+
 /// The files that the command line names, and those of its folder.
 fn outputs(args: &ScaleArgs) -> Result<Outputs<'static>, Error> {
     let mut outputs = Outputs::default();
@@ -91,19 +131,20 @@ fn outputs(args: &ScaleArgs) -> Result<Outputs<'static>, Error> {
         outputs.folder(folder)?;
     }
     let within = |name| args.output.as_ref().map(|folder| folder.join(name));
-    for path in [within("results.json"), args.export_json.clone()] {
+    let [results, sizes, slopes, markdown, svg] = NAMES.map(within);
+    for path in [results, args.export_json.clone()] {
         outputs.add(path.as_ref(), json::written)?;
     }
-    for path in [within("scale.csv"), args.export_csv.clone()] {
+    for path in [sizes, args.export_csv.clone()] {
         outputs.add(path.as_ref(), csv::sizes)?;
     }
-    for path in [within("slopes.csv"), args.export_slopes.clone()] {
+    for path in [slopes, args.export_slopes.clone()] {
         outputs.add(path.as_ref(), csv::slopes)?;
     }
-    for path in [within("scale.md"), args.export_markdown.clone()] {
+    for path in [markdown, args.export_markdown.clone()] {
         outputs.add(path.as_ref(), |run| Ok(table::to_markdown(run)))?;
     }
-    for path in [within("scale.svg"), args.export_svg.clone()] {
+    for path in [svg, args.export_svg.clone()] {
         outputs.add(path.as_ref(), |run| Ok(plot::to_svg(run)))?;
     }
     Ok(outputs)

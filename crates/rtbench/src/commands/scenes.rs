@@ -7,6 +7,7 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use measurement::scenes::{KnownScene, LoadError, LoadedScene};
+use presentation::outside::line;
 
 /// Runs and returns the exit code.
 ///
@@ -33,18 +34,19 @@ fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     each(context, names, |context, scene| {
         let loaded = context.load(scene)?;
         let out = &mut *context.out;
-        writeln!(out, "{}", scene.name())?;
-        for line in SceneInfo::of(&loaded.scene).to_string().lines() {
-            writeln!(out, "  {line}")?;
+        writeln!(out, "{}", line(scene.name()))?;
+        for text in SceneInfo::of(&loaded.scene).to_string().lines() {
+            writeln!(out, "  {}", line(text))?;
         }
         let camera = &loaded.scene.camera;
         let (from, at) = (camera.from, camera.at);
         writeln!(out, "  camera      from {from} at {at}, {} degrees", camera.angle)?;
-        writeln!(out, "  source      {}", loaded.source)?;
-        writeln!(out, "  licence     {}", loaded.licence.as_deref().unwrap_or("unknown"))?;
+        writeln!(out, "  source      {}", line(&loaded.source))?;
+        let licence = loaded.licence.as_deref().unwrap_or("unknown");
+        writeln!(out, "  licence     {}", line(licence))?;
         writeln!(out, "  sha256      {}", loaded.sha256)?;
         for warning in &loaded.scene.warnings {
-            writeln!(out, "  warning     {warning}")?;
+            writeln!(out, "  warning     {}", line(&warning.to_string()))?;
         }
         Ok(())
     })
@@ -58,11 +60,14 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
         let mut warnings = std::mem::take(&mut loaded.warnings);
         warnings.extend(scene_loading::info::validate(&loaded));
         match warnings.len() {
-            0 => writeln!(context.out, "{}: ok", scene.name())?,
-            n => writeln!(context.out, "{}: can be used, {n} warning(s)", scene.name())?,
+            0 => writeln!(context.out, "{}: ok", line(scene.name()))?,
+            n => writeln!(context.out, "{}: can be used, {n} warning(s)", line(scene.name()))?,
         }
         for warning in &warnings {
-            writeln!(context.out, "  {warning}")?;
+            writeln!(context.out, "  {}", line(&warning.to_string()))?;
+        }
+        for text in scene.second_opinion()? {
+            writeln!(context.out, "  {}", line(&text))?;
         }
         Ok(())
     })
@@ -70,10 +75,9 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
 
 fn fetch(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     each(context, names, |context, scene| {
-        match scene.fetch()? {
-            Some(path) => writeln!(context.out, "{}: {}", scene.name(), path.display())?,
-            None => writeln!(context.out, "{}: nothing to fetch", scene.name())?,
-        }
+        let fetched = scene.fetch()?.map(|path| path.display().to_string());
+        let said = fetched.as_deref().unwrap_or("nothing to fetch");
+        writeln!(context.out, "{}: {}", line(scene.name()), line(said))?;
         Ok(())
     })
 }
@@ -95,7 +99,7 @@ fn each(
             }
             Err(error) => {
                 code = FAILURE;
-                let _ = writeln!(context.err, "error: {error}");
+                context.error(&error);
             }
         }
     }

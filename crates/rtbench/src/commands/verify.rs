@@ -12,6 +12,7 @@ use measurement::system::interrupt;
 use measurement::system::machine;
 use measurement::system::pools::deep_pool;
 use measurement::system::progress::Progress;
+use presentation::outside::line;
 use presentation::text::write_table;
 use studies::verify::check::{PRECISIONS, Plan, Replayed, replay};
 use studies::verify::registry::{Case, find, select};
@@ -42,7 +43,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     let colors = context.terminal.colors(color);
     write_table(context.out, &report.table(), colors)?;
     for example in report.examples() {
-        writeln!(context.out, "{example}")?;
+        writeln!(context.out, "{}", line(&example.to_string()))?;
     }
     if args.timing && report.cut.is_none() {
         writeln!(context.out)?;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use crate::comparison::entry::{Entry, Outcome};
 use crate::comparison::{Comparison, SceneComparison, Side};
-use presentation::markdown::push_table;
+use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
 use presentation::text::{write_notes, write_table};
@@ -47,7 +47,7 @@ pub fn to_markdown(comparisons: &[Comparison]) -> String {
     let mut text = "# rtbench comparison\n\n".to_owned();
     for comparison in comparisons {
         for fact in facts(comparison) {
-            let _ = writeln!(text, "- {fact}");
+            let _ = writeln!(text, "- {}", escaped(&fact));
         }
         text.push('\n');
         for table in tables(comparison, false) {

@@ -14,7 +14,7 @@ use crate::config::file::{Config, ConfigError};
 use measurement::settings::suggest;
 
 /// What may not stand in a file: what belongs to one run alone.
-const NOT_THERE: [&str; 3] = ["help", "resume", "version"];
+const NOT_THERE: [&str; 4] = ["help", "overwrite", "resume", "version"];
 
 /// Options of which the later one wins, whatever their names: one typed takes both from the file.
 const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];

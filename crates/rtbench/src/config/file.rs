@@ -119,7 +119,11 @@ impl Config {
     /// [`ConfigError`].
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let fail = |source| ConfigError::Io { path: path.to_owned(), source };
-        if fs::metadata(path).map_err(fail)?.len() > MAX_BYTES {
+        let found = fs::metadata(path).map_err(fail)?;
+        if !found.is_file() {
+            return Err(fail(io::Error::other("not a regular file")));
+        }
+        if found.len() > MAX_BYTES {
             return Err(ConfigError::TooLarge { path: path.to_owned() });
         }
         let text = fs::read_to_string(path).map_err(fail)?;

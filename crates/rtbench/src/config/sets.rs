@@ -12,12 +12,17 @@ use measurement::scenes::{KnownScene, LoadError, SceneSizes, SceneSource};
 pub struct Configured<'a> {
     source: &'a dyn SceneSource,
     config: Option<&'a Config>,
+    allow_outside: bool,
 }
 
 impl<'a> Configured<'a> {
     /// The source, and the configuration if there is one.
-    pub fn new(source: &'a dyn SceneSource, config: Option<&'a Config>) -> Self {
-        Self { source, config }
+    pub fn new(
+        source: &'a dyn SceneSource,
+        config: Option<&'a Config>,
+        allow_outside: bool,
+    ) -> Self {
+        Self { source, config, allow_outside }
     }
 
     /// What a name stands for: the names in its set, each in its place, else itself. A set may name
@@ -63,7 +68,15 @@ impl SceneSource for Configured<'_> {
         for name in names {
             self.expand(name, &mut BTreeSet::new(), &mut expanded);
         }
-        self.source.resolve(&expanded)
+        let mut scenes = self.source.resolve(&expanded)?;
+        if self.allow_outside {
+            scenes.iter_mut().for_each(|scene| scene.allow_outside());
+        }
+        Ok(scenes)
+    }
+
+    fn allows_outside(&self) -> bool {
+        self.allow_outside
     }
 
     fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {

@@ -97,6 +97,27 @@ impl<'a> Outputs<'a> {
         Ok(())
     }
 
+    /// Makes the files, and their folders, that were removed since. Whether there were any.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] naming the file or folder.
+    pub fn restore(&mut self) -> Result<bool, OutputError> {
+        let is_gone = |output: &&Output<'_>| output.stream.is_none() && !output.path.exists();
+        let gone: Vec<&Output<'_>> = self.outputs.iter().filter(is_gone).collect();
+        for output in &gone {
+            if let Some(folder) = output.path.parent() {
+                self.created.folder(folder)?;
+            }
+            open(&output.path, &mut self.created)?;
+        }
+        Ok(!gone.is_empty())
+    }
+
+    /// Whether anything is written to files.
+    pub fn are_files(&self) -> bool {
+        !self.outputs.is_empty()
+    }
+
     /// Writes what is finished so far; streams only when the run is `over`.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use measurement::answers::check::stride_for;
 use measurement::record::{RowRecord, RunRecord};
-use measurement::system::child_process::{ChildError, answer, without_samples};
+use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
 use measurement::system::clock::Clock;
 use measurement::system::progress::Progress;
 use statistics::estimate::median;
@@ -75,6 +75,8 @@ pub struct Contest<'a> {
     pub rounds: Option<u32>,
     /// Time for all pairs.
     pub time_budget: Option<Duration>,
+    /// Sources of scene files may lie outside their folders.
+    pub allow_outside: bool,
 }
 
 impl Contest<'_> {
@@ -140,7 +142,11 @@ impl Contest<'_> {
         lightly: bool,
     ) -> Result<RunRecord, ChildError> {
         let mut command = Command::new(program);
-        command.args(["--quiet", "child", "measure", "--rounds", &rounds.to_string()]);
+        command.args(arguments(self.allow_outside)).args([
+            "measure",
+            "--rounds",
+            &rounds.to_string(),
+        ]);
         if lightly {
             command.arg("--lightly");
         }

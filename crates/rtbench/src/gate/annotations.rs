@@ -1,43 +1,38 @@
 //! Annotations of GitHub Actions, one for each thing that is wrong.
-//!
-//! Source: GitHub's documentation, "Workflow commands for GitHub Actions": `::error title=T::text`
-//! on a line of its own, with percent signs and line ends escaped, in titles colons and commas too.
-
-use std::io::{self, Write};
 
 use crate::gate::evidence::{Finding, Outcome};
 use crate::gate::report::Report;
+use presentation::outside::Annotation;
 
 /// GitHub shows no more than that of a level in a step.
 const MOST: usize = 10;
 
-/// Writes the annotations of a check: errors for regressions and wrong hits, warnings for what is
+/// The annotations of a check: errors for regressions and wrong hits, warnings for what is
 /// inconclusive.
-///
-/// # Errors
-/// Those of the writer.
-pub fn write(out: &mut dyn Write, report: &Report) -> io::Result<()> {
+pub fn of(report: &Report) -> Vec<Annotation> {
     let of = |level: &[Outcome]| -> Vec<&Finding> {
         let mut found: Vec<_> =
             report.findings.iter().filter(|f| level.contains(&f.outcome)).collect();
         found.sort_by_key(|f| std::cmp::Reverse(f.outcome));
         found
     };
+    let mut annotations = Vec::new();
     for (level, found) in [
         ("error", of(&[Outcome::WrongHits, Outcome::Regression])),
         ("warning", of(&[Outcome::Inconclusive])),
     ] {
         let shown = if found.len() > MOST { MOST - 1 } else { found.len() };
-        for finding in found.iter().take(shown) {
-            let title = format!("rtbench check: {}", finding.outcome.name());
-            writeln!(out, "::{level} title={}::{}", property(&title), data(&text(finding)))?;
-        }
+        annotations.extend(found.iter().take(shown).map(|finding| Annotation {
+            level,
+            title: format!("rtbench check: {}", finding.outcome.name()),
+            text: text(finding),
+        }));
         if shown < found.len() {
-            let more = found.len() - shown;
-            writeln!(out, "::{level} title=rtbench check::{more} more; see the summary")?;
+            let text = format!("{} more; see the summary", found.len() - shown);
+            annotations.push(Annotation { level, title: "rtbench check".into(), text });
         }
     }
-    Ok(())
+    annotations
 }
 
 fn text(finding: &Finding) -> String {
@@ -50,12 +45,4 @@ fn text(finding: &Finding) -> String {
         text += &format!(" ({note})");
     }
     text
-}
-
-fn data(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
-}
-
-fn property(text: &str) -> String {
-    data(text).replace(':', "%3A").replace(',', "%2C")
 }

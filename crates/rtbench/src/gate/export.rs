@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::gate::report::{GLOSSARY, Report};
 use presentation::csv::{number, written};
 use presentation::format_error::FormatError;
-use presentation::markdown::push_table;
+use presentation::markdown::{escaped, push_table};
 
 /// Columns of the CSV file.
 pub const COLUMNS: [&str; 12] = [
@@ -26,15 +26,17 @@ pub const COLUMNS: [&str; 12] = [
 /// Verdict, tables, remarks.
 pub fn markdown(report: &Report, all: bool) -> String {
     let mut text =
-        format!("# rtbench check: {}\n\n{}\n\n", report.outcome.name(), report.verdict());
+        format!("# rtbench check: {}\n\n{}\n\n", report.outcome.name(), escaped(&report.verdict()));
     for table in report.tables(all) {
         if table.rows.is_empty() {
-            let _ = writeln!(text, "## {}\n\n{}\n", table.title, table.notes.join(" "));
+            let (title, notes) = (escaped(&table.title), table.notes.join(" "));
+            let _ = writeln!(text, "## {title}\n\n{}\n", escaped(&notes));
         } else {
             push_table(&mut text, &table);
         }
     }
-    for line in report.remarks.iter().map(String::as_str).chain(GLOSSARY.iter().copied()) {
+    let remarks = report.remarks.iter().map(|remark| escaped(remark));
+    for line in remarks.chain(GLOSSARY.iter().map(|&line| line.to_owned())) {
         let _ = writeln!(text, "{line}\n");
     }
     text

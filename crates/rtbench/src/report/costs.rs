@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
-use statistics::estimate::{Estimate, estimate, geometric_mean_of_medians, median};
+use statistics::estimate::{Estimate, estimate, geometric_mean, geometric_mean_of_medians, median};
 
 /// Seconds of a round.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,13 +104,53 @@ pub struct Lead {
     pub next: Option<(String, Estimate)>,
 }
 
+/// Another row than the fastest, and the quotients of the fastest one's times and its own.
+struct Other {
+    label: String,
+    /// By scene, at the end of which they are resampled.
+    groups: Vec<Vec<f64>>,
+}
+
+impl Other {
+    fn quotient(&self, seed: u64) -> Option<Estimate> {
+        let groups: Vec<&[f64]> = self.groups.iter().map(Vec::as_slice).collect();
+        geometric_mean_of_medians(&groups, seed)
+    }
+
+    /// The quotient without its interval.
+    fn middle(&self) -> Option<f64> {
+        let medians = self.groups.iter().map(|group| median(group)).collect::<Option<Vec<_>>>()?;
+        match &medians[..] {
+            [one] => Some(*one),
+            _ => geometric_mean(&medians),
+        }
+    }
+
+    /// Whether it is slower in every round: resampling them does not change that.
+    fn is_always_slower(&self) -> bool {
+        self.groups.iter().flatten().all(|quotient| *quotient < 1.0)
+    }
+}
+
 impl Lead {
-    /// From the others with the quotient of the fastest one's time and theirs, in any order.
-    pub fn new(first: String, mut others: Vec<(String, Estimate)>) -> Self {
-        others.sort_by(|a, b| b.1.median.total_cmp(&a.1.median));
-        let (ties, apart): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, q)| q.high >= 1.0);
-        let next = apart.into_iter().next().map(|(label, q)| (label, q.inverse()));
-        Self { first, ties: ties.into_iter().map(|(label, _)| label).collect(), next }
+    /// From the others, in any order.
+    fn new(first: String, others: Vec<Other>, seed: u64) -> Self {
+        let mut others: Vec<(f64, Other)> =
+            others.into_iter().filter_map(|other| Some((other.middle()?, other))).collect();
+        others.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (mut ties, mut next) = (Vec::new(), None);
+        for (_, other) in others {
+            // intervals take long: of what is slower in any case only that of the nearest is shown
+            if next.is_some() && other.is_always_slower() {
+                continue;
+            }
+            match other.quotient(seed) {
+                Some(quotient) if quotient.high >= 1.0 => ties.push(other.label),
+                Some(quotient) if next.is_none() => next = Some((other.label, quotient.inverse())),
+                _ => {}
+            }
+        }
+        Self { first, ties, next }
     }
 }
 
@@ -134,27 +174,32 @@ fn lead_by(
     let first = profiles.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
     let others = profiles.iter().filter(|p| p.number != first.number);
     let others =
-        others.filter_map(|p| Some((p.label.clone(), estimate(&quotients(first, p), seed)?)));
-    Some(Lead::new(first.label.clone(), others.collect()))
+        others.map(|p| Other { label: p.label.clone(), groups: vec![quotients(first, p)] });
+    Some(Lead::new(first.label.clone(), others.collect(), seed))
 }
 
 /// Who traces fastest over all scenes, by geometric means, of the rows that every scene has.
 pub fn lead_over_all(scenes: &[Vec<Profile>], seed: u64) -> Option<Lead> {
+    let by_label = |scene: &'_ Vec<Profile>| -> BTreeMap<String, usize> {
+        // of rows with the same label the first counts
+        scene.iter().enumerate().rev().map(|(i, p)| (p.label.clone(), i)).collect()
+    };
+    let places: Vec<BTreeMap<String, usize>> = scenes.iter().map(by_label).collect();
     let everywhere = |label: &str| -> Option<Vec<&Profile>> {
-        scenes.iter().map(|scene| scene.iter().find(|p| p.label == label)).collect()
+        let found = scenes.iter().zip(&places);
+        found.map(|(scene, places)| scene.get(*places.get(label)?)).collect()
     };
     let candidates: Vec<Vec<&Profile>> =
         scenes.first()?.iter().filter_map(|p| everywhere(&p.label)).collect();
     let time = |rows: &Vec<&Profile>| rows.iter().map(|p| p.cost.ray_s.ln()).sum::<f64>();
     let first = candidates.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
     let label = |rows: &[&Profile]| rows.first().map_or(String::new(), |p| p.label.clone());
-    let others = candidates.iter().filter(|rows| label(rows) != label(first)).filter_map(|rows| {
-        let groups: Vec<Vec<f64>> =
-            first.iter().zip(rows).map(|(a, b)| a.ray_quotients(b)).collect();
-        let groups: Vec<&[f64]> = groups.iter().map(Vec::as_slice).collect();
-        Some((label(rows), geometric_mean_of_medians(&groups, seed)?))
+    let others = candidates.iter().filter(|rows| label(rows) != label(first));
+    let others = others.map(|rows| Other {
+        label: label(rows),
+        groups: first.iter().zip(rows).map(|(a, b)| a.ray_quotients(b)).collect(),
     });
-    Some(Lead::new(label(first), others.collect()))
+    Some(Lead::new(label(first), others.collect(), seed))
 }
 
 #[cfg(test)]

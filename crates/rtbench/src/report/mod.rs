@@ -18,6 +18,7 @@ pub use material::ReportError;
 pub use page::{Page, Shown};
 
 use crate::report::material::Material;
+use measurement::system::progress::Progress;
 use presentation::html::Html;
 use presentation::svg_plot::palette::dark_rules;
 
@@ -107,8 +108,8 @@ pub struct Finished {
 }
 
 /// The page of all sections. Where it lies beside the record it links to it.
-pub fn page(material: &Material, is_beside_record: bool) -> Finished {
-    let mut page = Page { is_beside_record, ..Page::default() };
+pub fn page(material: &Material, is_beside_record: bool, progress: Progress) -> Finished {
+    let mut page = Page { is_beside_record, progress, ..Page::default() };
     let title = format!("rtbench: {}", scenes_in_words(material));
     head(&mut page.html, &title);
     page.html.open("body", &[]);
@@ -139,7 +140,8 @@ pub fn page(material: &Material, is_beside_record: bool) -> Finished {
         }
         page.html.close();
     }
-    let Page { html, plots, .. } = page;
+    let Page { html, plots, progress, .. } = page;
+    progress.finish();
     Finished { html: format!("<!DOCTYPE html>\n{}", html.finish()), plots }
 }
 

@@ -1,6 +1,8 @@
 //! What sections write to.
 
+use measurement::system::progress::Progress;
 use presentation::html::Html;
+use scene_loading::source_hash::sha256_of_bytes;
 
 /// Whether there was something to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +19,7 @@ pub struct Page {
     pub(super) html: Html,
     pub(super) plots: Vec<(String, String)>,
     pub(super) is_beside_record: bool,
+    pub(super) progress: Progress,
 }
 
 impl Page {
@@ -27,14 +30,24 @@ impl Page {
         self.html.markup(&svg);
         self.html.close();
         self.html.close();
+        self.progress.message(format!("plot {name}"));
+        self.progress.reach(self.plots.len() as u64);
         self.plots.push((format!("{}.svg", file_name(name)), svg));
     }
 }
 
-/// A name that is safe as a file's.
+/// The most bytes of a file's name, without its extension: systems take 255.
+const LONGEST: usize = 200;
+
+/// A name that is safe as a file's. One that is too long ends with a hash, so that names stay distinct.
 fn file_name(name: &str) -> String {
     let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-    name.chars().map(safe).collect()
+    let mut file: String = name.chars().map(safe).collect();
+    if file.len() > LONGEST {
+        file.truncate(LONGEST - 17);
+        file.extend(std::iter::once('-').chain(sha256_of_bytes(name.as_bytes()).chars().take(16)));
+    }
+    file
 }
 
 #[cfg(test)]
@@ -44,5 +57,9 @@ mod tests {
     #[test]
     fn names_of_files_stay_in_their_folder() {
         assert_eq!(file_name("../a b/c"), "___a_b_c");
+        let names = ["x".repeat(200), "x".repeat(201), "x".repeat(5000)];
+        let files = names.each_ref().map(|name| file_name(name));
+        assert_eq!(files[0], names[0]);
+        assert!(files.iter().all(|file| file.len() == LONGEST) && files[1] != files[2]);
     }
 }

@@ -176,6 +176,7 @@ pub fn run_in_world(
         terminal: Terminal { columns: Some(100), ..Terminal::default() },
         verbosity: Verbosity::Normal,
         environment: Environment::default(),
+        annotations: Vec::new(),
     };
     let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
     let code = rtbench::run(&mut context, arguments);

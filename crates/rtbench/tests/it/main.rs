@@ -13,6 +13,7 @@ mod occluders;
 mod report;
 mod results;
 mod resuming;
+mod safety;
 mod scale;
 mod snapshots;
 mod speed;

@@ -10,6 +10,7 @@ use std::time::Duration;
 use accel_core::occluders;
 use accel_core::structures::{Entry, REGISTRY};
 use measurement::journal::lines::{Recovered, read};
+use measurement::journal::seal::Seal;
 use measurement::journal::{Journal, NAME};
 use measurement::record::RunRecord;
 use measurement::scenes::Installed;
@@ -34,6 +35,7 @@ pub fn run_in(
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
         environment: Environment::default(),
+        annotations: Vec::new(),
     };
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
     let code = rtbench::run(&mut context, arguments);
@@ -60,6 +62,28 @@ pub fn show(path: &Path) -> String {
 
 pub fn journal(folder: &Path) -> Recovered {
     read(&std::fs::read(folder.join(NAME)).unwrap()).unwrap()
+}
+
+/// The text of a sealed line, whatever its checksum.
+pub fn unsealed(line: &str) -> &str {
+    let (_, text) = line.trim_end().split_once("\"line\":").unwrap();
+    text.strip_suffix('}').unwrap()
+}
+
+/// A journal that was edited by somebody who knows how lines are sealed.
+pub fn resealed(journal: &str) -> String {
+    let mut seal = Seal::default();
+    let mut text = String::new();
+    for (i, line) in journal.split_inclusive('\n').enumerate() {
+        if !line.ends_with('\n') {
+            return text + line;
+        }
+        text += &(seal.sealed(unsealed(line)) + "\n");
+        if i == 0 {
+            seal = Seal::behind(unsealed(line));
+        }
+    }
+    text
 }
 
 pub fn csv(folder: &Path) -> String {
@@ -128,7 +152,7 @@ pub fn same_table() {
         assert!(found.is_complete && found.finished.len() == 3);
         // scenes that were finished were not begun again
         let text = std::fs::read_to_string(folder.path().join(NAME)).unwrap();
-        let begun = text.lines().filter(|line| line.starts_with("{\"scene\":")).count();
+        let begun = text.lines().filter(|line| unsealed(line).starts_with("{\"scene\":")).count();
         assert_eq!(begun, if lines % 2 == 0 { 4 } else { 3 }, "{lines}");
     }
 }
@@ -157,11 +181,11 @@ pub fn refusals() {
         ("\"rounds\":\"Fixed", "\"rounds\":\"Fitted", "rounds: was"),
     ] {
         assert!(whole.contains(from), "{from}: {whole}");
-        std::fs::write(folder.path().join(NAME), whole.replacen(from, to, 1)).unwrap();
+        std::fs::write(folder.path().join(NAME), resealed(&whole.replacen(from, to, 1))).unwrap();
         refused(&["this would not be the same run", said]);
     }
-    std::fs::write(folder.path().join(NAME), whole.replacen("{\"scene\"", "{\"scone\"", 1))
-        .unwrap();
+    let misspelled = resealed(&whole.replacen("{\"scene\"", "{\"scone\"", 1));
+    std::fs::write(folder.path().join(NAME), misspelled).unwrap();
     refused(&["line 2", "scone"]);
     std::fs::write(folder.path().join(NAME), &whole).unwrap();
     std::fs::write(&path, "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
@@ -169,7 +193,12 @@ pub fn refusals() {
     std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     // another run begun over it, a run beside it, other arguments, no run at all
     let (code, _, err) = run(&format!("{arguments} -o {here}"));
-    assert!(code == 1 && err.contains("1 of 2 scenes finished; go on with"), "{err}");
+    assert!(
+        code == 1
+            && err.contains("1 of 2 scenes finished; go on with")
+            && err.contains("--overwrite"),
+        "{err}"
+    );
     let (held, _) = Journal::resume(folder.path()).unwrap();
     refused(&["another run writes here"]);
     drop(held);
@@ -181,5 +210,7 @@ pub fn refusals() {
     let (code, _, err) = run(&format!("run --resume {here}"));
     assert_eq!(code, 0, "{err}");
     let (code, _, err) = run(&format!("{arguments} -o {here}"));
+    assert!(code == 1 && err.contains("2 of 2 scenes finished"), "{err}");
+    let (code, _, err) = run(&format!("{arguments} -o {here} --overwrite"));
     assert_eq!(code, 0, "{err}");
 }

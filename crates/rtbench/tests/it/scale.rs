@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 use std::time::Duration;
 
 use crate::common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
+use crate::resuming::unsealed;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::sink::Sink;
@@ -232,7 +233,8 @@ fn what_was_broken_off_is_resumed_with_its_limits() {
     let whole = folder.record();
     // as if it had been killed in the second size
     let journal = folder.text("run.jsonl");
-    let first = journal.lines().take_while(|line| !line.starts_with("{\"scene\":1")).count();
+    let first =
+        journal.lines().take_while(|line| !unsealed(line).starts_with("{\"scene\":1")).count();
     assert_eq!(first, 3, "{journal}");
     let kept: String = journal.lines().take(first + 1).map(|line| format!("{line}\n")).collect();
     std::fs::write(format!("{}/run.jsonl", folder.path()), kept).unwrap();

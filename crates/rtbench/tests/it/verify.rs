@@ -108,6 +108,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
         environment: Environment::default(),
+        annotations: Vec::new(),
     };
     let code = rtbench::run(&mut context, ["rtbench", "verify", "--replay", line]);
     let text = |bytes| String::from_utf8(bytes).unwrap();

@@ -4,6 +4,7 @@ use csv::Writer;
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::AccuracyRecord;
+use presentation::csv::written;
 use presentation::format_error::FormatError;
 
 /// The columns, in order.
@@ -36,11 +37,11 @@ pub const COLUMNS: [&str; 21] = [
 /// # Errors
 /// [`FormatError`].
 pub fn to_string(run: &AccuracyRecord) -> Result<String, FormatError> {
-    let failed = |message: String| FormatError { format: "CSV", message };
-    let mut writer = Writer::from_writer(Vec::new());
-    let mut write =
-        |fields: &[String]| writer.write_record(fields).map_err(|e| failed(e.to_string()));
-    write(&COLUMNS.map(str::to_owned))?;
+    written(|writer| fill(writer, run))
+}
+
+fn fill(writer: &mut Writer<Vec<u8>>, run: &AccuracyRecord) -> Result<(), csv::Error> {
+    writer.write_record(COLUMNS)?;
     for axis in &run.axes {
         for scene in &axis.scenes {
             for row in &scene.rows {
@@ -50,7 +51,7 @@ pub fn to_string(run: &AccuracyRecord) -> Result<String, FormatError> {
                 };
                 let also: Vec<String> = row.also.iter().map(|(n, x)| format!("{n}={x}")).collect();
                 let seconds: Vec<String> = row.seconds.iter().map(|s| format!("{s:e}")).collect();
-                write(&[
+                writer.write_record([
                     axis.axis.clone(),
                     scene.scene.clone(),
                     row.variant.clone(),
@@ -76,6 +77,5 @@ pub fn to_string(run: &AccuracyRecord) -> Result<String, FormatError> {
             }
         }
     }
-    let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
-    String::from_utf8(bytes).map_err(|e| failed(e.to_string()))
+    Ok(())
 }

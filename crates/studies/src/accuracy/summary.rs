@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord};
-use crate::accuracy::tables::facts;
+use crate::accuracy::tables::push_facts;
 use crate::accuracy::timing::ratios;
+use presentation::markdown::escaped;
 use presentation::numbers::short;
 use statistics::estimate::{Estimate, geometric_mean_of_medians};
 
@@ -61,11 +62,11 @@ fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Vec<f64>> {
 /// The page.
 pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time\n\n");
-    text.push_str(&facts(run));
+    push_facts(&mut text, run);
     let mut lists: [Vec<String>; 5] = Default::default();
     for axis in &run.axes {
         let Some(cost) = cost(axis, run.seed) else { continue };
-        let line = line(axis, &cost);
+        let line = format!("**{}**: {}", escaped(&axis.axis), escaped(&words(axis, &cost)));
         let list = match cost {
             Cost::Free => 0,
             Cost::Cheap(_) => 1,
@@ -103,7 +104,7 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
     if !faults.is_empty() {
         let _ = writeln!(text, "## Faults: these figures are worth nothing\n");
         faults.iter().for_each(|f| {
-            let _ = writeln!(text, "* {f}");
+            let _ = writeln!(text, "* {}", escaped(f));
         });
         text.push('\n');
     }
@@ -112,6 +113,10 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
 
 /// An axis in words: over all scenes, then scene by scene.
 pub fn line(axis: &AxisRecord, cost: &Cost) -> String {
+    format!("{}: {}", axis.axis, words(axis, cost))
+}
+
+fn words(axis: &AxisRecord, cost: &Cost) -> String {
     let scenes: Vec<String> = axis.scenes.iter().map(|s| scene(s, cost)).collect();
     let head = match cost {
         Cost::Free => "the most accurate variant takes no more time".into(),
@@ -130,7 +135,7 @@ pub fn line(axis: &AxisRecord, cost: &Cost) -> String {
         ),
         Cost::NoneAtStake => "answers are the same".into(),
     };
-    format!("**{}**: {head}. {}.", axis.axis, scenes.join("; "))
+    format!("{head}. {}.", scenes.join("; "))
 }
 
 fn scene(scene: &SceneOutcome, cost: &Cost) -> String {

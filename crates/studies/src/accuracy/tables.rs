@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, Standing, VariantRecord};
+use presentation::markdown::escaped;
 use presentation::numbers::{milliseconds, ratio, short};
 use presentation::table::{Cell, Style, Table};
 
@@ -73,20 +74,20 @@ pub fn error(row: &VariantRecord) -> String {
 /// All tables in Markdown, with where and how they were made.
 pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time: all variants\n\n");
-    text.push_str(&facts(run));
+    push_facts(&mut text, run);
     for axis in &run.axes {
         for scene in &axis.scenes {
             let table = table(axis, scene);
-            let _ = writeln!(text, "## {}\n", table.title);
+            let _ = writeln!(text, "## {}\n", escaped(&table.title));
             let _ = writeln!(text, "| {} |", table.header.join(" | "));
             let _ = writeln!(text, "| --- | ---: | ---: | ---: | --- | --- |");
             for row in &table.rows {
-                let cells: Vec<&str> = row.iter().map(|c| c.text.as_str()).collect();
+                let cells: Vec<String> = row.iter().map(|c| escaped(&c.text)).collect();
                 let _ = writeln!(text, "| {} |", cells.join(" | "));
             }
             text.push('\n');
             for note in &table.notes {
-                let _ = writeln!(text, "{note}\n");
+                let _ = writeln!(text, "{}\n", escaped(note));
             }
         }
     }
@@ -97,23 +98,42 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
 }
 
 /// Where and how a run was made.
-pub fn facts(run: &AccuracyRecord) -> String {
+pub fn facts(run: &AccuracyRecord) -> [String; 5] {
     let unknown = || "unknown".to_owned();
-    format!(
-        "- command: `{}`\n- machine: {}, {} threads, {}\n- compiler: {}, opt-level {}\n- rtbench {} at \
-         {}\n- seed {}, {} rounds, one thread; {} in all\n\n",
-        run.command_line.join(" "),
-        run.machine.cpu.clone().unwrap_or_else(unknown),
-        run.machine.threads,
-        run.machine.os,
-        run.compiler.rustc.clone().unwrap_or_else(unknown),
-        run.compiler.opt_level.clone().unwrap_or_else(unknown),
-        run.tool.version,
-        run.tool.git_revision.clone().unwrap_or_else(unknown),
-        run.seed,
-        run.rounds,
-        took(run.took_s),
-    )
+    let AccuracyRecord { machine, compiler, tool, .. } = run;
+    [
+        format!("command: {}", run.command_line.join(" ")),
+        format!(
+            "machine: {}, {} threads, {}",
+            machine.cpu.clone().unwrap_or_else(unknown),
+            machine.threads,
+            machine.os
+        ),
+        format!(
+            "compiler: {}, opt-level {}",
+            compiler.rustc.clone().unwrap_or_else(unknown),
+            compiler.opt_level.clone().unwrap_or_else(unknown)
+        ),
+        format!(
+            "rtbench {} at {}",
+            tool.version,
+            tool.git_revision.clone().unwrap_or_else(unknown)
+        ),
+        format!(
+            "seed {}, {} rounds, one thread; {} in all",
+            run.seed,
+            run.rounds,
+            took(run.took_s)
+        ),
+    ]
+}
+
+/// Appends the facts as a list.
+pub(super) fn push_facts(text: &mut String, run: &AccuracyRecord) {
+    for fact in facts(run) {
+        let _ = writeln!(text, "- {}", escaped(&fact));
+    }
+    text.push('\n');
 }
 
 /// A time in words.

@@ -8,7 +8,7 @@ use measurement::rays::order::Orders;
 use measurement::record::{RunRecord, Settings};
 use measurement::settings::Lights;
 use presentation::format_error::FormatError;
-use presentation::markdown::push_table;
+use presentation::markdown::{code, escaped, push_table};
 use presentation::table::Table;
 
 /// [`to_string`] as an exporter.
@@ -50,12 +50,13 @@ pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str
         let _ = writeln!(text, "- {line}");
     }
     for warning in &run.warnings {
-        let _ = writeln!(text, "- warning: {warning}");
+        let _ = writeln!(text, "- warning: {}", escaped(&warning.to_string()));
     }
     for part in &run.parts {
         let (index, command) = (part.index, part.command_line.join(" "));
-        let cpu = part.machine.cpu.as_deref().unwrap_or("unknown");
-        let _ = writeln!(text, "- part {index} of {}: `{command}` on {cpu}", run.parts.len());
+        let cpu = escaped(part.machine.cpu.as_deref().unwrap_or("unknown"));
+        let (command, parts) = (code(&command), run.parts.len());
+        let _ = writeln!(text, "- part {index} of {parts}: {command} on {cpu}");
     }
     text.push('\n');
     for table in tables {
@@ -82,7 +83,6 @@ fn facts(run: &RunRecord) -> Vec<String> {
         let _ = write!(clock, ", load average {before:.2} before, {after:.2} after");
     }
     let mut facts = vec![
-        format!("command: `{}`", run.command_line.join(" ")),
         format!(
             "machine: {}, {} threads, {} MiB, {}{clock}",
             machine.cpu.clone().unwrap_or_else(unknown),
@@ -116,5 +116,6 @@ fn facts(run: &RunRecord) -> Vec<String> {
         let Settings { order, lights, .. } = settings;
         facts.push(format!("rays in order: {order}; shadow rays to lights: {lights}"));
     }
-    facts
+    let command = format!("command: {}", code(&run.command_line.join(" ")));
+    std::iter::once(command).chain(facts.iter().map(|fact| escaped(fact))).collect()
 }

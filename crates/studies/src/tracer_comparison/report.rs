@@ -14,7 +14,7 @@ use crate::image_error::Converged;
 use measurement::record::Machine;
 use presentation::csv::{number, written};
 use presentation::format_error::FormatError;
-use presentation::markdown::push_table;
+use presentation::markdown::{code, push_table};
 use presentation::numbers::{milliseconds, ratio, short};
 use presentation::svg_plot::figure;
 use presentation::table::{Cell, Style, Table};
@@ -224,7 +224,7 @@ impl Report {
     pub fn to_markdown(&self) -> String {
         let mut text = String::new();
         let _ = writeln!(text, "# rtbench compare-tracers\n");
-        let _ = writeln!(text, "- command: `{}`\n", self.command_line.join(" "));
+        let _ = writeln!(text, "- command: {}\n", code(&self.command_line.join(" ")));
         push_table(&mut text, &self.images());
         if let Some(table) = self.query_table() {
             push_table(&mut text, &table);

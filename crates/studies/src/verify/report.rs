@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use csv::Writer;
 use serde::Serialize;
 
 use super::digest::Digest;
@@ -13,6 +12,7 @@ use super::subject::{CONTROL, Subject};
 use super::timing::Timed;
 use super::watch::Cut;
 use measurement::settings::Precision;
+use presentation::csv::written;
 use presentation::format_error::FormatError;
 use presentation::json;
 use presentation::table::{Cell, Style, Table};
@@ -313,14 +313,10 @@ impl Report {
     /// # Errors
     /// [`FormatError`].
     pub fn to_csv(&self) -> Result<String, FormatError> {
-        let format = |message: String| FormatError { format: "CSV", message };
-        let mut writer = Writer::from_writer(Vec::new());
-        writer.write_record(COLUMNS).map_err(|e| format(e.to_string()))?;
-        for line in &self.lines {
-            writer.write_record(fields(line)).map_err(|e| format(e.to_string()))?;
-        }
-        let bytes = writer.into_inner().map_err(|e| format(e.to_string()))?;
-        String::from_utf8(bytes).map_err(|e| format(e.to_string()))
+        written(|writer| {
+            writer.write_record(COLUMNS)?;
+            self.lines.iter().try_for_each(|line| writer.write_record(fields(line)))
+        })
     }
 
     /// Everything.

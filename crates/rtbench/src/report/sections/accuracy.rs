@@ -9,14 +9,11 @@ use studies::accuracy::{plot, summary, tables as axis_tables};
 /// Axis by axis: in words, as a plot, as tables.
 pub fn write(material: &Material, page: &mut Page) -> Shown {
     let Some(run) = &material.accuracy else { return Shown::Missing };
-    page.html.list(axis_tables::facts(run).lines().filter_map(|line| {
-        let fact = line.strip_prefix("- ")?;
-        Some(fact.replace('`', ""))
-    }));
+    page.html.list(axis_tables::facts(run));
     for axis in &run.axes {
         page.html.element("h3", &[], &axis.axis);
         if let Some(cost) = summary::cost(axis, run.seed) {
-            page.html.paragraph(&summary::line(axis, &cost).replace("**", ""));
+            page.html.paragraph(&summary::line(axis, &cost));
         }
         for scene in &axis.scenes {
             let name = format!("accuracy-{}-{}", axis.axis, scene.scene);

@@ -80,8 +80,19 @@ fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
     words(format!("{scene}: the winner by the number of rays"), header, rows.collect())
 }
 
+/// The most rows of which all pairs are shown: 40,000 cells.
+const LARGEST_MATRIX: usize = 200;
+
 /// From how many rays on the row beats the column.
 fn matrix(html: &mut Html, scene: &str, profiles: &[Profile]) {
+    if profiles.len() > LARGEST_MATRIX {
+        html.paragraph(&format!(
+            "The break-even counts of every pair are left out: {} rows have too many. \
+             A run of {LARGEST_MATRIX} rows or fewer shows them.",
+            profiles.len()
+        ));
+        return;
+    }
     html.open("details", &[]);
     html.element("summary", &[], &format!("{scene}: the break-even count of every pair"));
     html.paragraph(

@@ -134,21 +134,25 @@ mod tests {
         let quotient = |label: &str, median: f64, high: f64| {
             (label.to_owned(), Estimate { median, low: median / 1.25, high })
         };
-        let of = |others| sentence("tetra", &Lead::new("bvh".to_owned(), others));
+        let of = |ties: Vec<&str>, next: Option<(String, Estimate)>| {
+            let next = next.map(|(label, quotient)| (label, quotient.inverse()));
+            let ties = ties.into_iter().map(str::to_owned).collect();
+            sentence("tetra", &Lead { first: "bvh".to_owned(), ties, next })
+        };
         assert_eq!(
-            of(vec![quotient("grid", 0.5, 0.8)]),
+            of(vec![], Some(quotient("grid", 0.5, 0.8))),
             "tetra: bvh traces fastest, 2.00 times as fast [1.25, 2.50] as grid, the next."
         );
         assert_eq!(
-            of(vec![quotient("grid", 0.5, 0.8), quotient("tree", 0.9, 1.1)]),
+            of(vec!["tree"], Some(quotient("grid", 0.5, 0.8))),
             "tetra: bvh has the least trace time, not told apart from tree; 2.00 times as fast \
              [1.25, 2.50] as grid, the next that is told apart."
         );
-        let all = of(vec![quotient("a", 0.9, 1.1); 6]);
+        let all = of(vec!["a"; 6], None);
         assert_eq!(
             all,
             "tetra: no winner; bvh has the least median, not told apart from a, a, a and 3 more."
         );
-        assert_eq!(of(Vec::new()), "tetra: bvh alone was measured and right.");
+        assert_eq!(of(vec![], None), "tetra: bvh alone was measured and right.");
     }
 }

@@ -55,7 +55,7 @@ fn records_are_of_their_schema() {
         ("run tetra:2 --size 12 --quick -s all,light-buffer", 4),
         ("run tetra:2 tetra:1 --size 12 --quick --shard 1/2 -s obvhs-cwbvh,uniform-grid", 0),
     ] {
-        let ended = run_stepping(&format!("{arguments} -o {}", folder.path()));
+        let ended = run_stepping(&format!("{arguments} -o {} --overwrite", folder.path()));
         assert_eq!(ended.code, code, "{}", ended.err);
         let record = serde_json::from_str(&folder.text("results.json")).unwrap();
         assert_eq!(errors(&validator, &record), Vec::<String>::new());

@@ -40,6 +40,7 @@ fn run_timed(
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
         environment,
+        annotations: Vec::new(),
     };
     let code = rtbench::run(&mut context, words());
     let text = |bytes| String::from_utf8(bytes).unwrap();

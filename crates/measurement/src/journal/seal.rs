@@ -1,0 +1,95 @@
+//! The checksum of a journal's line. It covers the line and the manifest of its run, so that a line
+//! that was edited, or that another journal's run wrote, is found.
+//!
+//! A sealed line is one JSON value, `{"check":"<16 hex digits>","line":<the line>}`: the beginning of
+//! the SHA-256 of the first line's checksum (of nothing, for the first line) and the line's own text.
+
+use scene_loading::source_hash::sha256_of_bytes;
+
+/// Hex digits of a checksum.
+const DIGITS: usize = 16;
+const BEFORE_CHECK: &str = "{\"check\":\"";
+const BEFORE_LINE: &str = "\",\"line\":";
+const BEHIND_LINE: &str = "}";
+
+/// Seals the lines of one run.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Seal {
+    /// The checksum of the run's first line; empty before it.
+    run: String,
+}
+
+/// What is wrong with a sealed line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SealError {
+    /// It has no checksum.
+    #[error("it has no checksum: damaged, or written by another version")]
+    None,
+    /// It has another checksum.
+    #[error("its checksum does not fit: it was edited, or is of another run")]
+    Differs,
+}
+
+impl Seal {
+    /// The seal of all lines behind a first line with that text.
+    pub fn behind(first: &str) -> Self {
+        Self { run: Self::default().check(first) }
+    }
+
+    /// The line with its checksum, without a line break.
+    pub fn sealed(&self, text: &str) -> String {
+        format!("{BEFORE_CHECK}{}{BEFORE_LINE}{text}{BEHIND_LINE}", self.check(text))
+    }
+
+    /// The text of a sealed line.
+    ///
+    /// # Errors
+    /// [`SealError`].
+    pub fn opened<'l>(&self, line: &'l str) -> Result<&'l str, SealError> {
+        let (check, text) = parts(line).ok_or(SealError::None)?;
+        if check == self.check(text) { Ok(text) } else { Err(SealError::Differs) }
+    }
+
+    fn check(&self, text: &str) -> String {
+        let mut check = sha256_of_bytes(format!("{}{text}", self.run).as_bytes());
+        check.truncate(DIGITS);
+        check
+    }
+}
+
+/// Checksum and text of a sealed line.
+fn parts(line: &str) -> Option<(&str, &str)> {
+    let (check, rest) = line.strip_prefix(BEFORE_CHECK)?.split_at_checked(DIGITS)?;
+    let text = rest.strip_prefix(BEFORE_LINE)?.trim_end_matches(['\n', '\r']);
+    Some((check, text.strip_suffix(BEHIND_LINE)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_open_under_their_own_seal_only() {
+        let seal = Seal::behind("{\"begun\":1}");
+        let line = seal.sealed("{\"scene\":0}");
+        assert_eq!(seal.opened(&line), Ok("{\"scene\":0}"));
+        assert_eq!(seal.opened(&format!("{line}\n")), Ok("{\"scene\":0}"));
+        for other in [Seal::default(), Seal::behind("{\"begun\":2}")] {
+            assert_eq!(other.opened(&line), Err(SealError::Differs));
+        }
+        assert_eq!(seal.opened("{\"scene\":0}"), Err(SealError::None));
+        assert_eq!(seal.opened(""), Err(SealError::None));
+        serde_json::from_str::<serde_json::Value>(&line).expect("one JSON value");
+    }
+
+    #[test]
+    fn every_changed_byte_is_found() {
+        let seal = Seal::behind("x");
+        let line = seal.sealed("{\"scene\":0}");
+        for at in 0..line.len() {
+            let mut edited = line.clone().into_bytes();
+            edited[at] ^= 1;
+            assert!(seal.opened(&String::from_utf8(edited).unwrap()).is_err(), "{at}");
+        }
+    }
+}

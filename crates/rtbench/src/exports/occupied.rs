@@ -1,0 +1,174 @@
+//! What a folder of `-o` holds already. Results are not written over unless that is asked for: those
+//! of another plan would be lost, those of the same plan can be gone on with.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use measurement::journal;
+use measurement::journal::lines::{LineError, Manifest, read};
+use measurement::record::file::{self, RecordError};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+/// Why nothing is written to a folder.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OccupiedError {
+    /// A run of another plan was begun there.
+    #[error(
+        "{}: holds results of `{there}`; this would be `{here}`, which differs in {differences}; name \
+         another folder, or replace them with --overwrite",
+        folder.display()
+    )]
+    OtherPlan {
+        /// The folder.
+        folder: PathBuf,
+        /// The command line of what is there.
+        there: String,
+        /// The command line of what would take its place.
+        here: String,
+        /// The names of what differs.
+        differences: String,
+    },
+    /// This very run was begun there.
+    #[error(
+        "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; go on with \
+         `rtbench run --resume {}`, or begin anew with --overwrite",
+        folder.display(), folder.display()
+    )]
+    SamePlan {
+        /// The folder.
+        folder: PathBuf,
+        /// The command line of what is there.
+        there: String,
+        /// Scenes that are finished.
+        finished: usize,
+        /// All scenes.
+        scenes: usize,
+    },
+    /// Results are there that cannot be gone on with.
+    #[error(
+        "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or say \
+         --overwrite",
+        path.display()
+    )]
+    Results {
+        /// The file.
+        path: PathBuf,
+        /// The command line of what is there.
+        there: String,
+        /// The command line of what would take its place.
+        here: String,
+    },
+    /// Something is there, and it does not say what it is.
+    #[error(
+        "{}: is there, and does not say of which run it is; name another folder, or replace it with \
+         --overwrite",
+        path.display()
+    )]
+    Unknown {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A journal is there that cannot be read.
+    #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
+    Journal {
+        /// The journal.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: LineError,
+    },
+    /// It cannot be read, or is no file.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+}
+
+/// Whether there is nothing at a path.
+fn is_absent(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
+/// What is to be written to a folder.
+pub struct Wanted<'a> {
+    /// The names of the files, the record first.
+    pub names: &'a [&'a str],
+    /// The command line.
+    pub command_line: &'a [String],
+    /// What the run is, where it keeps a journal.
+    pub manifest: Option<&'a Manifest>,
+    /// Whatever is there may be replaced.
+    pub overwrite: bool,
+}
+
+impl Wanted<'_> {
+    /// Refuses a folder that holds something else, or anything that is no file in the place of one.
+    ///
+    /// # Errors
+    /// [`OccupiedError`].
+    pub fn check(&self, folder: &Path) -> Result<(), OccupiedError> {
+        let journal = self.manifest.map(|_| journal::NAME);
+        let mut sizes = Vec::new();
+        for name in self.names.iter().copied().chain(journal) {
+            let path = folder.join(name);
+            sizes.push(file::length(&path).or_else(|error| match error {
+                RecordError::Io { source, .. } if is_absent(&source) => Ok(0),
+                other => Err(other),
+            })?);
+        }
+        if self.overwrite {
+            return Ok(());
+        }
+        if let Some(manifest) = self.manifest {
+            self.check_journal(folder, manifest)?;
+        }
+        let mut found = self.names.iter().zip(sizes).filter(|(_, size)| *size > 0);
+        match found.next() {
+            Some((name, _)) if Some(name) == self.names.first() => self.check_record(folder, name),
+            Some((name, _)) => Err(OccupiedError::Unknown { path: folder.join(name) }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_journal(&self, folder: &Path, here: &Manifest) -> Result<(), OccupiedError> {
+        let path = folder.join(journal::NAME);
+        if !path.exists() {
+            return Ok(());
+        }
+        let found = match read(&file::bytes(&path)?) {
+            Ok(found) if found.finished.is_empty() => return Ok(()),
+            Ok(found) => found,
+            Err(LineError::Empty) => return Ok(()),
+            Err(source) => return Err(OccupiedError::Journal { path, source }),
+        };
+        let folder = folder.to_owned();
+        let there = found.manifest.command_line.join(" ");
+        let differences = found.manifest.differences(here);
+        if differences.is_empty() {
+            let (finished, scenes) = (found.finished.len(), found.manifest.scenes.len());
+            return Err(OccupiedError::SamePlan { folder, there, finished, scenes });
+        }
+        let names = differences.iter().filter_map(|text| Some(text.split_once(':')?.0));
+        let differences = names.collect::<Vec<_>>().join(", ");
+        let here = here.command_line.join(" ");
+        Err(OccupiedError::OtherPlan { folder, there, here, differences })
+    }
+
+    fn check_record(&self, folder: &Path, name: &str) -> Result<(), OccupiedError> {
+        /// Records of all commands say so much.
+        #[derive(Deserialize)]
+        struct Record {
+            command_line: Vec<String>,
+            /// Of a run, what would be lost.
+            scenes: Option<Vec<IgnoredAny>>,
+        }
+        let path = folder.join(name);
+        let Ok(record) = serde_json::from_slice::<Record>(&file::bytes(&path)?) else {
+            return Err(OccupiedError::Unknown { path });
+        };
+        if record.scenes.is_some_and(|scenes| scenes.is_empty()) {
+            return Ok(());
+        }
+        let (there, here) = (record.command_line.join(" "), self.command_line.join(" "));
+        Err(OccupiedError::Results { path, there, here })
+    }
+}
