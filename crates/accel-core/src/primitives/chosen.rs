@@ -11,9 +11,10 @@
 use glam::DVec3;
 
 use super::mixed::ShapeRef;
+use super::shear::Shear;
 use super::sphere::Sphere;
 use super::sphere_tests;
-use super::triangle::{MoellerTrumbore, Shear, TriangleSet, TriangleTest, Watertight};
+use super::triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 use super::triangle_tests::{InDouble, MoellerTrumboreTolerant, Pluecker, WatertightFallback};
 use super::{Ball, MixedSet, PrimSet, PrimitiveKind};
 use crate::aabb::Aabb;

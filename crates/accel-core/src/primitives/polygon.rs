@@ -8,8 +8,9 @@
 use glam::DVec3;
 
 use super::collinear::are_collinear;
+use super::shear::Shear;
 use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use super::triangle::{Shear, edge_function};
+use super::triangle::edge_function;
 use crate::aabb::Aabb;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};

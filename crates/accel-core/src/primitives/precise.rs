@@ -15,7 +15,7 @@
 //! "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2 Determinants",
 //! Mathematics of Computation 82, 2013; with the rounding errors of both products.
 
-use super::triangle::Shear;
+use super::shear::Shear;
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vector};
 

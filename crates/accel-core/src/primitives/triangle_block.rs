@@ -6,7 +6,8 @@
 
 use wide::i32x8;
 
-use super::triangle::{Shear, TriangleTest, Watertight};
+use super::shear::Shear;
+use super::triangle::{TriangleTest, Watertight};
 use crate::lanes::{Eight, EightOf, Lanes};
 use crate::ray::{Hit, MISS, Ray};
 use crate::scalar::Scalar;

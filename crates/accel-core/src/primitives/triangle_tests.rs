@@ -9,7 +9,8 @@
 //! Deviations: coordinates of the Pluecker test are relative to the ray's origin, so that only the
 //! moment of each edge is left; the test in f64 is the watertight one on the same vertices.
 
-use super::triangle::{Shear, TriangleTest, Watertight, edge_function, moeller_trumbore};
+use super::shear::Shear;
+use super::triangle::{TriangleTest, Watertight, edge_function, moeller_trumbore};
 use crate::ray::Ray;
 use crate::scalar::{Scalar, Vec3, Vector};
 

@@ -52,7 +52,7 @@ mod tests {
     #[test]
     fn a_hit_beyond_the_triangle_is_seen_and_one_at_its_edge_is_not() {
         let triangle = [[3.0_f32, 0.0, -1.0], [5.0, 0.0, -1.0], [4.0, 0.0, 2.0]];
-        let ray: Ray<f32> = ray(dvec3(0.0, -0.01, 0.0), dvec3(2.0, 0.01, 0.0));
+        let ray: Ray<f32> = ray(dvec3(0.0, -1e-4, 0.0), dvec3(2.0, 1e-4, 0.0));
         for (t, slab, bounds) in
             [(1.5, false, false), (2.5, false, false), (2.6, true, true), (1.0, true, true)]
         {

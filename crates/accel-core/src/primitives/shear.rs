@@ -1,0 +1,97 @@
+//! The space in which the watertight test sees triangles: the ray runs along +z from the origin.
+//!
+//! Paper: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
+
+use crate::ray::Ray;
+use crate::scalar::{Scalar, Vector};
+
+/// The ray's shear to the axis it runs along most.
+#[derive(Debug, Clone, Copy)]
+pub struct Shear<S: Scalar> {
+    /// Axes in the order x, y, z of the sheared space; a permutation of 0, 1, 2.
+    pub(super) axes: [usize; 3],
+    pub(super) origin: [S; 3],
+    /// The first is NaN where a component is too small (see [`Scalar::LEAST_SLOPE`]): no triangle
+    /// then passes for one that is hit, or missed, before `precise.rs` has judged it.
+    pub(super) shear: [S; 3],
+    /// Four times the scene's largest coordinate; see `precise.rs`.
+    pub(super) fine: S,
+}
+
+/// The longest axis by `x > y`, `x > z`, `y > z`, the first of these the lowest bit; z in doubt.
+const LONGEST: [usize; 8] = [2, 2, 2, 0, 1, 2, 1, 0];
+/// The other two axes, so that a ray along it sees triangles wound as they are.
+const OTHERS: [[[usize; 2]; 2]; 3] = [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
+
+impl<S: Scalar> Shear<S> {
+    /// The shear that maps `ray` to the +z axis through the origin, for corners of which no
+    /// coordinate is larger than `magnitude`.
+    #[inline(always)]
+    pub fn of(ray: &Ray<S>, magnitude: S) -> Self {
+        let mut this = Self::of_any(ray, magnitude);
+        let is_small = |slope: S| slope.abs() < S::LEAST_SLOPE;
+        if is_small(this.shear[0]) || is_small(this.shear[1]) {
+            this.refuse_small(ray);
+        }
+        this
+    }
+
+    /// Marks the shear of a ray with a component that is too small, but not zero.
+    #[cold]
+    #[inline(never)]
+    fn refuse_small(&mut self, ray: &Ray<S>) {
+        let d = ray.direction.to_array();
+        let is_too_small =
+            |i: usize| d[self.axes[i]] != S::ZERO && self.shear[i].abs() < S::LEAST_SLOPE;
+        if is_too_small(0) || is_too_small(1) {
+            self.shear[0] = S::from_f64(f64::NAN);
+        }
+    }
+
+    /// Whether a component is too small.
+    #[inline(always)]
+    pub(super) fn is_too_small(&self) -> bool {
+        !self.shear[0].is_finite()
+    }
+
+    /// [`Shear::of`] without regard to the size of components.
+    #[inline(always)]
+    pub(super) fn of_any(ray: &Ray<S>, magnitude: S) -> Self {
+        let d = ray.direction.to_array();
+        let o = ray.origin.to_array();
+        let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
+        // by tables: which axis is the longest is as good as random, and a branch would guess
+        let order = usize::from(ax > ay) | usize::from(ax > az) << 1 | usize::from(ay > az) << 2;
+        let kz = LONGEST[order];
+        let [kx, ky] = OTHERS[kz][usize::from(d[kz] < S::ZERO)];
+        let inv = S::ONE / d[kz];
+        Self {
+            axes: [kx, ky, kz],
+            origin: [o[kx], o[ky], o[kz]],
+            shear: [d[kx] * inv, d[ky] * inv, inv],
+            fine: S::from_i32(4) * magnitude,
+        }
+    }
+
+    /// What the third coordinate of a sheared vertex is scaled by.
+    #[inline(always)]
+    pub(super) fn depth_scale(&self) -> S {
+        self.shear[2]
+    }
+
+    /// A vertex in the sheared space; `z` is still to be scaled by the third shear factor.
+    #[inline(always)]
+    pub(super) fn apply(&self, v: &[S; 3]) -> [S; 3] {
+        let [kx, ky, kz] = self.axes;
+        debug_assert!(kx < 3 && ky < 3 && kz < 3);
+        // SAFETY: `axes` is only ever set by `of`, though other tests read it, to a permutation of 0, 1, 2.
+        let (x, y, z) = unsafe {
+            (
+                *v.get_unchecked(kx) - self.origin[0],
+                *v.get_unchecked(ky) - self.origin[1],
+                *v.get_unchecked(kz) - self.origin[2],
+            )
+        };
+        [x - self.shear[0] * z, y - self.shear[1] * z, z]
+    }
+}
