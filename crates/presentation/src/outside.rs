@@ -3,7 +3,7 @@
 //! sequences, line ends, marks that turn the direction of writing), to a CI job (lines that begin with
 //! `::`, and `##[` anywhere), to a spreadsheet (`=`), or to whatever shows Markdown (`<`, `|`).
 //!
-//! Cells, titles and notes of tables, Markdown and CSV, warnings and errors go through [`line`] or
+//! Cells, titles and notes of tables, Markdown and CSV, warnings and errors go through [`line()`] or
 //! [`message`]; everything on standard output and standard error goes through a [`Guard`] as well, so
 //! that nothing depends on a call that was forgotten. What is hidden is shown as JSON writes it, so that
 //! JSON on standard output stays JSON.

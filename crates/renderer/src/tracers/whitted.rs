@@ -6,7 +6,7 @@
 //!
 //! A row of the image is one unit of work: its rays advance breadth first, so that a structure
 //! gets whole batches, and its result does not depend on threads. What happens at each step is up
-//! to the [`Stages`], which are picked before the first ray; a structure and a stage get whole
+//! to the `Stages`, which are picked before the first ray; a structure and a stage get whole
 //! waves at one dynamic call.
 
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! What `rtbench check` starts as processes of their own: a record on standard input says what to
 //! do, the answer goes to standard output as JSON. And what `rtbench scale` starts, which needs no
-//! record: see [`trial_build`].
+//! record: see `trial_build`.
 
 use std::io::Read;
 

@@ -22,7 +22,7 @@ pub struct Material {
     pub transmittance: f64,
     /// Index of refraction, used when `transmittance` > 0.
     pub refraction_index: f64,
-    /// Index into [`Scene::textures`] of the image that the colour is multiplied with, where
+    /// Index into `Scene::textures` of the image that the colour is multiplied with, where
     /// primitives have texture coordinates.
     pub texture: Option<u32>,
     /// Width of the distribution of the microfacets that reflect (alpha of GGX), in [0, 1]; 0 is

@@ -10,34 +10,34 @@ pub type Texcoords = [[f32; 2]; 3];
 pub struct Primitive {
     /// Geometry.
     pub shape: Shape,
-    /// Index into [`Scene::materials`].
+    /// Index into `Scene::materials`.
     pub material: u32,
 }
 
 /// Geometry of a primitive: indices into the scene's arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// Index into [`Scene::spheres`].
+    /// Index into `Scene::spheres`.
     Sphere(u32),
-    /// Index into [`Scene::cones`].
+    /// Index into `Scene::cones`.
     Cone(u32),
-    /// A planar polygon, concave ones too: `count` vertices from `first` in [`Scene::vertices`].
+    /// A planar polygon, concave ones too: `count` vertices from `first` in `Scene::vertices`.
     Polygon {
         /// First vertex.
         first: u32,
         /// Number of vertices, at least 3.
         count: u32,
     },
-    /// A flat triangle: three indices into [`Scene::vertices`].
+    /// A flat triangle: three indices into `Scene::vertices`.
     Triangle {
         /// Vertex indices.
         v: [u32; 3],
     },
     /// A triangle with a shading normal at each vertex.
     Patch {
-        /// Vertex indices into [`Scene::vertices`].
+        /// Vertex indices into `Scene::vertices`.
         v: [u32; 3],
-        /// Normal indices into [`Scene::normals`].
+        /// Normal indices into `Scene::normals`.
         n: [u32; 3],
     },
 }

@@ -4,7 +4,7 @@
 //! picture. The sum says what a picture without reflections costs, so that build and trace need not be
 //! weighed by taste. It is derived from what rounds measured: rays in the order of the image, each
 //! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all rays
-//! by its ratio to the reference on that sample, as in [`crate::report::costs`].
+//! by its ratio to the reference on that sample, as in `crate::report::costs`.
 //!
 //! What it is compared with is the fastest row of obvhs in the same scene, whichever preset that is.
 

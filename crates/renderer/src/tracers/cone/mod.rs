@@ -1,9 +1,9 @@
 //! Cone tracing: one cone per pixel in place of rays; what it covers is estimated as an area.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984. Deviations: areas are exact where
-//! the paper estimates ([`disc_overlap`]); estimates that may be wrong are noticed, and the cone is
+//! the paper estimates (`disc_overlap`); estimates that may be wrong are noticed, and the cone is
 //! then cut into four; truncated cones and cylinders, which the paper lacks, are covered by their
-//! visible outline; oblique reflection ([`widening`]).
+//! visible outline; oblique reflection (`widening`).
 //!
 //! The lecture asks three things of a bundle of rays:
 //!
@@ -22,8 +22,8 @@
 //!   one disc. Cones that contribute less than [`Settings::ray_below`] go on as rays.
 //! * *How does a bundle meet surfaces?* Candidates come from the structure, by a pyramid around the
 //!   cone, near ones first, until the cone is covered. Each is an outline on the cone's section: a
-//!   sphere a disc ([`cover_sphere`]), a polygon itself ([`cover_flat`]), the side of a truncated
-//!   cone its visible part ([`cover_side`]). Its share is an area, and shares are added up front to
+//!   sphere a disc (`cover_sphere`), a polygon itself (`cover_flat`), the side of a truncated
+//!   cone its visible part (`cover_side`). Its share is an area, and shares are added up front to
 //!   back ([`compose`]).
 
 mod caster;

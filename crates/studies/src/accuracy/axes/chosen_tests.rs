@@ -10,7 +10,7 @@ use statistics::estimate::median;
 const REFERENCE: &str = "f64";
 
 /// A test of primitives as a variant: `answers` are, for each aim, its parameter, that of
-/// [`REFERENCE`], and whether it is wrong to meet or to miss there.
+/// `REFERENCE`, and whether it is wrong to meet or to miss there.
 pub fn variant<'a>(
     name: &str,
     built: &'a Built<'_>,

@@ -62,7 +62,7 @@ impl<'a> Leavings<'a> {
     /// Hits of the eye rays of the stage in `scene`, which is the stage's, perhaps moved.
     ///
     /// # Errors
-    /// [`Error`] when no surface is seen that is not left twice by right: flat, or a sphere from
+    /// `Error` when no surface is seen that is not left twice by right: flat, or a sphere from
     /// outside.
     pub fn new(
         stage: &Stage<'_>,
