@@ -143,10 +143,12 @@ fn kind_of(kind: FileType) -> Option<&'static str> {
             return Some("it is a device");
         }
     }
-    match () {
-        () if kind.is_dir() => Some("it is a folder"),
-        () if kind.is_file() => None,
-        () => Some("it is no regular file"),
+    if kind.is_dir() {
+        Some("it is a folder")
+    } else if kind.is_file() {
+        None
+    } else {
+        Some("it is no regular file")
     }
 }
 

@@ -43,6 +43,11 @@ impl Lattice {
         }
     }
 
+    /// The top grid.
+    pub(super) fn whole(&self) -> Division {
+        Division { first: [0; 3], shift: self.levels, parts: self.top }
+    }
+
     /// Lattice cells on each axis.
     pub(super) fn resolution(&self) -> [u32; 3] {
         std::array::from_fn(|k| self.top[k] << self.levels[k])

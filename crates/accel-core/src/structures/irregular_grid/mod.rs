@@ -43,7 +43,7 @@ use cells::{FIRST_PART, TooLarge};
 use course::{Course, Place};
 use lattice::Lattice;
 use lists::Lists;
-use place::Source;
+use place::{Placement, Source};
 use subdivide::{Settings, subdivide};
 use voxels::Voxels;
 
@@ -161,7 +161,9 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let padded = Padded(&boxes);
         let whole = |top| Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
         let mut lattice = whole(top);
-        while lattice.top != [1; 3] && !place::is_sparse(&lattice, &padded) {
+        while lattice.top != [1; 3]
+            && !(Placement { lattice: &lattice, source: &padded }).is_sparse()
+        {
             lattice = whole(lattice.top.map(|n| n / 2));
         }
         let settings = Settings {

@@ -25,20 +25,6 @@ pub(super) trait Source {
 /// Boxes that meet more cells of the top grid than this on average are nearly all in the same place.
 const MOST_TOP_CELLS: f64 = 16.0;
 
-/// Whether the boxes of the primitives meet few cells of the top grid each, on average.
-pub(super) fn is_sparse(lattice: &Lattice, source: &dyn Source) -> bool {
-    let along = |k: usize, x: f64| {
-        let side = lattice.side[k] * f64::from(1u32 << lattice.levels[k]);
-        ((x - lattice.low[k]) / side).clamp(0.0, f64::from(lattice.top[k] - 1)).floor()
-    };
-    let cells = |id: u32| {
-        let (low, high) = source.bounds(id);
-        (0..3).map(|k| along(k, high[k]) - along(k, low[k]) + 1.0).product::<f64>()
-    };
-    let met: f64 = (0..source.len()).map(cells).sum();
-    met <= MOST_TOP_CELLS * f64::from(source.len())
-}
-
 /// Part and id.
 pub(super) type Pair = (u32, u32);
 
@@ -53,6 +39,28 @@ pub(super) struct Placement<'a> {
 }
 
 impl Placement<'_> {
+    /// Whether the boxes of the primitives meet few cells of the top grid each, on average.
+    pub(super) fn is_sparse(&self) -> bool {
+        let whole = self.lattice.whole();
+        let cells = |id: u32| {
+            let (first, last) = self.met(id, &whole);
+            (0..3).map(|k| f64::from(last[k] - first[k] + 1)).product::<f64>()
+        };
+        let met: f64 = (0..self.source.len()).into_par_iter().map(cells).sum();
+        met <= MOST_TOP_CELLS * f64::from(self.source.len())
+    }
+
+    /// The first and last part, on each axis, that the box of a primitive meets.
+    fn met(&self, id: u32, division: &Division) -> ([u32; 3], [u32; 3]) {
+        let along = |k: usize, x: f64| {
+            let side = self.lattice.side[k] * f64::from(1u32 << division.shift[k]);
+            let at = (x - self.lattice.plane(k, division.first[k])) / side;
+            at.clamp(0.0, f64::from(division.parts[k] - 1)) as u32
+        };
+        let (low, high) = self.source.bounds(id);
+        (std::array::from_fn(|k| along(k, low[k])), std::array::from_fn(|k| along(k, high[k])))
+    }
+
     /// The parts that each of these ids goes to, ids ascending.
     pub(super) fn place_all(&self, ids: &[u32], division: &Division) -> Vec<Vec<Pair>> {
         let part = |ids: &[u32]| {
@@ -66,11 +74,6 @@ impl Placement<'_> {
     /// Fills `pairs` with the parts that each of these ids goes to, ids ascending.
     pub(super) fn place(&self, ids: &[u32], division: &Division, pairs: &mut Vec<Pair>) {
         let (lattice, margin) = (self.lattice, self.source.margin());
-        let along = |k: usize, x: f64| {
-            let side = lattice.side[k] * f64::from(1u32 << division.shift[k]);
-            let at = (x - lattice.plane(k, division.first[k])) / side;
-            at.clamp(0.0, f64::from(division.parts[k] - 1)) as u32
-        };
         let [nx, ny, _] = division.parts;
         let low = DVec3::from_array(std::array::from_fn(|k| {
             lattice.plane(k, division.first[k]) - margin
@@ -81,9 +84,7 @@ impl Placement<'_> {
         let size = side + 2.0 * margin;
         pairs.clear();
         for &id in ids {
-            let (lo, hi) = self.source.bounds(id);
-            let first: [u32; 3] = std::array::from_fn(|k| along(k, lo[k]));
-            let last: [u32; 3] = std::array::from_fn(|k| along(k, hi[k]));
+            let (first, last) = self.met(id, division);
             let index = |x: u32, y: u32, z: u32| x + nx * (y + ny * z);
             if first == last {
                 pairs.push((index(first[0], first[1], first[2]), id));

@@ -36,7 +36,7 @@ pub(super) fn subdivide(
     source: &(dyn Source + Sync),
     settings: Settings,
 ) -> Result<Cells, TooLarge> {
-    let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
+    let whole = lattice.whole();
     let stored = AtomicU64::new(0);
     let placement = Placement { lattice, source };
     let shared = Shared { placement, settings, stored: &stored };
@@ -200,9 +200,8 @@ impl<'a> Worker<'a> {
                 self.pairs.extend(pairs.iter().flatten());
                 Some(pairs)
             } else {
-                let mut pairs = std::mem::take(&mut self.pairs);
-                self.shared.placement.place(&self.ids[ids.clone()], &division, &mut pairs);
-                self.pairs = pairs;
+                let ids = &self.ids[ids.clone()];
+                self.shared.placement.place(ids, &division, &mut self.pairs);
                 None
             };
             let parts = division.count() as f64;
@@ -242,9 +241,7 @@ impl<'a> Worker<'a> {
     fn may_pay(&mut self, ids: Range<usize>, division: &Division, growth: f64) -> bool {
         let every = ids.len() / SAMPLE;
         let sample: Vec<u32> = self.ids[ids].iter().copied().step_by(every).collect();
-        let mut pairs = std::mem::take(&mut self.pairs);
-        self.shared.placement.place(&sample, division, &mut pairs);
-        self.pairs = pairs;
+        self.shared.placement.place(&sample, division, &mut self.pairs);
         let predicted = growth * self.pairs.len() as f64 / sample.len() as f64;
         // twice: a sample may mislead
         predicted <= 2.0 * self.shared.settings.max_growth
