@@ -3,48 +3,32 @@
 //!
 //! How the parts meet:
 //! * [`primitives::PrimSet`] owns geometry and answers "where does this ray hit primitive `id`?".
-//! * [`structures::Structure`] owns ids only. It is built from bounds and *walks* a ray, pushing
-//!   candidate ids into a [`sink::Sink`].
-//! * A [`sink::Sink`] is the query: closest hit or occlusion, with or without
-//!   [`counters::Counters`]. A traversal is therefore written once for all queries. The irregular
+//! * [`structure::Structure`] owns ids only. It is built from bounds and *walks* a ray, pushing
+//!   candidate ids into a [`query::sink::Sink`].
+//! * A [`query::sink::Sink`] is the query: closest hit or occlusion, with or without
+//!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. The irregular
 //!   grid has two more, for batches of rays among triangles alone, which it tests eight at a time:
 //!   several rays on their way at once, or one after the other
-//!   ([`structures::Structure::closest_batch`]).
-//! * [`tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
+//!   ([`structure::Structure::closest_batch`]).
+//! * [`query::tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
-//! * [`region::Gatherer`] answers the other question, which primitives a beam or cone may meet.
+//! * [`query::region::Gatherer`] answers the other question, which primitives a beam or cone may meet.
 //! * [`structures::REGISTRY`] lists the structures: one line each.
 
-pub mod aabb;
-pub mod accumulating_walk;
-mod block_lists;
-pub mod bounds_rule;
-mod box_placement;
-pub mod box_test;
-pub mod cell_lists;
-pub mod cell_overlap;
-pub mod cell_walk;
-pub mod clustering;
-pub mod counters;
-pub mod distance_field;
-pub mod double_walk;
-pub mod driving_axis_walk;
-pub mod far_ray;
-pub mod lanes;
-pub mod mailbox;
+pub mod geometry;
+pub mod grid;
+pub mod historical;
 pub mod occluders;
 mod parallel;
 pub mod params;
 pub mod primitives;
-pub mod ray;
-pub mod region;
-pub mod resolution;
-pub mod scalar;
-pub mod sink;
+pub mod query;
+pub mod registry;
+pub mod structure;
 pub mod structures;
-pub mod tracer;
-pub mod voxel_walk;
+pub mod tree;
+pub mod variants;
 
-pub use aabb::Aabb;
-pub use ray::{Hit, MISS, Ray};
-pub use scalar::{Scalar, Vec3, Vector};
+pub use geometry::aabb::Aabb;
+pub use geometry::ray::{Hit, MISS, Ray};
+pub use geometry::scalar::{Scalar, Vec3, Vector};

@@ -3,8 +3,8 @@
 //! where SCENE is a generated one (balls:3).
 
 use accel_core::Hit;
+use accel_core::query::tracer::Tracer;
 use accel_core::structures::find;
-use accel_core::tracer::Tracer;
 use renderer::{Geometry, RayKind, RaySettings, generate_rays};
 
 /// What is measured: no counters, as in every timed pass.

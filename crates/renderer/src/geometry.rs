@@ -1,9 +1,10 @@
 //! From the f64 scene to the primitive sets that structures are built over, converted once.
 
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
     Cone, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
 };
-use accel_core::structures::{Buildable, PrimsRef};
+use accel_core::registry::Buildable;
 use accel_core::{Vec3, Vector};
 use glam::DVec3;
 use scene_loading::{Scene, Shape};

@@ -1,7 +1,7 @@
 //! The rays of a scene by kind, produced once and replayed to every structure.
 
 use accel_core::Ray;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 
 use crate::shading::leaving::OffsetRule;
 

@@ -5,7 +5,7 @@
 //!
 //! usage: offset_trials [RAYS [SEED [RULE...]]]: so many rays a case, precision and rule.
 
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Vector};
 use measurement::plan::ray_overrides::RULES;
 use renderer::leaving::OffsetRule;

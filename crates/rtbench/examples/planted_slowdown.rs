@@ -9,11 +9,10 @@ use std::process::ExitCode;
 
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use accel_core::structures::uniform_grid::{self, UniformGrid};
-use accel_core::structures::{
-    BuildError, Entry, Shape, Structure, StructureInfo, no_defect, obvhs_bvh2, obvhs_cwbvh,
-};
+use accel_core::structures::{Entry, obvhs_bvh2, obvhs_cwbvh};
 use accel_core::{Ray, Scalar};
 
 static INFO: StructureInfo = StructureInfo {

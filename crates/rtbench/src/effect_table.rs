@@ -1,6 +1,6 @@
 //! The effect plan of a scene as a table, with the rays that each effect adds.
 
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
 use renderer::effects::EFFECTS;
 use renderer::{Effect, EffectPlan, RayCounts, RenderSettings, render_plan};
 use scene_loading::Scene;

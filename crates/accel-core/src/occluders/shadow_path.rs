@@ -3,12 +3,12 @@
 
 use glam::DVec3;
 
-use super::{BoxedOccluder, nearest_light};
-use crate::counters::WorkCounters;
-use crate::ray::{Hit, Ray};
-use crate::scalar::Scalar;
-use crate::structures::Shape;
-use crate::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Scalar;
+use crate::occluders::{BoxedOccluder, nearest_light};
+use crate::query::counters::WorkCounters;
+use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::structure::Shape;
 
 /// A structure and an occluder over the same primitives, as one tracer.
 pub struct ShadowPath<'a, S: Scalar> {

@@ -9,7 +9,7 @@
 use glam::DVec3;
 use robust::{Coord, orient2d};
 
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
 /// A triangle as it is, or, where its corners lie on one line, as the outermost two of them, one
 /// twice: the same bounds, and the shape in which every triangle test finds no area.

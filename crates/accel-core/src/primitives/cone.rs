@@ -10,10 +10,10 @@
 
 use glam::DVec3;
 
-use super::Ball;
-use crate::aabb::Aabb;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::Ball;
 
 /// The tolerance at the ends, in epsilons of the cone's largest coordinate and radius.
 const RIM_ULPS: f64 = 8.0;
@@ -110,7 +110,7 @@ impl<S: Scalar> Cone<S> {
         (base.0.min(apex.0), base.1.max(apex.1))
     }
 
-    /// See [`super::PrimSet::hull`]. The square of a hit's distance from the axis is off by a few
+    /// See [`crate::primitives::PrimSet::hull`]. The square of a hit's distance from the axis is off by a few
     /// ulps of the square of the cone's size, which the balls make up for.
     pub(super) fn hull(&self, balls: &mut Vec<Ball>) {
         let [base, apex] = self.discs();

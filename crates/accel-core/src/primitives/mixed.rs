@@ -1,34 +1,21 @@
 //! Triangles, polygons, spheres and cones under one id space, in file order. They may move: see
-//! [`super::moving`].
+//! [`crate::primitives::moving`].
 
 use glam::DVec3;
 
-use super::collinear::without_sliver;
-use super::moving::{InMotion, Motion};
-use super::polygon::Polygon;
-use super::shear::Shear;
-use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use super::triangle::{TriangleTest, Watertight};
-use super::{Cone, PrimSet, PrimitiveError, Sphere, TransmissiveSet};
-use crate::aabb::Aabb;
-use crate::ray::{MISS, Ray};
-use crate::scalar::{Scalar, Vec3, Vector};
-
-/// What kind of primitive an id stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PrimitiveKind {
-    /// A triangle or a patch.
-    Triangle,
-    /// A polygon.
-    Polygon,
-    /// A sphere.
-    Sphere,
-    /// A cone or cylinder.
-    Cone,
-}
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::{MISS, Ray};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::collinear::without_sliver;
+use crate::primitives::motion::Motion;
+use crate::primitives::polygon::Polygon;
+use crate::primitives::shear::Shear;
+use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
+use crate::primitives::triangle::{TriangleTest, Watertight};
+use crate::primitives::{Cone, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet};
 
 /// A primitive at rest, as far as other tests than the set's own are made for it.
-pub(super) enum ShapeRef<'a, S: Scalar> {
+pub(crate) enum ShapeRef<'a, S: Scalar> {
     /// A triangle.
     Triangle(&'a [[S; 3]; 3]),
     /// A sphere.
@@ -204,14 +191,9 @@ impl<S: Scalar> MixedSet<S> {
         self.motion.any()
     }
 
-    /// The same set as rays with a time see it.
-    pub fn in_motion(&self) -> &InMotion<S> {
-        InMotion::of(self)
-    }
-
     /// What primitive `id` is.
     #[inline(always)]
-    pub(super) fn shape(&self, id: u32) -> ShapeRef<'_, S> {
+    pub(crate) fn shape(&self, id: u32) -> ShapeRef<'_, S> {
         let tagged = self.order[id as usize];
         match tagged.kind() {
             PrimitiveKind::Triangle => ShapeRef::Triangle(&self.triangles[tagged.index()]),
@@ -220,7 +202,7 @@ impl<S: Scalar> MixedSet<S> {
         }
     }
 
-    pub(super) fn motion(&self) -> &Motion<S> {
+    pub(crate) fn motion(&self) -> &Motion<S> {
         &self.motion
     }
 }

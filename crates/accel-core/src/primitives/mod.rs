@@ -2,146 +2,32 @@
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
-//! * [`chosen::ChosenTests`]: either of them under tests that are chosen at run time.
+//! * [`ChosenTests`](crate::variants::chosen_tests::ChosenTests): either of them under tests that are chosen at run time.
 
-pub mod chosen;
 mod collinear;
 mod cone;
-mod mixed;
+pub(crate) mod mixed;
+pub(crate) mod motion;
 mod moving;
 mod polygon;
 mod precise;
+mod prim_set;
+mod prims_ref;
 mod shear;
 mod sphere;
-mod sphere_tests;
 mod support;
-mod triangle;
+pub(crate) mod triangle;
 mod triangle_block;
-mod triangle_tests;
 
 pub use cone::Cone;
-pub use mixed::{MixedSet, MixedSetBuilder, PrimitiveKind};
+pub use mixed::{MixedSet, MixedSetBuilder};
 pub use moving::InMotion;
 pub use polygon::{Polygon, newell_normal};
+pub(crate) use prim_set::TransmissiveSet;
+pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind};
+pub use prims_ref::PrimsRef;
 pub use shear::Shear;
 pub use sphere::Sphere;
 pub use support::Ball;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 pub use triangle_block::TriangleBlock;
-
-use std::ops::Range;
-
-use glam::DVec3;
-
-use crate::aabb::Aabb;
-use crate::parallel::map_parts;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3};
-
-/// Why a primitive cannot be part of a set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum PrimitiveError {
-    /// A NaN or infinite coordinate, or one too large for the scalar of the set.
-    #[error("primitive {id} has a coordinate that is not finite (or too large for this precision)")]
-    NotFinite {
-        /// Its id.
-        id: u32,
-    },
-    /// A polygon with fewer than three vertices.
-    #[error("polygon {id} has {vertices} vertices; at least 3 are needed")]
-    TooFewVertices {
-        /// Its id.
-        id: u32,
-        /// How many it has.
-        vertices: usize,
-    },
-    /// More primitives than ids.
-    #[error("more than {limit} primitives of a kind")]
-    TooMany {
-        /// The limit.
-        limit: u32,
-    },
-}
-
-/// A set of primitives with ids `0..len()`.
-pub trait PrimSet<S: Scalar>: Send + Sync {
-    /// What a test needs to know of a ray beyond the ray itself, computed once a ray.
-    type RaySetup: Copy;
-
-    /// Number of primitives.
-    fn len(&self) -> usize;
-    /// True when there are none.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-    /// Bounds that hold every point at which the primitive can be hit, up to the rounding of the
-    /// hit itself.
-    fn bounds(&self, id: u32) -> Aabb<S>;
-    /// Smallest and largest dot product of `direction` (of any length) with a point at which the
-    /// primitive can be hit, up to the rounding of the hit itself: its support, which bounding
-    /// planes at a slant need. No looser than that of its vertices or discs.
-    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64);
-    /// The largest distance from `from` to such a point, world units.
-    fn farthest(&self, id: u32, from: DVec3) -> f64;
-    /// Appends balls whose convex hull holds every such point: the vertices of a triangle or a
-    /// polygon in the order of its outline, the sphere itself, the two ends of a cone; and, for
-    /// one that moves, the same where it ends.
-    fn hull(&self, id: u32, balls: &mut Vec<Ball>);
-    /// The corners of a primitive that is a triangle at rest, for structures that cut it up.
-    fn corners(&self, _id: u32) -> Option<[Vec3<S>; 3]> {
-        None
-    }
-    /// Whether all are triangles that [`Watertight`] tests: another way to compute that test gives
-    /// the set's own answers.
-    fn is_watertight(&self) -> bool {
-        false
-    }
-    /// Whether rays of different times meet it in different places.
-    fn moves(&self, _id: u32) -> bool {
-        false
-    }
-    /// What kind of primitive it is.
-    fn kind(&self, id: u32) -> PrimitiveKind;
-    /// Prepares a ray.
-    fn setup(&self, ray: &Ray<S>) -> Self::RaySetup;
-    /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.
-    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
-    /// False for primitives that let shadow rays pass.
-    fn is_opaque(&self, id: u32) -> bool;
-    /// The largest absolute coordinate of any bounds; known without a walk over the set.
-    fn magnitude(&self) -> S;
-    /// Bytes the set occupies.
-    fn bytes(&self) -> usize;
-
-    /// Bounds of all primitives; found in the current rayon pool, the same for any number of threads.
-    fn scene_bounds(&self) -> Aabb<S> {
-        let of_part =
-            |ids: Range<u32>| ids.fold(Aabb::empty(), |all, id| all.union(self.bounds(id)));
-        map_parts(self.len(), of_part).into_iter().fold(Aabb::empty(), Aabb::union)
-    }
-}
-
-/// The set of primitives that let shadow rays pass: empty in most scenes.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct TransmissiveSet {
-    words: Vec<u64>,
-}
-
-impl TransmissiveSet {
-    pub(crate) fn insert(&mut self, id: u32) {
-        let word = id as usize / 64;
-        if self.words.len() <= word {
-            self.words.resize(word + 1, 0);
-        }
-        self.words[word] |= 1 << (id % 64);
-    }
-
-    #[inline(always)]
-    pub(crate) fn contains(&self, id: u32) -> bool {
-        self.words.get(id as usize / 64).is_some_and(|w| w >> (id % 64) & 1 == 1)
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        self.words.len() * 8
-    }
-}

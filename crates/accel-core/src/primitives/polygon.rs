@@ -7,13 +7,13 @@
 
 use glam::DVec3;
 
-use super::collinear::are_collinear;
-use super::shear::Shear;
-use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use super::triangle::edge_function;
-use crate::aabb::Aabb;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::collinear::are_collinear;
+use crate::primitives::shear::Shear;
+use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
+use crate::primitives::triangle::edge_function;
 
 /// A polygon of fewer than three vertices: how many it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,7 +97,7 @@ impl<S: Scalar> Polygon<S> {
         distance_to_points(self.outline(store), from) + self.off_plane(store)
     }
 
-    /// See [`super::PrimSet::hull`]: balls as large as the vertices are off the plane.
+    /// See [`crate::primitives::PrimSet::hull`]: balls as large as the vertices are off the plane.
     pub(super) fn hull(&self, store: &[[S; 3]], balls: &mut Vec<Ball>) {
         balls_around(self.outline(store), self.off_plane(store).max(0.0), balls);
     }

@@ -15,9 +15,9 @@
 //! "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2 Determinants",
 //! Mathematics of Computation 82, 2013; with the rounding errors of both products.
 
-use super::shear::Shear;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::primitives::shear::Shear;
 
 /// By what sheared coordinates are multiplied where a ray's component is too small: what is
 /// subnormal in f64 becomes normal, and no product of two coordinates of a served scene overflows.

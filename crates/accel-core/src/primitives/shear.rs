@@ -2,8 +2,8 @@
 //!
 //! Paper: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
 
 /// The ray's shear to the axis it runs along most.
 #[derive(Debug, Clone, Copy)]
@@ -50,13 +50,13 @@ impl<S: Scalar> Shear<S> {
 
     /// Whether a component is too small.
     #[inline(always)]
-    pub(super) fn is_too_small(&self) -> bool {
+    pub(crate) fn is_too_small(&self) -> bool {
         !self.shear[0].is_finite()
     }
 
     /// [`Shear::of`] without regard to the size of components.
     #[inline(always)]
-    pub(super) fn of_any(ray: &Ray<S>, magnitude: S) -> Self {
+    pub(crate) fn of_any(ray: &Ray<S>, magnitude: S) -> Self {
         let d = ray.direction.to_array();
         let o = ray.origin.to_array();
         let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
@@ -75,13 +75,13 @@ impl<S: Scalar> Shear<S> {
 
     /// What the third coordinate of a sheared vertex is scaled by.
     #[inline(always)]
-    pub(super) fn depth_scale(&self) -> S {
+    pub(crate) fn depth_scale(&self) -> S {
         self.shear[2]
     }
 
     /// A vertex in the sheared space; `z` is still to be scaled by the third shear factor.
     #[inline(always)]
-    pub(super) fn apply(&self, v: &[S; 3]) -> [S; 3] {
+    pub(crate) fn apply(&self, v: &[S; 3]) -> [S; 3] {
         let [kx, ky, kz] = self.axes;
         debug_assert!(kx < 3 && ky < 3 && kz < 3);
         // SAFETY: `axes` is only ever set by `of`, though other tests read it, to a permutation of 0, 1, 2.

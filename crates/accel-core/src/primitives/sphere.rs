@@ -6,10 +6,10 @@
 
 use glam::DVec3;
 
-use super::Ball;
-use crate::aabb::Aabb;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::Ball;
 
 /// A sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +54,7 @@ impl<S: Scalar> Sphere<S> {
         (along - reach, along + reach)
     }
 
-    /// See [`super::PrimSet::hull`].
+    /// See [`crate::primitives::PrimSet::hull`].
     pub(super) fn hull(&self, balls: &mut Vec<Ball>) {
         balls.push(Ball { center: self.center.to_dvec3(), radius: self.radius.to_f64() });
     }

@@ -5,9 +5,9 @@
 
 use glam::DVec3;
 
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
-/// A ball, for the convex hulls of [`super::PrimSet::hull`].
+/// A ball, for the convex hulls of [`crate::primitives::PrimSet::hull`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
     /// Centre.

@@ -12,14 +12,14 @@ use std::marker::PhantomData;
 
 use glam::DVec3;
 
-use super::collinear::without_sliver;
-use super::precise::{self, exact_difference, weights_suffice};
-use super::shear::Shear;
-use super::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use super::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
-use crate::aabb::Aabb;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::collinear::without_sliver;
+use crate::primitives::precise::{self, exact_difference, weights_suffice};
+use crate::primitives::shear::Shear;
+use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
+use crate::primitives::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
 
 /// A way to intersect a ray with a triangle.
 pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
@@ -49,7 +49,7 @@ fn largest<S: Scalar>([a, b, c]: &[[S; 3]; 3]) -> S {
 /// difference (of the rounding errors) decides. Never contract this into one FMA: that breaks
 /// the antisymmetry that makes shared edges tight.
 #[inline(always)]
-pub(super) fn edge_function<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
+pub(crate) fn edge_function<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
     let e = a * b - c * d;
     if e == S::ZERO { exact_difference(a, b, c, d) } else { e }
 }
@@ -107,7 +107,7 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
 /// The test of Moeller and Trumbore 1997, hits accepted up to `tolerance` outside in barycentric
 /// coordinates.
 #[inline(always)]
-pub(super) fn moeller_trumbore<S: Scalar>(
+pub(crate) fn moeller_trumbore<S: Scalar>(
     tri: &[[S; 3]; 3],
     ray: &Ray<S>,
     t_max: S,

@@ -6,11 +6,12 @@
 
 use wide::i32x8;
 
-use super::shear::Shear;
-use super::triangle::{TriangleTest, Watertight};
-use crate::lanes::{Eight, EightOf, Lanes};
-use crate::ray::{Hit, MISS, Ray};
-use crate::scalar::Scalar;
+use crate::geometry::lanes::{Eight, Lanes};
+use crate::geometry::ray::{Hit, MISS, Ray};
+use crate::geometry::scalar::EightOf;
+use crate::geometry::scalar::Scalar;
+use crate::primitives::shear::Shear;
+use crate::primitives::triangle::{TriangleTest, Watertight};
 
 const LANES: usize = 8;
 
@@ -196,7 +197,7 @@ mod tests {
     /// Corners and rays on a coarse lattice, so that edges are met exactly and twins tie; rays with
     /// components however small; and triangles in whose planes the rays run.
     fn agrees<S: Scalar>(tiny: f64) {
-        use crate::scalar::{Vec3, Vector};
+        use crate::geometry::scalar::{Vec3, Vector};
         let mut random = Random(3);
         let mut point =
             |cells: f64| [0; 3].map(|_| S::from_f64((random.unit() * cells).floor() / cells));

@@ -16,20 +16,21 @@
 
 use std::collections::VecDeque;
 
-use super::cluster_bvh::{ClusterBvh, Item};
-use super::hug::{Boxes, boxes_of, historical_frame, too_large, useful_frame};
-use super::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::aabb::Aabb;
-use crate::cell_lists::ListOrder;
-use crate::clustering::agglomerate::{MergeRule, agglomerate, surface};
-use crate::mailbox;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::grid::cell_lists::ListOrder;
+use crate::grid::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
+use crate::grid::voxel_walk::GridFrame;
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
-use crate::sink::Sink;
-use crate::voxel_walk::GridFrame;
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structures::hug::{Boxes, boxes_of, historical_frame, too_large, useful_frame};
+use crate::tree::cluster_bvh::{ClusterBvh, Item};
+use crate::tree::clustering::agglomerate::{MergeRule, agglomerate, surface};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

@@ -27,15 +27,15 @@ use self::ball::Ball;
 use self::median_cut::Centres;
 use self::slabs::Slabs;
 use self::volume::{BOX_TEST, ComparedBox, Volume, box_test};
-use super::{BuildError, Shape, Structure, StructureInfo};
-use crate::aabb::Aabb;
-use crate::bounds_rule::{BoundsOf, BoundsRule};
-use crate::box_test::BoxTest;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::box_test::BoxTest;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 
 /// How many plane directions slabs have.
 pub(super) const DIRECTIONS: ParamSpec = ParamSpec {

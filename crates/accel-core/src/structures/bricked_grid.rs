@@ -10,14 +10,15 @@
 //! (4 bytes a cell); lists follow each other in the same order. A list ends where the next one
 //! begins: the last cell of a block looks into the next block for that.
 
-use super::regular_grid::{CellStorage, Contents, RegularGrid};
-use super::{StructureInfo, no_defect, specs};
-use crate::cell_lists::{CellLists, TooManyReferences};
-use crate::cell_walk::{CellPosition, Traversal};
-use crate::mailbox;
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::{CellLists, TooManyReferences};
+use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::scalar::Scalar;
+use crate::query::mailbox;
+use crate::structure::{StructureInfo, no_defect};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

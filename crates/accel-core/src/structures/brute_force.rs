@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::region::{Shaft, ShaftWalk};
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::query::region::{Shaft, ShaftWalk};
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

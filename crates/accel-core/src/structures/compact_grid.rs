@@ -18,16 +18,17 @@
 
 use std::ops::Range;
 
-use super::regular_grid::{CellStorage, Contents, RegularGrid};
-use super::{StructureInfo, no_defect, specs};
-use crate::block_lists::{BlockPlacement, CellRows};
-use crate::cell_lists::{CellLists, TooManyReferences};
-use crate::cell_walk::{CellPosition, Traversal};
-use crate::mailbox;
+use crate::geometry::scalar::Scalar;
+use crate::grid::block_lists::{BlockPlacement, CellRows};
+use crate::grid::cell_lists::{CellLists, TooManyReferences};
+use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::parallel::map_parts;
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::scalar::Scalar;
+use crate::query::mailbox;
+use crate::structure::{StructureInfo, no_defect};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

@@ -10,14 +10,15 @@
 //! voxels has more cells than a u32. No random seed: the same scene gives the same table.
 //! A look-up probes at most as far as the farthest key of the build, even in a full table.
 
-use super::regular_grid::{CellStorage, Contents, RegularGrid};
-use super::{StructureInfo, no_defect, specs};
-use crate::cell_lists::{ListOrder, TooManyReferences};
-use crate::cell_walk::{CellPosition, Traversal};
-use crate::mailbox;
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::{ListOrder, TooManyReferences};
+use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::scalar::Scalar;
+use crate::query::mailbox;
+use crate::structure::{StructureInfo, no_defect};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -235,7 +236,7 @@ impl CellStorage for HashedCells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structures::regular_grid::contents_of;
+    use crate::grid::regular_grid::contents_of;
     use crate::structures::test_scenes::mixed_scene;
 
     #[test]

@@ -13,21 +13,22 @@
 //! may forget. `boxes=historical` is Havran and Sixta's (1999) HUG as far as their counters tell
 //! (see [`HISTORY`]).
 
-use super::nested_grids::{Excess, Mailbox, NestedGrids, Rules, Visited, references_in};
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::aabb::Aabb;
-use crate::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
-use crate::cell_lists::ListOrder;
-use crate::clustering::box_tree::{BoxTree, Nearness};
-use crate::clustering::components::components;
-use crate::mailbox;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::grid::cell_lists::ListOrder;
+use crate::grid::nested_grids::{Excess, Mailbox, NestedGrids, Rules, Visited, references_in};
+use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::grid::voxel_walk::GridFrame;
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
-use crate::scalar::{Scalar, Vec3, Vector};
-use crate::sink::Sink;
-use crate::voxel_walk::GridFrame;
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::tree::clustering::box_tree::{BoxTree, Nearness};
+use crate::tree::clustering::components::components;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

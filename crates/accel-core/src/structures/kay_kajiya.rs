@@ -17,14 +17,14 @@ mod entry_queue;
 mod hierarchy;
 
 use self::hierarchy::Hierarchy;
-use super::bounding_volumes::{DIRECTIONS, MAX_CELLS};
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect};
-use crate::bounds_rule::{BoundsOf, BoundsRule};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structures::bounding_volumes::{DIRECTIONS, MAX_CELLS};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

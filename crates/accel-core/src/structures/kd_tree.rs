@@ -13,23 +13,23 @@
 //! a few cuts that do not pay; intervals on the ray are rounded outwards, so that a ray within a
 //! plane, or one that only grazes a cell, visits both sides.
 
+mod cells;
 mod shaft_walk;
 mod subdivide;
 mod surface_area;
 
-use super::octree::ray_planes::RayPlanes;
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::aabb::Aabb;
-use crate::bounds_rule::{BoundsOf, BoundsRule};
-use crate::mailbox;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
-
-/// Deepest cell; the root has depth 0.
-const DEEPEST: usize = 48;
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::tree::ray_planes::RayPlanes;
+use cells::{Cells, DEEPEST, Node};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -99,43 +99,6 @@ pub static INFO: StructureInfo = StructureInfo {
 pub struct KdTree<S: Scalar> {
     bounds: Aabb<S>,
     cells: Cells<S>,
-}
-
-/// The cells; cell 0 is the root.
-#[derive(Debug, Clone, Default)]
-struct Cells<S> {
-    nodes: Vec<Node<S>>,
-    /// `ids[starts[leaf]..starts[leaf + 1]]` are the references of a leaf.
-    starts: Vec<u32>,
-    ids: Vec<u32>,
-}
-
-/// One cell.
-#[derive(Debug, Clone, Copy)]
-struct Node<S> {
-    /// The plane, if it is an inner cell.
-    plane: S,
-    /// Inner cell: the axis, and above two bits the lower child, which the upper one follows.
-    /// Leaf: 3, and above two bits the number of the leaf.
-    link: u32,
-}
-
-impl<S: Scalar> Node<S> {
-    const LEAF: u32 = 3;
-
-    fn leaf(number: usize) -> Self {
-        Self { plane: S::ZERO, link: (number as u32) << 2 | Self::LEAF }
-    }
-
-    fn inner(axis: usize, plane: S, lower: usize) -> Self {
-        Self { plane, link: (lower as u32) << 2 | axis as u32 }
-    }
-
-    /// The same after cells have moved by `cells`, and leaves have got numbers higher by `leaves`.
-    fn moved(self, cells: usize, leaves: usize) -> Self {
-        let by = if self.link & 3 == Self::LEAF { leaves } else { cells };
-        Self { link: self.link + ((by as u32) << 2), ..self }
-    }
 }
 
 impl<S: Scalar> Structure<S> for KdTree<S> {

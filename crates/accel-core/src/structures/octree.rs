@@ -19,25 +19,24 @@
 //! useless-splits=20 order=reverse`) is what Havran and Sixta (1999) measured: no padding, no limit
 //! for growth, walks from the ray's origin, and steps of 1e-6 beyond a cell's exit.
 
+mod cells;
 mod neighbour;
 mod point_location;
-pub(super) mod ray_planes;
 mod subdivide;
 mod top_down;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::aabb::Aabb;
-use crate::bounds_rule::{BoundsOf, BoundsRule};
-use crate::mailbox;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
-use crate::sink::Sink;
-use ray_planes::RayPlanes;
-
-/// Deepest cell; the root has depth 0.
-const DEEPEST: usize = 20;
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::tree::ray_planes::RayPlanes;
+use cells::{Cells, DEEPEST};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -130,43 +129,6 @@ pub struct Octree<S: Scalar> {
     /// Rays that are followed beyond this distance are walked top-down: the rounding of their
     /// parameters outgrows the padding of boxes.
     reach: S,
-}
-
-/// The cells. Cell 0 is the root; the children of inner cell number `i` are the cells
-/// `1 + 8 i ..= 8 + 8 i`, with bit k of the offset set on the upper side of axis k.
-#[derive(Debug, Clone, Default)]
-struct Cells<S> {
-    /// For each cell the number of its leaf with [`LEAF`] set, or its number among inner cells.
-    links: Vec<u32>,
-    /// For each inner cell, the planes that cut it.
-    planes: Vec<[S; 3]>,
-    /// `ids[starts[leaf]..starts[leaf + 1]]` are the references of a leaf.
-    starts: Vec<u32>,
-    ids: Vec<u32>,
-}
-
-const LEAF: u32 = 1 << 31;
-
-/// What a cell is.
-enum Content<'a, S> {
-    /// Cut by these planes; the first of its eight children.
-    Inner(&'a [S; 3], u32),
-    /// Its references.
-    Leaf(&'a [u32]),
-}
-
-impl<S: Scalar> Cells<S> {
-    #[inline(always)]
-    fn content(&self, cell: u32) -> Content<'_, S> {
-        let link = self.links[cell as usize];
-        let number = (link & !LEAF) as usize;
-        if link & LEAF == 0 {
-            Content::Inner(&self.planes[number], 1 + 8 * link)
-        } else {
-            let range = self.starts[number] as usize..self.starts[number + 1] as usize;
-            Content::Leaf(&self.ids[range])
-        }
-    }
 }
 
 /// A side below this part of the longest one is thin.

@@ -11,18 +11,19 @@
 //! The direction-aware variant keeps eight distances a voxel, each to the nearest occupied voxel in
 //! one octant of directions; it is ours, after the paper's remark on directional clouds.
 
-use super::regular_grid::{CellStorage, stored};
-use super::uniform_grid::DenseCells;
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::cell_walk::{CellPosition, CellWalk};
-use crate::distance_field::{Metric, distances};
-use crate::mailbox;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::distance_field::{Metric, distances};
+use crate::grid::regular_grid::{CellStorage, stored};
+use crate::grid::voxel_walk::{GridFrame, VoxelWalk};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
-use crate::sink::Sink;
-use crate::voxel_walk::{GridFrame, VoxelWalk};
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structures::uniform_grid::DenseCells;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

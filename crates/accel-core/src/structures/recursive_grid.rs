@@ -16,16 +16,17 @@ mod levels;
 
 use std::ops::ControlFlow;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::bounds_rule::{BoundsOf, BoundsRule};
-use crate::cell_walk::{CellPosition, CellWalk};
-use crate::mailbox;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::voxel_walk::inverse_direction;
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
-use crate::voxel_walk::inverse_direction;
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use levels::{Budget, Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
 
 /// Registry line.

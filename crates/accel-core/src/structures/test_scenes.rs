@@ -2,12 +2,14 @@
 
 use glam::DVec3;
 
-use super::{Buildable, Entry, PrimsRef, find};
-use crate::counters::WorkCounters;
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::PrimsRef;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
-use crate::ray::{Hit, Ray};
-use crate::scalar::{Scalar, Vec3, Vector};
-use crate::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::query::counters::WorkCounters;
+use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::registry::Buildable;
+use crate::structures::{Entry, find};
 
 /// A small generator of test numbers.
 pub(crate) struct Random(pub u64);

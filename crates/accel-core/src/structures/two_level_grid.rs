@@ -17,17 +17,18 @@ mod leaf_cells;
 
 use std::ops::ControlFlow;
 
-use super::regular_grid::stored;
-use super::uniform_grid::DenseCells;
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::cell_walk::{CellPosition, CellWalk};
-use crate::mailbox;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::regular_grid::stored;
+use crate::grid::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direction};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
-use crate::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direction};
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structures::uniform_grid::DenseCells;
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
 /// Registry line.
@@ -78,7 +79,7 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         };
         let division = CellDivision::new(&contents.frame, contents.padding());
         let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules)
-            .map_err(|excess| super::hug::too_large(params, excess))?;
+            .map_err(|excess| crate::structures::hug::too_large(params, excess))?;
         Ok(Self { upper: contents.frame, division, cells, leaves })
     }
 

@@ -12,15 +12,16 @@
 
 use std::ops::Range;
 
-use super::regular_grid::{CellStorage, Contents, RegularGrid};
-use super::{StructureInfo, specs};
-use crate::cell_lists::{CellLists, TooManyReferences};
-use crate::cell_overlap::Insertion;
-use crate::cell_walk::{CellPosition, Traversal};
-use crate::mailbox;
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::{CellLists, TooManyReferences};
+use crate::grid::cell_overlap::Insertion;
+use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::Params;
+use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::scalar::Scalar;
+use crate::query::mailbox;
+use crate::structure::StructureInfo;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

@@ -3,8 +3,10 @@
 // each test target uses a part of it
 #![allow(dead_code)]
 
-use accel_core::structures::{Buildable, Entry, PrimsRef, find};
-use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::primitives::PrimsRef;
+use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::registry::Buildable;
+use accel_core::structures::{Entry, find};
 use accel_core::{Hit, Ray};
 
 /// What a structure said of some rays.

@@ -3,11 +3,11 @@
 //! error which limit it would break. None takes the machine down.
 
 use accel_core::params::Params;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, PrimsRef, REGISTRY, Shape, Structure, StructureInfo, find, no_defect,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray, Scalar};
 
 type Corners = [[f32; 3]; 3];

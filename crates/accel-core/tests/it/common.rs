@@ -1,7 +1,8 @@
 //! Scenes and rays for the tests: random ones, and those that break things.
 
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, TriangleSet, Watertight};
-use accel_core::structures::{Buildable, PrimsRef};
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Vec3, Vector};
 use glam::{DVec3, dvec3};
 

@@ -4,7 +4,9 @@
 use crate::agreement::mismatches;
 use crate::common::{Random, all_scenes, rays_for};
 use accel_core::primitives::MixedSetBuilder;
-use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
+use accel_core::primitives::PrimsRef;
+use accel_core::registry::Buildable;
+use accel_core::structures::{REGISTRY, find};
 use accel_core::{Hit, Ray};
 use glam::dvec3;
 
@@ -91,7 +93,7 @@ fn an_empty_set_is_a_typed_error() {
         let result = entry.build(PrimsRef::Mixed(&set), &entry.params([]).unwrap());
         assert!(matches!(
             result.err(),
-            Some(accel_core::structures::BuildError::NoPrimitives { .. })
+            Some(accel_core::structure::BuildError::NoPrimitives { .. })
         ));
     }
 }

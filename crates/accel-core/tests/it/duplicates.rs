@@ -1,8 +1,9 @@
 //! Primitives that no cell and no plane can separate: all in one place, or all about one centre. What a
 //! structure makes of them stays near-linear in their number.
 
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSet, MixedSetBuilder};
-use accel_core::structures::{Entry, PrimsRef, REGISTRY, find};
+use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray};
 use glam::{DVec3, dvec3};
 

@@ -2,9 +2,11 @@
 //! few digits: no hit lies beyond its triangle, brute force is right, and all structures agree with
 //! it to the last bit.
 
-use accel_core::primitives::chosen::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
-use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
+use accel_core::registry::Buildable;
+use accel_core::structures::{REGISTRY, find};
+use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 

@@ -1,8 +1,11 @@
 //! HUG and the adaptive grid give the oracle's answers, bit for bit, and survive hard scenes.
 
 use crate::agreement::Answers;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, TriangleSet, Watertight};
-use accel_core::structures::{BuildError, Buildable, PrimsRef, find};
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::structures::find;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::{DVec3, dvec3};
 

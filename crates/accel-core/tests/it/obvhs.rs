@@ -3,8 +3,10 @@
 
 use crate::agreement::Answers;
 use crate::common::Random;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
-use accel_core::structures::{Buildable, PrimsRef, find};
+use accel_core::registry::Buildable;
+use accel_core::structures::find;
 use accel_core::{Ray, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 

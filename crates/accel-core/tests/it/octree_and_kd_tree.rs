@@ -2,9 +2,12 @@
 
 use crate::agreement::Answers;
 use accel_core::params::Params;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder};
-use accel_core::structures::{BuildError, Buildable, PrimsRef, Shape, find};
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
+use accel_core::structure::{BuildError, Shape};
+use accel_core::structures::find;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::{DVec3, Vec3Swizzles as _};
 

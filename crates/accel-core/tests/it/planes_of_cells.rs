@@ -3,8 +3,10 @@
 //! roundings of one plane lie on either side of the whole scene.
 
 use crate::agreement::Answers as Written;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
-use accel_core::structures::{Buildable, PrimsRef, REGISTRY, find};
+use accel_core::registry::Buildable;
+use accel_core::structures::{REGISTRY, find};
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
 

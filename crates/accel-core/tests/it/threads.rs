@@ -1,9 +1,11 @@
 //! A build on several threads gives what one thread gives: the same cells and references, the same
 //! work for every query, the same answers.
 
-use accel_core::counters::WorkCounters;
-use accel_core::structures::{Entry, PrimsRef, REGISTRY, Shape, find};
-use accel_core::tracer::ShadowRule;
+use accel_core::primitives::PrimsRef;
+use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::ShadowRule;
+use accel_core::structure::Shape;
+use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray};
 
 use crate::common::{Random, many_triangles, rays_for};

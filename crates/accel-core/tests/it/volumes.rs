@@ -3,10 +3,13 @@
 
 use crate::agreement::Answers;
 use crate::common::{Random, Set, all_scenes, rays_for};
-use accel_core::counters::WorkCounters;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSetBuilder, TriangleSet, Watertight};
-use accel_core::structures::{BuildError, Buildable, PrimsRef, Shape, find};
-use accel_core::tracer::Tracer;
+use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
+use accel_core::structure::{BuildError, Shape};
+use accel_core::structures::find;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::{DVec3, dvec3};
 

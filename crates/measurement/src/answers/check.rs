@@ -1,8 +1,8 @@
 //! Is a row right, and what does it cost? Before anything of it is timed.
 
-use accel_core::counters::WorkCounters;
-use accel_core::occluders::OccluderScalar;
-use accel_core::structures::{BuildError, Buildable};
+use accel_core::query::counters::WorkCounters;
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
 use rayon::prelude::*;
 use scene_loading::source_hash::sha256_of_bytes;
 
@@ -46,7 +46,7 @@ pub struct Checked {
 ///
 /// # Errors
 /// [`BuildError`] when it refuses the scene.
-pub fn check<S: Buildable + OccluderScalar>(
+pub fn check<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     row: &MeasuredRow<'_>,
 ) -> Result<Checked, BuildError> {

@@ -12,8 +12,11 @@
 //! counts for more than that of the ray. Borderline rays are counted, never dropped silently.
 
 use accel_core::primitives::PrimSet;
-use accel_core::structures::{BuildError, Buildable, PrimsRef, find};
-use accel_core::tracer::Tracer;
+use accel_core::primitives::PrimsRef;
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::structures::find;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
 //! The answers that all rows are compared with: those of the first structure that the oracle
 //! confirms.
 
-use accel_core::structures::{BuildError, Buildable};
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
 use renderer::{Geometry, RayBatches, RayKind, generate_rays};
 use scene_loading::Scene;
 

@@ -5,8 +5,7 @@
 //! least recently used lines replaced, without prefetchers. A window of neighbouring rays from the
 //! middle of each batch is counted, after a window before it has filled the caches.
 
-use accel_core::occluders::OccluderScalar;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use rayon::ThreadPool;
 use serde::{Deserialize, Serialize};
 
@@ -59,7 +58,7 @@ pub fn ask_all(plan: &Plan<'_>, rays: usize) -> Result<Vec<AskedBatch>, MeasureE
     Ok(asked)
 }
 
-fn ask_scene<S: Buildable + OccluderScalar>(
+fn ask_scene<S: Buildable>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
     pool: &ThreadPool,

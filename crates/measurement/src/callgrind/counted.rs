@@ -1,8 +1,7 @@
 //! What is counted: each row of a record, built once and asked a fixed sample of rays, on one
 //! thread.
 
-use accel_core::occluders::OccluderScalar;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use glam::DVec3;
 use rayon::ThreadPool;
 use renderer::{Geometry, generate_rays};
@@ -69,7 +68,7 @@ pub fn count_all(plan: &Plan<'_>) -> Result<Vec<Counted>, MeasureError> {
     Ok(counted)
 }
 
-fn count_scene<S: Buildable + OccluderScalar>(
+fn count_scene<S: Buildable>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
     pool: &ThreadPool,
@@ -139,7 +138,7 @@ pub fn with_rays<S: Buildable, R>(
 }
 
 /// Builds and asks a row; which of both was done.
-fn phases<S: Buildable + OccluderScalar>(
+fn phases<S: Buildable>(
     row: &MeasuredRow<'_>,
     geometry: &Geometry<S>,
     lights: &[DVec3],

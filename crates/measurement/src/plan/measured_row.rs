@@ -1,16 +1,19 @@
 //! What a run measures: a structure, which answers all rays, or an occluder, which answers shadow
 //! rays only.
 
-use accel_core::counters::WorkCounters;
-use accel_core::occluders::{self, BoxedOccluder, OccluderScalar};
-use accel_core::structures::{BuildError, Buildable, Entry, PrimsRef, Shape};
-use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::occluders::{self, BoxedOccluder};
+use accel_core::primitives::PrimsRef;
+use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::registry::Buildable;
+use accel_core::structure::{BuildError, Shape};
+use accel_core::structures::Entry;
 use glam::DVec3;
 use rayon::prelude::*;
 use renderer::RayKind;
 
 use crate::plan::error::PlanError;
-use crate::plan::rows::{self, Registered, Row};
+use crate::plan::rows::{self, Row};
 use crate::rays::batches::{Answers, Batch, CHUNK, trace, trace_chunked};
 use crate::record::query::Query;
 use crate::settings::suggest;
@@ -21,7 +24,7 @@ pub enum MeasuredRow<'r> {
     /// Answers rays of all kinds.
     Structure(Row<'r>),
     /// Answers shadow rays.
-    Occluder(Row<'r, occluders::Entry>),
+    Occluder(Row<'r, occluders::Occluding>),
 }
 
 /// Calls the same on whichever row it is.
@@ -83,7 +86,7 @@ impl MeasuredRow<'_> {
     ///
     /// # Errors
     /// [`BuildError`].
-    pub fn build<'a, S: Buildable + OccluderScalar>(
+    pub fn build<'a, S: Buildable>(
         &self,
         prims: PrimsRef<'a, S>,
         lights: &[DVec3],
@@ -187,7 +190,7 @@ pub fn select<'r>(
     occluders: &'r [occluders::Entry],
     names: &[String],
     overrides: &[String],
-) -> Result<(Vec<Row<'r>>, Vec<Row<'r, occluders::Entry>>), PlanError> {
+) -> Result<(Vec<Row<'r>>, Vec<Row<'r, occluders::Occluding>>), PlanError> {
     let name_of =
         |text: &str| text.split([':', ' ', '.']).find(|p| !p.is_empty()).map(str::to_owned);
     let is_occluder = |text: &&String| {
@@ -223,8 +226,8 @@ pub fn select<'r>(
 
 /// An error for a name that neither registry has.
 fn known(name: &str, registry: &[Entry], occluders: &[occluders::Entry]) -> Result<(), PlanError> {
-    let structures = registry.iter().map(|e| e.info().name);
-    let names: Vec<_> = structures.chain(occluders.iter().map(|e| e.info().name)).collect();
+    let structures = registry.iter().map(|e| e.info.name);
+    let names: Vec<_> = structures.chain(occluders.iter().map(|e| e.info.name)).collect();
     if names.contains(&name) {
         return Ok(());
     }

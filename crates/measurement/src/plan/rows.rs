@@ -1,77 +1,43 @@
 //! Which structures with which settings: the rows of the tables.
 
 use accel_core::params::{ParamError, ParamSpec, Params};
-use accel_core::primitives::chosen;
-use accel_core::structures::{Entry, StructureInfo};
-use accel_core::{occluders, region};
+use accel_core::registry::{Entry, Listed};
+use accel_core::structures::Traceable;
+use accel_core::variants::chosen_tests;
 
 use crate::plan::error::PlanError;
 use crate::settings::suggest;
 
-/// A line of a registry: of that of structures, or of that of occluders.
-pub trait Registered {
-    /// What it says of itself.
-    fn info(&self) -> &'static StructureInfo;
-
-    /// Parameters beside its own.
-    fn common(&self) -> &'static [ParamSpec] {
-        &[]
-    }
-}
-
-impl Registered for Entry {
-    fn info(&self) -> &'static StructureInfo {
-        self.info
-    }
-
-    /// The tests of primitives.
-    fn common(&self) -> &'static [ParamSpec] {
-        chosen::PARAMS
-    }
-}
-
-impl Registered for region::Entry {
-    fn info(&self) -> &'static StructureInfo {
-        self.info
-    }
-}
-
-impl Registered for occluders::Entry {
-    fn info(&self) -> &'static StructureInfo {
-        self.info
-    }
-}
-
 /// A structure (or occluder) with settings.
-pub struct Row<'r, E = Entry> {
+pub struct Row<'r, L: Listed = Traceable> {
     /// The structure.
-    pub entry: &'r E,
+    pub entry: &'r Entry<L>,
     /// Its settings.
     pub params: Params,
 }
 
-impl<E> Clone for Row<'_, E> {
+impl<L: Listed> Clone for Row<'_, L> {
     fn clone(&self) -> Self {
         Self { entry: self.entry, params: self.params.clone() }
     }
 }
 
-impl<E: Registered> std::fmt::Debug for Row<'_, E> {
+impl<L: Listed> std::fmt::Debug for Row<'_, L> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.label())
     }
 }
 
-impl<E> PartialEq for Row<'_, E> {
+impl<L: Listed> PartialEq for Row<'_, L> {
     fn eq(&self, other: &Self) -> bool {
         self.params == other.params
     }
 }
 
-impl<'r, E: Registered> Row<'r, E> {
+impl<'r, L: Listed> Row<'r, L> {
     /// The structure's name.
     pub fn structure(&self) -> &'static str {
-        self.entry.info().name
+        self.entry.info.name
     }
 
     /// What differs from the defaults; empty for the defaults.
@@ -86,20 +52,20 @@ impl<'r, E: Registered> Row<'r, E> {
 
     /// The defect that these settings keep on purpose, if any.
     pub fn known_defect(&self) -> Option<&'static str> {
-        (self.entry.info().known_defect)(&self.params)
-            .or_else(|| chosen::known_defect(&self.params))
+        (self.entry.info.known_defect)(&self.params)
+            .or_else(|| chosen_tests::known_defect(&self.params))
     }
 
     /// Only measured on a sample of the rays.
     pub fn is_sampled(&self) -> bool {
-        self.entry.info().sampled
+        self.entry.info.sampled
     }
 
     /// The structure's defaults.
     ///
     /// # Errors
     /// [`PlanError::Param`] when the registry's own defaults are not valid.
-    pub fn defaults(entry: &'r E) -> Result<Self, PlanError> {
+    pub fn defaults(entry: &'r Entry<L>) -> Result<Self, PlanError> {
         Self::with(entry, &[], &[])
     }
 
@@ -107,19 +73,19 @@ impl<'r, E: Registered> Row<'r, E> {
     ///
     /// # Errors
     /// [`PlanError::Param`] naming what is valid.
-    pub fn of(entry: &'r E, settings: &[(&str, &str)]) -> Result<Self, PlanError> {
+    pub fn of(entry: &'r Entry<L>, settings: &[(&str, &str)]) -> Result<Self, PlanError> {
         Self::with(entry, &[], settings)
     }
 
     fn with(
-        entry: &'r E,
-        overrides: &[Override<'r, '_, E>],
+        entry: &'r Entry<L>,
+        overrides: &[Override<'r, '_, L>],
         settings: &[(&str, &str)],
     ) -> Result<Self, PlanError> {
         let own = overrides.iter().filter(|o| std::ptr::eq(o.entry, entry));
         let all = own.map(|o| (o.name, o.value)).chain(settings.iter().copied());
-        let info = entry.info();
-        let params = Params::with_common(info.name, info.params, entry.common(), all)
+        let info = entry.info;
+        let params = Params::with_common(info.name, info.params, L::COMMON, all)
             .map_err(|e| param_error(e, entry))?;
         Ok(Self { entry, params })
     }
@@ -129,14 +95,14 @@ impl<'r, E: Registered> Row<'r, E> {
     ///
     /// # Errors
     /// [`PlanError`] naming what is valid.
-    pub fn parse(registry: &'r [E], text: &str) -> Result<Self, PlanError> {
+    pub fn parse(registry: &'r [Entry<L>], text: &str) -> Result<Self, PlanError> {
         Self::parse_over(registry, text, &[])
     }
 
     fn parse_over(
-        registry: &'r [E],
+        registry: &'r [Entry<L>],
         text: &str,
-        overrides: &[Override<'r, '_, E>],
+        overrides: &[Override<'r, '_, L>],
     ) -> Result<Self, PlanError> {
         let (entry, settings) = parse_settings(registry, text)?;
         Self::with(entry, overrides, &settings)
@@ -150,10 +116,10 @@ pub type Assignments<'t> = Vec<(&'t str, &'t str)>;
 ///
 /// # Errors
 /// [`PlanError`] naming the structures there are, or the form.
-pub fn parse_settings<'r, 't, E: Registered>(
-    registry: &'r [E],
+pub fn parse_settings<'r, 't, L: Listed>(
+    registry: &'r [Entry<L>],
     text: &'t str,
-) -> Result<(&'r E, Assignments<'t>), PlanError> {
+) -> Result<(&'r Entry<L>, Assignments<'t>), PlanError> {
     let mut parts = text.split([':', ' ']).filter(|p| !p.is_empty());
     let entry = find(registry, parts.next().unwrap_or_default())?;
     let settings = parts.map(|p| assignment(p, text)).collect::<Result<Vec<_>, _>>()?;
@@ -161,8 +127,8 @@ pub fn parse_settings<'r, 't, E: Registered>(
 }
 
 /// `--set structure.name=value`.
-struct Override<'r, 't, E> {
-    entry: &'r E,
+struct Override<'r, 't, L: Listed> {
+    entry: &'r Entry<L>,
     name: &'t str,
     value: &'t str,
 }
@@ -173,17 +139,17 @@ struct Override<'r, 't, E> {
 ///
 /// # Errors
 /// [`PlanError`] naming what is valid.
-pub fn select<'r, E: Registered>(
-    registry: &'r [E],
+pub fn select<'r, L: Listed>(
+    registry: &'r [Entry<L>],
     structures: &[String],
     overrides: &[String],
-) -> Result<Vec<Row<'r, E>>, PlanError> {
+) -> Result<Vec<Row<'r, L>>, PlanError> {
     let overrides = overrides
         .iter()
         .map(|text| parse_override(registry, text))
         .collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
-    let mut push = |row: Row<'r, E>| {
+    let mut push = |row: Row<'r, L>| {
         if !rows.contains(&row) {
             rows.push(row);
         }
@@ -199,7 +165,7 @@ pub fn select<'r, E: Registered>(
                 push(Row::with(entry, &overrides, &[])?);
                 continue;
             }
-            for variant in entry.info().variants {
+            for variant in entry.info.variants {
                 let settings = variant
                     .split_whitespace()
                     .map(|p| assignment(p, variant))
@@ -210,25 +176,25 @@ pub fn select<'r, E: Registered>(
     }
     for o in &overrides {
         if !rows.iter().any(|row| std::ptr::eq(row.entry, o.entry)) {
-            return Err(PlanError::OverrideWithoutRow { structure: o.entry.info().name });
+            return Err(PlanError::OverrideWithoutRow { structure: o.entry.info.name });
         }
     }
     Ok(rows)
 }
 
 /// The error for `--set` of a structure that no row is of, or of none at all.
-pub fn override_without_row<E: Registered>(registry: &[E], overrides: &[String]) -> PlanError {
+pub fn override_without_row<L: Listed>(registry: &[Entry<L>], overrides: &[String]) -> PlanError {
     let Some(text) = overrides.first() else { return PlanError::NoRows };
     match parse_override(registry, text) {
-        Ok(o) => PlanError::OverrideWithoutRow { structure: o.entry.info().name },
+        Ok(o) => PlanError::OverrideWithoutRow { structure: o.entry.info.name },
         Err(error) => error,
     }
 }
 
-fn parse_override<'r, 't, E: Registered>(
-    registry: &'r [E],
+fn parse_override<'r, 't, L: Listed>(
+    registry: &'r [Entry<L>],
     text: &'t str,
-) -> Result<Override<'r, 't, E>, PlanError> {
+) -> Result<Override<'r, 't, L>, PlanError> {
     let malformed = || PlanError::Malformed {
         text: text.to_owned(),
         expected: "STRUCTURE.PARAM=VALUE, like uniform-grid.density=4",
@@ -252,9 +218,12 @@ fn assignment<'t>(part: &'t str, whole: &str) -> Result<(&'t str, &'t str), Plan
 ///
 /// # Errors
 /// [`PlanError::UnknownStructure`].
-pub fn find<'r, E: Registered>(registry: &'r [E], name: &str) -> Result<&'r E, PlanError> {
-    registry.iter().find(|e| e.info().name == name).ok_or_else(|| {
-        let names: Vec<_> = registry.iter().map(|e| e.info().name).collect();
+pub fn find<'r, L: Listed>(
+    registry: &'r [Entry<L>],
+    name: &str,
+) -> Result<&'r Entry<L>, PlanError> {
+    registry.iter().find(|e| e.info.name == name).ok_or_else(|| {
+        let names: Vec<_> = registry.iter().map(|e| e.info.name).collect();
         PlanError::UnknownStructure {
             hint: suggest::hint(name, names.iter().copied()),
             name: name.to_owned(),
@@ -267,8 +236,11 @@ pub fn find<'r, E: Registered>(registry: &'r [E], name: &str) -> Result<&'r E, P
 ///
 /// # Errors
 /// [`PlanError::Param`] naming those there are.
-pub fn find_param(entry: &Entry, name: &str) -> Result<&'static ParamSpec, PlanError> {
-    let mut params = entry.info.params.iter().chain(entry.common());
+pub fn find_param<L: Listed>(
+    entry: &Entry<L>,
+    name: &str,
+) -> Result<&'static ParamSpec, PlanError> {
+    let mut params = entry.info.params.iter().chain(L::COMMON);
     params.clone().find(|p| p.name == name).ok_or_else(|| {
         let valid = params.by_ref().map(|p| p.name).collect();
         let structure = entry.info.name;
@@ -276,8 +248,8 @@ pub fn find_param(entry: &Entry, name: &str) -> Result<&'static ParamSpec, PlanE
     })
 }
 
-fn param_error<E: Registered>(error: ParamError, entry: &E) -> PlanError {
-    let params = || entry.info().params.iter().chain(entry.common());
+fn param_error<L: Listed>(error: ParamError, entry: &Entry<L>) -> PlanError {
+    let params = || entry.info.params.iter().chain(L::COMMON);
     let hint = match &error {
         ParamError::Unknown { name, .. } => suggest::hint(name, params().map(|p| p.name)),
         ParamError::Invalid { .. } => String::new(),

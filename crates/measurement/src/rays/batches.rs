@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use accel_core::occluders::nearest_light;
-use accel_core::structures::Buildable;
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;

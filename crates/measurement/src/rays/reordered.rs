@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use renderer::RayKind;
 
 use crate::rays::batches::{Batch, BatchSet};

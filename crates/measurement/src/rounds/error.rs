@@ -1,6 +1,6 @@
 //! Why a scene could not be measured.
 
-use accel_core::structures::BuildError;
+use accel_core::structure::BuildError;
 use renderer::GeometryError;
 
 use crate::scenes::LoadError;

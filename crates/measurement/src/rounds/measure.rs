@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use accel_core::occluders::OccluderScalar;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use renderer::{RayKind, render};
 
 use crate::answers::check::{Checked, stride_for};
@@ -47,7 +46,7 @@ type Seconds = BTreeMap<String, f64>;
 /// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
 /// for rows that were not built. Ratios are taken to the row `baseline`. The result has one entry
 /// for each row too.
-pub fn measure<S: Buildable + OccluderScalar>(
+pub fn measure<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     checked: &[Option<Checked>],
     baseline: usize,
@@ -181,7 +180,7 @@ impl Asked<'_, '_> {
     /// Builds the row and asks it. The baseline answers every other row's sample of rays as well,
     /// so that ratios are taken over the same rays in the same round. None when the row, which
     /// was built before, cannot be built again.
-    fn make<S: Buildable + OccluderScalar>(
+    fn make<S: Buildable>(
         &self,
         scope: &Scope<'_, '_, S>,
         sheets: &mut BTreeMap<usize, Sheet<'_, S>>,

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use accel_core::occluders::OccluderScalar;
-use accel_core::structures::{BuildError, Buildable};
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
 use glam::DVec3;
 use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
 use scene_loading::{Light, Scene};
@@ -52,7 +52,7 @@ pub struct Equipment<'a> {
 ///
 /// # Errors
 /// [`MeasureError`] when the scene has no usable geometry or no structure can be built over it.
-pub fn run_scene<S: Buildable + OccluderScalar>(
+pub fn run_scene<S: Buildable>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
     equipment: &Equipment<'_>,

@@ -1,6 +1,6 @@
 //! What the measurement of one scene works with.
 
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use glam::DVec3;
 
 use crate::answers::reference::Stage;

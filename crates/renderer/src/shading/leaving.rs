@@ -16,7 +16,7 @@
 //! as an error bound). Deviations: the bound is that of the whole primitive, because its corners
 //! were rounded too; the hit point is projected back in double precision first.
 
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
 

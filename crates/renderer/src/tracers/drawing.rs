@@ -1,7 +1,7 @@
 //! What tracers without samples draw with, and what they give.
 
-use accel_core::region::{Gatherer, Work};
-use accel_core::tracer::Tracer;
+use accel_core::query::region::{Gatherer, Work};
+use accel_core::query::tracer::Tracer;
 
 use crate::film::Image;
 

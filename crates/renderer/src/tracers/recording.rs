@@ -1,7 +1,7 @@
 //! The rays of a scene, recorded once, so that every structure can be asked the same.
 
-use accel_core::structures::Buildable;
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
 use rayon::prelude::*;
 use scene_loading::Scene;
 

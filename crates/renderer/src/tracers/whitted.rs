@@ -11,8 +11,8 @@
 
 use std::ops::Range;
 
-use accel_core::structures::Buildable;
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
 use rand_xoshiro::SplitMix64;

@@ -3,9 +3,10 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use accel_core::counters::WorkCounters;
-use accel_core::structures::{Buildable, Shape};
-use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::registry::Buildable;
+use accel_core::structure::Shape;
 use accel_core::{Hit, Ray};
 use rayon::prelude::*;
 use scene_loading::Scene;

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use accel_core::region::{self, Gatherer};
+use accel_core::query::region::Gatherer;
+use accel_core::query::tracer::Tracer;
 use accel_core::structures::find;
-use accel_core::tracer::Tracer;
+use accel_core::structures::gatherers;
 use accel_core::{Hit, Ray, Vector};
 use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
@@ -26,7 +27,7 @@ fn over<R>(scene: &Scene, shafts: &str, ask: impl FnOnce(Structures<'_>) -> R) -
     let entry = find("kd-tree").unwrap();
     let rays: Box<dyn Tracer<f64> + '_> =
         entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-    let entry = region::find(shafts).unwrap();
+    let entry = gatherers::find(shafts).unwrap();
     let shafts: Box<dyn Gatherer> =
         entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
     ask(Structures { rays: rays.as_ref(), shafts: shafts.as_ref() })
@@ -388,7 +389,7 @@ fn structures_and_threads_change_no_bit() {
             image.into_iter().flatten().map(f64::to_bits).collect::<Vec<u64>>()
         };
         let expected = bits("brute-force", 1);
-        for entry in region::REGISTRY {
+        for entry in gatherers::REGISTRY {
             assert!(bits(entry.info.name, 1) == expected, "{} {}", scene.name, entry.info.name);
         }
         for threads in [2, 5] {

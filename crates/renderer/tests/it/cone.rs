@@ -3,8 +3,10 @@
 
 use std::ops::ControlFlow;
 
-use accel_core::region::{self, Gathered, Gatherer, Shaft};
-use accel_core::structures::{Shape, find};
+use accel_core::query::region::{Gathered, Gatherer, Shaft};
+use accel_core::structure::Shape;
+use accel_core::structures::find;
+use accel_core::structures::gatherers;
 use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::cone::circular_cone::Cone;
@@ -22,7 +24,7 @@ use crate::common::{effect_scene, image, settings};
 /// The image by cones, the candidates from the structure of that name.
 fn cones(scene: &Scene, frame: Frame, settings: &Settings, structure: &str) -> Drawn {
     let geometry = Geometry::<f64>::of(scene).unwrap();
-    let shafts = region::find(structure).unwrap();
+    let shafts = gatherers::find(structure).unwrap();
     let shafts = shafts.build(geometry.prims(), &shafts.params([]).unwrap()).unwrap();
     through(scene, frame, settings, shafts.as_ref())
 }
@@ -248,13 +250,13 @@ fn the_image_does_not_depend_on_the_structure() {
         let small = Frame { resolution: [24, 20], max_depth: 3 };
         let settings = Settings { subdivisions: 1, ..Settings::default() };
         let expected = cones(&scene, small, &settings, "brute-force");
-        for entry in region::REGISTRY {
+        for entry in gatherers::REGISTRY {
             let found = cones(&scene, small, &settings, entry.info.name);
             assert_eq!(bits(&found.image), bits(&expected.image), "{}", entry.info.name);
             assert_eq!(found.counts, expected.counts, "{}", entry.info.name);
         }
         let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let entry = region::find("uniform-grid").unwrap();
+        let entry = gatherers::find("uniform-grid").unwrap();
         let shafts = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
         let planted = through(&scene, small, &settings, &OutOfOrder(shafts));
         assert!(rmse(&planted.image, &expected.image) > 1e-3, "{}", scene.name);

@@ -4,9 +4,10 @@
 use std::fs;
 use std::path::Path;
 
-use accel_core::region;
-use accel_core::structures::BuildError;
-use accel_core::tracer::Tracer;
+use accel_core::query::region::Shaft;
+use accel_core::query::tracer::Tracer;
+use accel_core::structure::BuildError;
+use accel_core::structures::gatherers;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
@@ -50,7 +51,7 @@ pub fn run(
     color: Color,
 ) -> Result<u8, Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
-    let shafts = Row::parse(region::REGISTRY, &args.through)?;
+    let shafts = Row::parse(gatherers::REGISTRY, &args.through)?;
     let tracers = tracers(&args.tracers)?;
     let kinds = known(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
@@ -112,7 +113,8 @@ pub fn run(
     let queries = if tracers.iter().any(|name| *name != whitted::INFO.name) {
         let shafts = shafts_of(&scene, &*rays, frame.resolution);
         let rounds = Rounds { rounds, seed: frame.seed, primitives: scene.primitives.len() };
-        queries::measure(region::REGISTRY, double.prims(), &shafts, rounds, clock).map_err(build)?
+        queries::measure(gatherers::REGISTRY, double.prims(), &shafts, rounds, clock)
+            .map_err(build)?
     } else {
         Vec::new()
     };
@@ -181,7 +183,7 @@ fn shafts_of(
     scene: &Scene,
     tracer: &dyn Tracer<f64>,
     resolution: [u32; 2],
-) -> Vec<(region::Shaft, Option<u32>)> {
+) -> Vec<(Shaft, Option<u32>)> {
     let eye = EyeRays::new(&scene.camera, resolution, Sampling::PixelCentres);
     let [w, h] = resolution;
     let centre = |(x, y)| {

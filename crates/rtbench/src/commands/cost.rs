@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use accel_core::structures::BuildError;
+use accel_core::structure::BuildError;
 use renderer::heat_map::heat_map;
 use renderer::work::pixel_work;
 use renderer::{Geometry, RenderSettings};

@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use accel_core::params::ParamSpec;
-use accel_core::primitives::chosen;
-use accel_core::structures::StructureInfo;
+use accel_core::structure::StructureInfo;
+use accel_core::variants::chosen_tests;
 use renderer::RayKind;
 use renderer::tracers::{TRACERS, TracerInfo};
 use serde_json::{Value, json};
@@ -21,9 +21,11 @@ use studies::accuracy::axis::AXES;
 /// [`Error::Output`].
 pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let value = match args.what {
-        Listed::Structures => {
-            context.registry.iter().map(|e| structure(e.info, chosen::PARAMS)).collect::<Vec<_>>()
-        }
+        Listed::Structures => context
+            .registry
+            .iter()
+            .map(|e| structure(e.info, chosen_tests::PARAMS))
+            .collect::<Vec<_>>(),
         Listed::Occluders => context.occluders.iter().map(|e| structure(e.info, &[])).collect(),
         Listed::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
         Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
@@ -65,7 +67,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
                 write_structure(out, e.info)?;
             }
             writeln!(out, "every structure:")?;
-            chosen::PARAMS.iter().try_for_each(|p| write_param(out, p))?;
+            chosen_tests::PARAMS.iter().try_for_each(|p| write_param(out, p))?;
         }
         Format::Text if args.what == Listed::Occluders => {
             for e in context.occluders {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use accel_core::occluders;
 use accel_core::occluders::shadow_path::ShadowPath;
+use accel_core::query::tracer::Tracer;
 use accel_core::structures::Entry;
-use accel_core::tracer::Tracer;
 use renderer::{Geometry, ImageFormat, RenderSettings, render_plan};
 use scene_loading::SampleWishes;
 
@@ -135,7 +135,7 @@ pub fn settings(size: u32, sampling: &SamplingArgs) -> RenderSettings {
 fn shadows<'r>(
     context: &Context<'r>,
     text: &str,
-) -> Result<Option<Row<'r, occluders::Entry>>, PlanError> {
+) -> Result<Option<Row<'r, occluders::Occluding>>, PlanError> {
     if text == STRUCTURE_SHADOWS {
         return Ok(None);
     }

@@ -1,7 +1,6 @@
 //! The process of a [`measurement::rounds::trial`]: loads, builds, says so.
 
-use accel_core::occluders::OccluderScalar;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use renderer::Geometry;
 
 use crate::args::TrialArgs;
@@ -42,7 +41,7 @@ pub fn run(context: &mut Context<'_>, args: &TrialArgs) -> Result<(), Error> {
     Ok(())
 }
 
-fn built<S: Buildable + OccluderScalar>(
+fn built<S: Buildable>(
     context: &mut Context<'_>,
     loaded: &LoadedScene,
     row: &MeasuredRow<'_>,

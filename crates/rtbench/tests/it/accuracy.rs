@@ -8,10 +8,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use crate::common::{Ended, planted, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, obvhs_bvh2,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Ray, Scalar};
 use measurement::scenes::Installed;
 use measurement::system::clock::SystemClock;
@@ -186,7 +185,7 @@ static FICKLE: StructureInfo = StructureInfo {
 };
 
 static PLANTED: &[Entry] = &[
-    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
+    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
     accel_core::entry!(crate::accuracy::Fickle, FICKLE),
 ];
 

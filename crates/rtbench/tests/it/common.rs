@@ -6,11 +6,9 @@ use std::time::Duration;
 use accel_core::occluders;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, no_defect, obvhs_bvh2,
-    obvhs_cwbvh, uniform_grid,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structures::{Entry, brute_force, obvhs, uniform_grid};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
 use measurement::scenes::{Installed, SceneSource};
@@ -105,14 +103,14 @@ static SHIPPED: StructureInfo =
 pub static PLANTED: &[Entry] = &[
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
     accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
-    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
-    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
+    accel_core::entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     accel_core::entry!(crate::common::Dropper, DROPPER),
 ];
 
 /// The wrong one, its defect declared.
 pub static DECLARED: &[Entry] = &[
-    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     accel_core::entry!(crate::common::Dropper, SHIPPED),
 ];
 

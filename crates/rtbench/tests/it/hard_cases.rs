@@ -13,10 +13,9 @@ use std::time::Duration;
 use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show, unsealed};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, brute_force, no_defect,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structures::{Entry, REGISTRY, brute_force};
 use accel_core::{Ray, Scalar};
 use measurement::journal::lines::{Line, read};
 use measurement::record::{SceneRecord, Verdict};

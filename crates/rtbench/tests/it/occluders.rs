@@ -1,10 +1,11 @@
 //! The light buffer as a row of a run and as the shadow path of an image.
 
 use crate::common::{Ended, Folder, PLANTED, row, run, run_over};
-use accel_core::counters::WorkCounters;
 use accel_core::occluders::{self, BoxedOccluder, Occluder, light_buffer};
 use accel_core::params::Params;
-use accel_core::structures::{BuildError, PrimsRef, Shape, StructureInfo};
+use accel_core::primitives::PrimsRef;
+use accel_core::query::counters::WorkCounters;
+use accel_core::structure::{BuildError, Shape, StructureInfo};
 use accel_core::{Ray, Scalar};
 use glam::DVec3;
 use measurement::record::{Answered, Verdict};
@@ -45,7 +46,7 @@ static BRIGHT: StructureInfo = StructureInfo {
     params: &[],
     variants: &[""],
     also_tested: &[],
-    known_defect: accel_core::structures::no_defect,
+    known_defect: accel_core::structure::no_defect,
     sampled: false,
 };
 

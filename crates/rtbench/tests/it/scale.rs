@@ -9,9 +9,10 @@ use crate::common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_step
 use crate::resuming::unsealed;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
 use accel_core::structures::brute_force::BruteForce;
-use accel_core::structures::{BuildError, Entry, Shape, Structure, StructureInfo, obvhs_cwbvh};
+use accel_core::structures::{Entry, obvhs};
 use accel_core::{Ray, Scalar, occluders};
 use measurement::record::{RunRecord, Verdict};
 use measurement::rounds::trial::{BuildLimits, Outcome, TrialBuild};
@@ -110,7 +111,7 @@ impl<S: Scalar> Structure<S> for Quadratic<S> {
 static QUADRATIC_INFO: StructureInfo = planted("quadratic", "takes its time");
 
 static SLOW: &[Entry] = &[
-    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     accel_core::entry!(crate::scale::Quadratic, QUADRATIC_INFO),
 ];
 

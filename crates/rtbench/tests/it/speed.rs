@@ -6,10 +6,9 @@ use std::time::Duration;
 use crate::common::{Ended, Folder, planted, row, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, REGISTRY, Shape, Structure, StructureInfo, obvhs_bvh2, obvhs_cwbvh,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Hit, Ray, Scalar, Vector};
 use measurement::record::query::Query;
 use measurement::record::{RunRecord, Verdict};
@@ -211,8 +210,8 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
 static COHERENT: StructureInfo = planted("coherent", "serves neighbours alone");
 
 static WITH_COHERENT: &[Entry] = &[
-    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
-    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
+    accel_core::entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     accel_core::entry!(crate::speed::Coherent, COHERENT),
 ];
 

@@ -5,10 +5,9 @@ use std::time::Duration;
 
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, Shape, Structure, StructureInfo, obvhs_bvh2, uniform_grid,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structures::{Entry, obvhs, uniform_grid};
 use accel_core::{Ray, Scalar};
 use measurement::record::{RunRecord, SceneRecord, Verdict, Warning};
 use measurement::scenes::Installed;
@@ -42,14 +41,14 @@ static REFERENCE: StructureInfo = planted("obvhs-cwbvh", "in place of the defaul
 /// The default reference is not built over more than 8 primitives: not over `tetra:2`.
 static REFUSING: &[Entry] = &[
     accel_core::entry!(Small, REFERENCE),
-    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
+    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
     accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
 ];
 
 /// It is wrong.
 static WRONG: &[Entry] = &[
     accel_core::entry!(Dropper, REFERENCE),
-    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
+    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
     accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
 ];
 

@@ -170,50 +170,49 @@ struct Planted<S>(
     bool,
 );
 
-impl<S: accel_core::Scalar> accel_core::structures::Structure<S> for Planted<S> {
+impl<S: accel_core::Scalar> accel_core::structure::Structure<S> for Planted<S> {
     fn build<P: accel_core::primitives::PrimSet<S>>(
         prims: &P,
         params: &accel_core::params::Params,
-    ) -> Result<Self, accel_core::structures::BuildError> {
+    ) -> Result<Self, accel_core::structure::BuildError> {
         let is_right = params.integer("depth") == 1;
         Ok(Self(
-            accel_core::structures::Structure::<S>::build(prims, params)?,
-            accel_core::structures::Structure::<S>::build(prims, params)?,
+            accel_core::structure::Structure::<S>::build(prims, params)?,
+            accel_core::structure::Structure::<S>::build(prims, params)?,
             is_right,
         ))
     }
 
-    fn walk<K: accel_core::sink::Sink<S>>(&self, ray: &accel_core::Ray<S>, sink: &mut K) {
+    fn walk<K: accel_core::query::sink::Sink<S>>(&self, ray: &accel_core::Ray<S>, sink: &mut K) {
         if self.2 { self.0.walk(ray, sink) } else { self.1.walk(ray, sink) }
     }
 
-    fn shape(&self) -> accel_core::structures::Shape {
-        accel_core::structures::Structure::<S>::shape(&self.1)
+    fn shape(&self) -> accel_core::structure::Shape {
+        accel_core::structure::Structure::<S>::shape(&self.1)
     }
 }
 
-static PLANTED_INFO: accel_core::structures::StructureInfo =
-    accel_core::structures::StructureInfo {
-        name: "planted",
-        summary: "wrong at all depths but 1",
-        paper: "none",
-        deviations: "none",
-        params: &[accel_core::params::ParamSpec {
-            name: "depth",
-            summary: "",
-            default: "1",
-            kind: accel_core::params::ParamKind::Integer { min: 0, max: 9 },
-        }],
-        variants: &[""],
-        also_tested: &[],
-        known_defect: accel_core::structures::no_defect,
-        sampled: false,
-    };
+static PLANTED_INFO: accel_core::structure::StructureInfo = accel_core::structure::StructureInfo {
+    name: "planted",
+    summary: "wrong at all depths but 1",
+    paper: "none",
+    deviations: "none",
+    params: &[accel_core::params::ParamSpec {
+        name: "depth",
+        summary: "",
+        default: "1",
+        kind: accel_core::params::ParamKind::Integer { min: 0, max: 9 },
+    }],
+    variants: &[""],
+    also_tested: &[],
+    known_defect: accel_core::structure::no_defect,
+    sampled: false,
+};
 
 static WRONG_SWEPT: &[accel_core::structures::Entry] = &[
     accel_core::entry!(
-        accel_core::structures::obvhs_cwbvh::ObvhsCwBvh,
-        accel_core::structures::obvhs_cwbvh::INFO
+        accel_core::structures::obvhs::cwbvh::ObvhsCwBvh,
+        accel_core::structures::obvhs::cwbvh::INFO
     ),
     accel_core::entry!(crate::sweep::Planted, PLANTED_INFO),
 ];

@@ -2,10 +2,9 @@
 
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, uniform_grid,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Ray, Scalar};
 use measurement::record::{Verdict, Warning};
 use measurement::scenes::Installed;

@@ -1,11 +1,11 @@
 //! The oracles of `rtbench verify` refute what is wrong: each is shown a planted fault, and the
 //! right answer beside it.
 
-use accel_core::cell_walk::{CellPosition, CellWalk};
-use accel_core::distance_field::{Metric, distances};
-use accel_core::mailbox::{Mailbox, MailboxSource, Stamps};
+use accel_core::grid::cell_walk::{CellPosition, CellWalk};
+use accel_core::grid::distance_field::{Metric, distances};
+use accel_core::grid::voxel_walk::GridFrame;
 use accel_core::primitives::{PrimSet, TriangleSet};
-use accel_core::voxel_walk::GridFrame;
+use accel_core::query::mailbox::{Mailbox, MailboxSource, Stamps};
 use accel_core::{Hit, Ray, Vector};
 use renderer::leaving::OffsetRule;
 use statistics::random::Random;

@@ -8,10 +8,9 @@ use crate::common::{
 };
 use accel_core::params::Params;
 use accel_core::primitives::{PrimSet, TriangleSet};
-use accel_core::sink::Sink;
-use accel_core::structures::{
-    BuildError, Entry, Shape, Structure, StructureInfo, brute_force, uniform_grid,
-};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
 use measurement::scenes::Installed;
 use measurement::system::clock::{SteppingClock, SystemClock};

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
+use accel_core::query::tracer::Tracer;
 use accel_core::structures::Entry;
-use accel_core::tracer::Tracer;
 use accel_core::{Hit, Ray};
 use glam::{DVec3, dvec3};
 use renderer::leaving::OffsetRule;

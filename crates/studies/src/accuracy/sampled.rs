@@ -3,7 +3,7 @@
 //! The reference is the mean of two images of many samples with different seeds; its own error is
 //! half the distance between the two. Errors that are not ten times that are not told from it.
 
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 

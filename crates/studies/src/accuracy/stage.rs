@@ -2,10 +2,12 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use accel_core::counters::WorkCounters;
 use accel_core::occluders;
-use accel_core::structures::{BuildError, Buildable, Entry, Shape};
-use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::registry::Buildable;
+use accel_core::structure::{BuildError, Shape};
+use accel_core::structures::Entry;
 use accel_core::{Hit, Ray, Scalar};
 use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;

@@ -11,7 +11,7 @@
 pub mod model;
 pub mod test_time;
 
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
 use renderer::work::Counted;
 use renderer::{Effect, EffectPlan, RenderSettings, render_plan};
 use scene_loading::Scene;

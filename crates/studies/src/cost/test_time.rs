@@ -5,7 +5,7 @@
 //! Hierarchies for Ray Tracing", IEEE CG&A 7(5), 1987), with rays through those boxes.
 
 use accel_core::primitives::PrimSet;
-use accel_core::structures::PrimsRef;
+use accel_core::primitives::PrimsRef;
 use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
 

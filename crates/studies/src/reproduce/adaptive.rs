@@ -1,12 +1,14 @@
 //! The adaptive grid's settings of 1999: ratio f, largest surface m, orphans in a grid or not.
 
-use accel_core::counters::NoCounters;
+use accel_core::historical::shadow_sink::HistoricalShadow;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
-use accel_core::sink::{ClosestHit, HistoricalShadow};
+use accel_core::primitives::PrimsRef;
+use accel_core::query::counters::NoCounters;
+use accel_core::query::sink::ClosestHit;
+use accel_core::query::tracer::{Bound, ShadowRule};
+use accel_core::structure::Structure;
 use accel_core::structures::adaptive_grid::AdaptiveGrid;
-use accel_core::structures::{PrimsRef, Structure};
-use accel_core::tracer::{Bound, ShadowRule};
 use renderer::RayKind;
 
 use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};

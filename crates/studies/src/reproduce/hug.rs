@@ -1,6 +1,6 @@
 //! HUG's five settings of 1999: HNG size classes, gap HCN, historical boxes.
 
-use accel_core::tracer::ShadowRule;
+use accel_core::query::tracer::ShadowRule;
 
 use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 

@@ -5,7 +5,7 @@
 //! Samet 1989, Gargantini and Atkinson 1993. Unlike in the grid tables, N_IT is per hit that was
 //! required (IntersRequired), not per ray.
 
-use accel_core::tracer::{ShadowRule, Tracer};
+use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
 use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};

@@ -1,7 +1,7 @@
 //! The recursive grid's four settings of 1999: RMD, the depth of the deepest grids, and RHT, `+`
 //! for the heterogeneous resolution and `-` for the cube root.
 
-use accel_core::tracer::{ShadowRule, Tracer};
+use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
 use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};

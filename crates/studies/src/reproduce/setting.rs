@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use accel_core::Hit;
-use accel_core::structures::{BuildError, Entry, Shape, find};
-use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
-use accel_core::{counters::WorkCounters, params::ParamError};
+use accel_core::params::ParamError;
+use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::structure::{BuildError, Shape};
+use accel_core::structures::{Entry, find};
 use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;
 use scene_loading::procedural::{SpecError, generate_as_printed};

@@ -1,7 +1,7 @@
 //! The uniform grid's three settings of 1999: published resolutions, historical boxes, reversed
 //! lists.
 
-use accel_core::tracer::ShadowRule;
+use accel_core::query::tracer::ShadowRule;
 
 use super::setting::{
     Counted, PublishedScene, ReproduceError, Setting, Work, grid_counters, registered,

@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use accel_core::structures::{obvhs_bvh2, obvhs_cwbvh};
+use accel_core::structures::obvhs::{bvh2, cwbvh};
 
 use measurement::record::query::Query;
 use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
@@ -47,7 +47,7 @@ impl PictureTime {
         Some(Self {
             label: row.label(),
             query: row.query,
-            is_obvhs: [obvhs_bvh2::INFO.name, obvhs_cwbvh::INFO.name].contains(&&*row.structure),
+            is_obvhs: [bvh2::INFO.name, cwbvh::INFO.name].contains(&&*row.structure),
             seconds: median(&rounds.values().copied().collect::<Vec<_>>())?,
             rounds,
         })

@@ -1,7 +1,7 @@
 //! The rules of thumb for the number of voxels, as rows beside a sweep.
 
+use accel_core::grid::resolution::ResolutionRule;
 use accel_core::params::{ParamKind, ParamSpec};
-use accel_core::resolution::ResolutionRule;
 use accel_core::structures::Entry;
 
 use measurement::plan::rows::Assignments;

@@ -13,8 +13,8 @@ pub mod report;
 
 use std::collections::BTreeMap;
 
-use accel_core::region::Work;
-use accel_core::tracer::Tracer;
+use accel_core::query::region::Work;
+use accel_core::query::tracer::Tracer;
 use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
 use renderer::{Image, render_plan};
 use scene_loading::{Scene, Shape};

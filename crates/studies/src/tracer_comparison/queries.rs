@@ -1,8 +1,10 @@
 //! What it costs to find the candidates of a beam or cone: one query a pixel, through every
 //! structure that answers shafts. Brute force is what they are compared with.
 
-use accel_core::region::{self, Gathered, Gatherer, Shaft, Work};
-use accel_core::structures::{BuildError, PrimsRef};
+use accel_core::primitives::PrimsRef;
+use accel_core::query::region::{Gathered, Gatherer, Shaft, Work};
+use accel_core::structure::BuildError;
+use accel_core::structures::gatherers;
 use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
 use scene_loading::{Bounds, Camera};
@@ -85,7 +87,7 @@ fn missed(gatherer: &dyn Gatherer, shafts: &[&(Shaft, Option<u32>)]) -> usize {
 /// # Errors
 /// [`BuildError`] of the first structure that cannot be built.
 pub fn measure(
-    registry: &[region::Entry],
+    registry: &[gatherers::Entry],
     prims: PrimsRef<'_, f64>,
     shafts: &[(Shaft, Option<u32>)],
     rounds: Rounds,
@@ -139,10 +141,10 @@ mod tests {
 
     use accel_core::params::Params;
     use accel_core::primitives::PrimSet;
-    use accel_core::region::ShaftWalk;
-    use accel_core::sink::Sink;
+    use accel_core::query::region::ShaftWalk;
+    use accel_core::query::sink::Sink;
+    use accel_core::structure::{Shape, Structure};
     use accel_core::structures::uniform_grid::{INFO, UniformGrid};
-    use accel_core::structures::{Shape, Structure};
     use accel_core::{Hit, Ray, Vec3, Vector};
     use renderer::Geometry;
 
@@ -198,12 +200,12 @@ mod tests {
             .collect();
         let rounds = Rounds { rounds: 2, seed: 1, primitives: scene.primitives.len() };
         let clock = SteppingClock::new(Duration::from_millis(1));
-        let asked = |registry: &[region::Entry]| {
+        let asked = |registry: &[gatherers::Entry]| {
             measure(registry, geometry.prims(), &shafts, rounds, &clock).unwrap()
         };
-        let rows = asked(region::REGISTRY);
+        let rows = asked(gatherers::REGISTRY);
         assert!(rows.iter().all(|r| r.missed == 0 && r.ratio.holds(1.0)), "{rows:?}");
-        let planted = [region::Entry::new(&INFO, region::build::<Loser>)];
+        let planted = [gatherers::line(&INFO, gatherers::build::<Loser>)];
         assert!(asked(&planted)[0].missed > 0);
     }
 }

@@ -1,6 +1,6 @@
 //! The image to compare with: many samples a pixel, of two seeds, so that its own error is known.
 
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use accel_core::region::Work;
+use accel_core::query::region::Work;
 use serde_json::{Value, json};
 
 use super::equal_error::AtError;

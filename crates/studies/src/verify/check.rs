@@ -3,7 +3,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use accel_core::Ray;
-use accel_core::structures::{BuildError, Buildable, Entry};
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::structures::Entry;
 use rayon::prelude::*;
 
 use super::judge::{Judge, Judged, Mismatch};

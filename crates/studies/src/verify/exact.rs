@@ -65,7 +65,7 @@ impl Soup {
     }
 
     /// The distance from there to the farthest corner on any axis; of far origins, to where
-    /// the product moves them first (`accel_core::far_ray`).
+    /// the product moves them first (`accel_core::geometry::far_ray`).
     pub fn reach(&self, from: DVec3) -> f64 {
         let [low, high] = self.bounds;
         let far = (from - low).abs().max((from - high).abs()).max_element();

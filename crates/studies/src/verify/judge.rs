@@ -4,8 +4,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use accel_core::primitives::PrimSet;
-use accel_core::structures::{BuildError, Buildable};
-use accel_core::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
 
 use super::digest::Digest;

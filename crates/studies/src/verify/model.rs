@@ -1,8 +1,8 @@
 //! The scene of a round: triangles alone, or primitives of any kind.
 
 use accel_core::Scalar;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSet, MixedSetBuilder, PrimitiveError, TriangleSet};
-use accel_core::structures::PrimsRef;
 use glam::DVec3;
 
 /// Three corners.

@@ -1,7 +1,10 @@
 //! What is put to the test: a structure, a part of structures, or the negative control.
 
-use accel_core::structures::{BuildError, Buildable, Entry, PrimsRef, find};
-use accel_core::tracer::Tracer;
+use accel_core::primitives::PrimsRef;
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::structures::{Entry, find};
 
 use super::model::Model;
 use super::registry::{Ask, Case, parts};

@@ -8,7 +8,7 @@
 
 use glam::DVec2;
 
-use super::footprint::HalfPlane;
+use crate::occluders::light_buffer::footprint::HalfPlane;
 
 /// A spot is this many bits of u and of v below its cell.
 pub(super) const SPOT_BITS: u32 = 7;

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
 /// Faces of a cube.
 pub(super) const FACES: usize = 6;

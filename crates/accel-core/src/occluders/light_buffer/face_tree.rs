@@ -7,10 +7,10 @@
 
 use glam::{DVec2, dvec2};
 
-use super::cell_part::{Part, SPOT_BITS, Spot};
-use super::margins::Margins;
-use crate::ray::MISS;
-use crate::scalar::Scalar;
+use crate::geometry::ray::MISS;
+use crate::geometry::scalar::Scalar;
+use crate::occluders::light_buffer::cell_part::{Part, SPOT_BITS, Spot};
+use crate::occluders::light_buffer::margins::Margins;
 
 /// An entry of a list.
 #[derive(Debug, Clone, Copy)]

@@ -6,81 +6,16 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::direction_cube::{FACES, in_frame};
-use super::face_tree::{Cells, DIVIDED, END, Face, LONG};
-use super::facing::Facing;
-use super::filling::{Limits, fill_face};
-use super::footprint::{Projection, Seen};
-use super::margins::Margins;
-use super::sheets::{SHEET, Sheet, Shown};
-use crate::primitives::{Ball, PrimSet, PrimitiveKind};
-use crate::scalar::Scalar;
-
-/// A primitive.
-#[derive(Debug, Clone, Copy)]
-struct Body {
-    id: u32,
-    /// The end of its balls.
-    last: u32,
-    is_outline: bool,
-}
-
-/// The opaque primitives of a set as balls; what the cubes of all lights are filled from.
-pub(super) struct Bodies {
-    bodies: Vec<Body>,
-    balls: Vec<Ball>,
-    /// All are triangles that share edges without a gap.
-    are_tight: bool,
-}
-
-impl Bodies {
-    /// Of all opaque primitives, grown by `margin`.
-    pub(super) fn of<S: Scalar, P: PrimSet<S>>(prims: &P, margin: f64) -> Self {
-        let are_tight = prims.is_watertight();
-        let mut this =
-            Self { bodies: Vec::with_capacity(prims.len()), balls: Vec::new(), are_tight };
-        for id in (0..prims.len() as u32).filter(|&id| prims.is_opaque(id)) {
-            prims.hull(id, &mut this.balls);
-            let is_flat =
-                matches!(prims.kind(id), PrimitiveKind::Triangle | PrimitiveKind::Polygon);
-            let is_outline = is_flat && !prims.moves(id);
-            this.bodies.push(Body { id, last: this.balls.len() as u32, is_outline });
-        }
-        for ball in &mut this.balls {
-            ball.radius += margin;
-        }
-        this
-    }
-
-    fn own(&self, body: usize) -> &[Ball] {
-        let first = body.checked_sub(1).map_or(0, |before| self.bodies[before].last);
-        &self.balls[first as usize..self.bodies[body].last as usize]
-    }
-}
-
-/// All bodies, as seen in the frame of a face.
-pub(super) struct Sight<'a> {
-    bodies: &'a Bodies,
-    light: DVec3,
-    face: usize,
-}
-
-impl Sight<'_> {
-    fn local(&self, ball: &Ball) -> Ball {
-        Ball { center: in_frame(self.face, ball.center - self.light), ..*ball }
-    }
-
-    /// Whether bodies that share edges leave no gap there.
-    pub(super) fn is_tight(&self) -> bool {
-        self.bodies.are_tight
-    }
-
-    /// The corners of a triangle, in world space and in the frame of the face.
-    pub(super) fn triangle(&self, body: u32) -> Option<([DVec3; 3], [Ball; 3])> {
-        let balls: &[Ball; 3] = self.bodies.own(body as usize).try_into().ok()?;
-        Some((balls.map(|b| b.center), balls.each_ref().map(|b| self.local(b))))
-    }
-}
+use crate::geometry::scalar::Scalar;
+use crate::occluders::light_buffer::bodies::{Bodies, Sight};
+use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
+use crate::occluders::light_buffer::face_tree::{Cells, DIVIDED, END, Face, LONG};
+use crate::occluders::light_buffer::facing::Facing;
+use crate::occluders::light_buffer::filling::{Limits, fill_face};
+use crate::occluders::light_buffer::footprint::{Projection, Seen};
+use crate::occluders::light_buffer::margins::Margins;
+use crate::occluders::light_buffer::sheets::{SHEET, Sheet, Shown};
+use crate::primitives::Ball;
 
 /// The six faces around a light.
 pub(super) fn faces<S: Scalar>(

@@ -7,13 +7,15 @@
 use glam::{DVec2, dvec2};
 use rayon::prelude::*;
 
-use super::cell_part::{Clip, SPOT_BITS};
-use super::face_tree::{COVERED, Cells, DIVIDED, Face, LEVEL_BITS, LONG, Record};
-use super::fill::Sight;
-use super::layers::Layers;
-use super::margins::Margins;
-use super::sheets::Shown;
-use crate::scalar::Scalar;
+use crate::geometry::scalar::Scalar;
+use crate::occluders::light_buffer::bodies::Sight;
+use crate::occluders::light_buffer::cell_part::{Clip, SPOT_BITS};
+use crate::occluders::light_buffer::face_tree::{
+    COVERED, Cells, DIVIDED, Face, LEVEL_BITS, LONG, Record,
+};
+use crate::occluders::light_buffer::layers::Layers;
+use crate::occluders::light_buffer::margins::Margins;
+use crate::occluders::light_buffer::sheets::Shown;
 
 /// Subcells of a cell.
 const FAN: usize = 16;

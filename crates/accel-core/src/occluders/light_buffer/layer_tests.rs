@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
-use super::layers::Layers;
-use super::margins::Margins;
-use super::*;
 use crate::occluders::find;
+use crate::occluders::light_buffer::layers::Layers;
+use crate::occluders::light_buffer::margins::Margins;
+use crate::occluders::light_buffer::*;
 use crate::primitives::{Ball, TriangleSet};
 use crate::structures::test_scenes::{Random, occlusions};
 

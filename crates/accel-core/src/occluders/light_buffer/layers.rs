@@ -13,7 +13,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::margins::Margins;
+use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::Ball;
 
 /// A triangle as a face shows it.

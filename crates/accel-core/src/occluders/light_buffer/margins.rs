@@ -6,7 +6,7 @@
 //! division round once each. So a cell that lists every primitive of which a point within
 //! `position` is seen from L in the cell grown by `direction` misses none.
 
-use crate::scalar::Scalar;
+use crate::geometry::scalar::Scalar;
 
 /// Margins of a build, in f64.
 #[derive(Debug, Clone, Copy)]

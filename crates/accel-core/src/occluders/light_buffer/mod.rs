@@ -12,6 +12,8 @@
 //! tested; depths are lengths along the axis of the face, which order as distances do. Everything
 //! is conservative (see `margins.rs`), so that answers are those of every structure.
 
+mod aim;
+mod bodies;
 mod cell_part;
 mod direction_cube;
 mod face_tree;
@@ -31,22 +33,25 @@ mod tests;
 
 use glam::DVec3;
 
-use self::direction_cube::{FACES, Place, place};
+use self::aim::Aim;
+use self::bodies::Bodies;
+use self::direction_cube::FACES;
 use self::face_tree::{COVERED, Cells, Face, LONG};
-use self::fill::{Bodies, ID_LIMIT, INDEX_LIMIT, largest_index};
+use self::fill::{ID_LIMIT, INDEX_LIMIT, largest_index};
 use self::filling::Limits;
 use self::margins::Margins;
 use self::on_demand::OnDemand;
 use self::remainder::Remainder;
-use super::{BoxedOccluder, Occluder};
-use crate::bounds_rule::{BoundsOf, BoundsRule};
-use crate::counters::{Counters, NoCounters, WorkCounters};
-use crate::far_ray;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::occluders::{BoxedOccluder, Occluder};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
-use crate::structures::{BuildError, Buildable, PrimsRef, Shape, StructureInfo, no_defect};
+use crate::primitives::PrimsRef;
+use crate::query::counters::{Counters, NoCounters, WorkCounters};
+use crate::registry::Buildable;
+use crate::structure::{BuildError, Shape, StructureInfo, no_defect};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -133,7 +138,7 @@ struct LightBuffer<'a, S: Scalar, P> {
     remainder: Remainder<'a, S, P>,
 }
 
-/// Builds a light buffer; see [`super::Entry::build`].
+/// Builds a light buffer; see [`crate::occluders::Entry::build`].
 ///
 /// # Errors
 /// [`BuildError`] when the set cannot be served.
@@ -204,35 +209,6 @@ fn checked<S: Scalar, P: PrimSet<S>>(
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
     let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
     Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
-}
-
-/// Which rays the cells speak for: those from the scene to the light.
-#[derive(Debug, Clone, Copy)]
-struct Aim<S> {
-    /// Largest distance on an axis from the end of a ray to its light.
-    end: S,
-    /// See `far_ray.rs`.
-    reach: S,
-}
-
-impl<S: Scalar> Aim<S> {
-    fn new<P: PrimSet<S>>(prims: &P, margins: &Margins) -> Self {
-        let reach = far_ray::reach(prims.magnitude());
-        Self { end: S::from_f64(margins.end), reach }
-    }
-
-    /// Where a ray starts as seen from its light, or `None` for a ray that does not run there.
-    #[inline(always)]
-    fn place(&self, ray: &Ray<S>, light: Vec3<S>) -> Option<Place<S>> {
-        let from_light = ray.origin - light;
-        let place = place(from_light);
-        // NaN fails every one of these
-        let is_aimed = is_within::<S>(from_light + ray.direction * ray.t_max, self.end)
-            & is_within::<S>(ray.origin, self.reach)
-            & (place.depth > self.end * S::from_f64(4.0))
-            & (ray.t_min >= S::ZERO);
-        is_aimed.then_some(place)
-    }
 }
 
 /// What the buffer says of a ray.
@@ -330,13 +306,6 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         }
         Answer::Free
     }
-}
-
-/// Whether no component is larger than `limit`; false for NaN.
-#[inline(always)]
-fn is_within<S: Scalar>(v: Vec3<S>, limit: S) -> bool {
-    let [x, y, z] = v.to_array();
-    (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit)
 }
 
 impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {

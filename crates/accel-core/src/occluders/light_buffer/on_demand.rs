@@ -12,18 +12,20 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::DVec3;
 
-use super::Aim;
-use super::direction_cube::{FACES, in_frame};
-use super::face_tree::Face;
-use super::footprint::{Projection, Seen};
-use super::margins::Margins;
-use super::remainder::Remainder;
-use crate::counters::{Counters, NoCounters, WorkCounters};
+use crate::geometry::ray::{MISS, Ray};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::occluders::Occluder;
+use crate::occluders::light_buffer::aim::Aim;
+use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
+use crate::occluders::light_buffer::face_tree::Face;
+use crate::occluders::light_buffer::footprint::{Projection, Seen};
+use crate::occluders::light_buffer::margins::Margins;
+use crate::occluders::light_buffer::remainder::Remainder;
+use crate::primitives::PrimsRef;
 use crate::primitives::{Ball, PrimSet};
-use crate::ray::{MISS, Ray};
-use crate::scalar::{Scalar, Vec3, Vector};
-use crate::structures::{BuildError, Buildable, PrimsRef, Shape};
+use crate::query::counters::{Counters, NoCounters, WorkCounters};
+use crate::registry::Buildable;
+use crate::structure::{BuildError, Shape};
 
 /// A light, and the faces of its cube, each one flat grid over what shows the scene.
 struct FlatCube<S: Scalar> {

@@ -3,13 +3,16 @@
 
 use std::sync::OnceLock;
 
-use crate::counters::WorkCounters;
-use crate::far_ray::{self, Place};
+use crate::geometry::far_ray::{self, Place};
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::ray::{Hit, Ray};
-use crate::scalar::Scalar;
-use crate::structures::{self, BuildError, Buildable, PrimsRef, obvhs_cwbvh};
-use crate::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::primitives::PrimsRef;
+use crate::query::counters::WorkCounters;
+use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::registry::Buildable;
+use crate::structure::BuildError;
+use crate::structures::{self, obvhs::cwbvh};
 
 /// A structure made when it is first needed, over the same primitives.
 pub(super) struct Remainder<'a, S: Scalar, P> {
@@ -98,6 +101,6 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
 fn structure<'a, S: Buildable>(
     prims: PrimsRef<'a, S>,
 ) -> Result<Option<Box<dyn Tracer<S> + 'a>>, BuildError> {
-    let Some(entry) = structures::find(obvhs_cwbvh::INFO.name) else { return Ok(None) };
+    let Some(entry) = structures::find(cwbvh::INFO.name) else { return Ok(None) };
     Ok(Some(entry.build(prims, &entry.params([])?)?))
 }

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::facing::Facing;
-use super::footprint::{Footprint, HalfPlane};
+use crate::occluders::light_buffer::facing::Facing;
+use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane};
 
 /// Primitives of a sheet, at most.
 pub(super) const SHEET: usize = 1 << SHEET_BITS;

@@ -2,9 +2,9 @@
 
 use glam::{DVec3, dvec3};
 
-use super::face_tree::{COVERED, END, LONG};
-use super::*;
 use crate::occluders::find;
+use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG};
+use crate::occluders::light_buffer::*;
 use crate::primitives::{MixedSet, MixedSetBuilder};
 use crate::structures::test_scenes::{Random, built, hard_scenes, mixed_scene, occlusions, rays};
 
@@ -278,7 +278,9 @@ fn cells_do_not_depend_on_the_number_of_threads() {
     };
     let (one, three) = (built(1), built(3));
     assert_eq!(one.cells, three.cells);
-    let words = |r: &super::face_tree::Record<f32>| (r.near.to_bits(), r.id, r.part);
+    let words = |r: &crate::occluders::light_buffer::face_tree::Record<f32>| {
+        (r.near.to_bits(), r.id, r.part)
+    };
     assert!(one.records.iter().map(words).eq(three.records.iter().map(words)));
 }
 

@@ -7,11 +7,11 @@
 
 use glam::DVec3;
 
-use super::volume::{Volume, box_around};
-use crate::bounds_rule::BoundsOf;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::historical::bounds_rule::BoundsOf;
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
+use crate::structures::bounding_volumes::volume::{Volume, box_around};
 
 /// A sphere with its inside, world units.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,14 +1,14 @@
 //! Neighbouring primitives: sets of them, halved at the median of their centres.
 
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::PrimSet;
-use crate::scalar::{Scalar, Vector};
 
 /// The centres of the boxes of all primitives.
-pub(in crate::structures) struct Centres<S>(Vec<[S; 3]>);
+pub(crate) struct Centres<S>(Vec<[S; 3]>);
 
 impl<S: Scalar> Centres<S> {
     /// Looks at all primitives once.
-    pub(in crate::structures) fn of<P: PrimSet<S>>(prims: &P) -> Self {
+    pub(crate) fn of<P: PrimSet<S>>(prims: &P) -> Self {
         let half = S::from_f64(0.5);
         let centre = |id| {
             let b = prims.bounds(id);
@@ -19,7 +19,7 @@ impl<S: Scalar> Centres<S> {
 
     /// Brings the `lower` ids with the lowest centres to the front, on the axis on which the
     /// centres spread most; equal centres are taken in the order of ids.
-    pub(in crate::structures) fn cut(&self, ids: &mut [u32], lower: usize) {
+    pub(crate) fn cut(&self, ids: &mut [u32], lower: usize) {
         if lower >= ids.len() {
             return;
         }

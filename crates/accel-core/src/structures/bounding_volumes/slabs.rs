@@ -7,11 +7,11 @@
 
 use glam::{DVec3, dvec3};
 
-use super::volume::Volume;
-use crate::bounds_rule::BoundsOf;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::historical::bounds_rule::BoundsOf;
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::structures::bounding_volumes::volume::Volume;
 
 /// The axes, then the diagonals of the cube.
 const NORMALS: [DVec3; 7] = [
@@ -25,7 +25,7 @@ const NORMALS: [DVec3; 7] = [
 ];
 
 /// The plane normals of a volume of `K` slabs: 3 are the axes, 4 the diagonals, 7 all of them.
-pub(in crate::structures) const fn normals<const K: usize>() -> [DVec3; K] {
+pub(crate) const fn normals<const K: usize>() -> [DVec3; K] {
     const { assert!(K == 3 || K == 4 || K == 7) };
     let first = if K == 4 { 3 } else { 0 };
     let mut normals = [DVec3::ZERO; K];
@@ -47,18 +47,18 @@ fn paddings(normal: DVec3) -> f64 {
 
 /// The intersection of `K` slabs, as intervals of the dot product with each normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::structures) struct Slabs<S, const K: usize> {
+pub(crate) struct Slabs<S, const K: usize> {
     intervals: [[S; 2]; K],
 }
 
 impl<S: Scalar, const K: usize> Slabs<S, K> {
     /// The volume that holds nothing.
-    pub(in crate::structures) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Self { intervals: [[S::INFINITY, -S::INFINITY]; K] }
     }
 
     /// The smallest volume around both.
-    pub(in crate::structures) fn union(mut self, other: &Self) -> Self {
+    pub(crate) fn union(mut self, other: &Self) -> Self {
         for (all, new) in self.intervals.iter_mut().zip(&other.intervals) {
             *all = [new[0].lesser(all[0]), new[1].greater(all[1])];
         }
@@ -68,7 +68,7 @@ impl<S: Scalar, const K: usize> Slabs<S, K> {
 
 /// A ray along one normal.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::structures) struct Along<S> {
+pub(crate) struct Along<S> {
     /// Dot product of the origin; NaN, which constrains nothing, if a dot product overflows.
     origin: S,
     /// Reciprocal of the dot product of the direction; infinity if that is zero.

@@ -1,22 +1,20 @@
 //! What a bounding volume is to the structures that use one; boxes as the simplest kind.
 
-use crate::aabb::Aabb;
-use crate::bounds_rule::BoundsOf;
-use crate::box_test::BoxTest;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::box_test::BoxTest;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3};
+use crate::historical::bounds_rule::BoundsOf;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vec3};
 
 /// A closed volume around primitives.
-pub(in crate::structures) trait Volume<S: Scalar>:
-    Copy + Send + Sync
-{
+pub(crate) trait Volume<S: Scalar>: Copy + Send + Sync {
     /// What its test needs to know of a ray, computed once a ray.
     type RaySetup;
 
     /// The volume around the primitives, padded so that no rounding, of the test or of a hit
-    /// point, loses a hit. The boxes are [`crate::bounds_rule::BoundsRule::Padded`] ones.
+    /// point, loses a hit. The boxes are [`crate::historical::bounds_rule::BoundsRule::Padded`] ones.
     fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self;
 
     /// Prepares a ray.

@@ -146,3 +146,6 @@ unsafe extern "C" {
     pub(super) fn rtcIntersect1(scene: Handle, context: *mut Context, ray: *mut RayHit);
     pub(super) fn rtcOccluded1(scene: Handle, context: *mut Context, ray: *mut Ray);
 }
+
+/// Id of the geometry that holds triangles.
+pub(super) const TRIANGLES: u32 = 0;

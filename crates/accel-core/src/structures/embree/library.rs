@@ -5,11 +5,9 @@ use std::sync::atomic::{AtomicI64, Ordering};
 
 use obvhs::aabb::Aabb as ObvhsAabb;
 
-use super::ffi::{self, Handle};
-use super::query::{occluded_primitive, test_primitive, test_triangle};
+use crate::structures::embree::callbacks::{occluded_primitive, test_primitive, test_triangle};
+use crate::structures::embree::ffi::{self, Handle};
 
-/// Id of the geometry that holds triangles.
-pub(super) const TRIANGLES: u32 = 0;
 /// Id of the geometry whose primitives are tested by callbacks.
 const CALLBACKS: u32 = 1;
 
@@ -113,7 +111,7 @@ impl Library {
             }
             ffi::rtcSetGeometryOccludedFilterFunction(geometry, test_triangle);
             ffi::rtcCommitGeometry(geometry);
-            ffi::rtcAttachGeometryByID(self.scene, geometry, TRIANGLES);
+            ffi::rtcAttachGeometryByID(self.scene, geometry, ffi::TRIANGLES);
             ffi::rtcReleaseGeometry(geometry);
         }
         Ok(())

@@ -16,18 +16,21 @@
 //! boxes padded. Its nodes cannot be looked at: shapes have no cells, and steps are those into
 //! candidates.
 
+mod callbacks;
 mod ffi;
 mod library;
 mod query;
+mod scene;
 
-use super::obvhs_adapter::{RaySetup, boxes};
-use super::{BuildError, Shape, Structure, StructureInfo};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo};
+use crate::structures::obvhs::adapter::boxes;
 use library::{Input, Library};
+use scene::Scene;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -68,15 +71,7 @@ fn known_defect(params: &Params) -> Option<&'static str> {
 }
 
 /// A scene of Embree over our primitives.
-pub struct Embree<S: Scalar> {
-    library: Library,
-    setup: RaySetup<S>,
-    /// Ids of the triangles that the library tests.
-    triangle_ids: Vec<u32>,
-    /// Ids of the primitives that it knows the boxes of.
-    boxed_ids: Vec<u32>,
-    is_native: bool,
-}
+pub struct Embree<S: Scalar>(Scene<S>);
 
 impl<S: Scalar> Structure<S> for Embree<S> {
     const DUPLICATES: bool = false;
@@ -113,17 +108,17 @@ impl<S: Scalar> Structure<S> for Embree<S> {
         };
         let library =
             Library::build(&input).map_err(|message| BuildError::Library { structure, message })?;
-        Ok(Self { library, setup, triangle_ids, boxed_ids, is_native })
+        Ok(Self(Scene { library, setup, triangle_ids, boxed_ids, is_native }))
     }
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        query::walk(self, ray, sink);
+        query::walk(&self.0, ray, sink);
     }
 
     fn shape(&self) -> Shape {
-        let references = (self.triangle_ids.len() + self.boxed_ids.len()) as u64;
-        let bytes = self.library.bytes() + references * 4;
+        let references = (self.0.triangle_ids.len() + self.0.boxed_ids.len()) as u64;
+        let bytes = self.0.library.bytes() + references * 4;
         Shape { references, bytes, ..Shape::default() }
     }
 }
@@ -131,10 +126,11 @@ impl<S: Scalar> Structure<S> for Embree<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::ray::Hit;
+    use crate::primitives::PrimsRef;
     use crate::primitives::{TriangleSet, Watertight};
-    use crate::ray::Hit;
+    use crate::structures::find;
     use crate::structures::test_scenes::{Random, closest_hits, occlusions};
-    use crate::structures::{PrimsRef, find};
 
     fn soup(n: usize) -> TriangleSet<f32, Watertight> {
         let mut random = Random(5);

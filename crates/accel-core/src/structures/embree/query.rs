@@ -2,33 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use super::Embree;
-use super::ffi::{self, Context, FilterArguments, PrimitiveArguments};
-use super::library::TRIANGLES;
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
-use crate::structures::obvhs_adapter::BoxRay;
-
-/// A context with the query behind it; callbacks get its address as that of the context.
-#[repr(C)]
-struct QueryContext {
-    context: Context,
-    query: *mut (),
-    test: unsafe fn(*mut (), Candidate) -> f32,
-}
-
-/// What the library found.
-#[derive(Clone, Copy)]
-enum Candidate {
-    /// By its own test, a triangle of that number.
-    Triangle(u32),
-    /// By its box, a primitive of that number among those with callbacks.
-    Boxed(u32),
-}
+use super::callbacks::{Candidate, QueryContext};
+use super::ffi::{self, Context};
+use super::scene::Scene;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::query::sink::Sink;
+use crate::structures::obvhs::adapter::BoxRay;
 
 struct Query<'q, S: Scalar, K> {
-    structure: &'q Embree<S>,
+    structure: &'q Scene<S>,
     start: &'q BoxRay<S>,
     sink: &'q mut K,
 }
@@ -57,7 +40,7 @@ unsafe fn test<S: Scalar, K: Sink<S>>(query: *mut (), candidate: Candidate) -> f
 
 /// Asks the library for the candidates of a ray and the sink for the answers.
 #[inline(always)]
-pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Embree<S>, ray: &Ray<S>, sink: &mut K) {
+pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, sink: &mut K) {
     let start = structure.setup.ray(ray, false);
     let t_near = if structure.is_native { start.start(ray.t_min) } else { 0.0 };
     let mut asked = ffi::RayHit {
@@ -96,62 +79,7 @@ pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Embree<S>, ray: &Ray<S>, s
             ffi::rtcIntersect1(scene, context.cast(), &raw mut asked);
         }
     }
-    if !is_any_hit && asked.hit.geometry == TRIANGLES {
+    if !is_any_hit && asked.hit.geometry == ffi::TRIANGLES {
         query.test(Candidate::Triangle(asked.hit.primitive));
-    }
-}
-
-/// # Safety
-/// `context` is that of [`walk`].
-unsafe fn ask(context: *mut Context, candidate: Candidate) -> f32 {
-    // SAFETY: `walk` passes a `QueryContext`, whose first field is the context
-    unsafe {
-        let context = &*context.cast::<QueryContext>();
-        (context.test)(context.query, candidate)
-    }
-}
-
-/// Callback: a primitive whose box is met by a ray that looks for the closest hit.
-///
-/// # Safety
-/// Called by the library during [`walk`].
-pub(super) unsafe extern "C" fn test_primitive(arguments: *const PrimitiveArguments) {
-    // SAFETY: the library passes valid pointers; the ray is the first part of what `ray` points to
-    unsafe {
-        let arguments = &*arguments;
-        let ends = ask(arguments.context, Candidate::Boxed(arguments.primitive));
-        let ray = &mut *arguments.ray;
-        ray.t_far = ray.t_far.min(ends);
-    }
-}
-
-/// Callback: the same for an occlusion query; minus infinity as the end says "occluded".
-///
-/// # Safety
-/// Called by the library during [`walk`].
-pub(super) unsafe extern "C" fn occluded_primitive(arguments: *const PrimitiveArguments) {
-    // SAFETY: as above
-    unsafe {
-        let arguments = &*arguments;
-        let ends = ask(arguments.context, Candidate::Boxed(arguments.primitive));
-        if ends == f32::NEG_INFINITY {
-            (*arguments.ray).t_far = ends;
-        }
-    }
-}
-
-/// Callback: a triangle that the library's own test finds in an occlusion query. It counts if our
-/// test finds it too, and if no light passes it.
-///
-/// # Safety
-/// Called by the library during [`walk`].
-pub(super) unsafe extern "C" fn test_triangle(arguments: *const FilterArguments) {
-    // SAFETY: the library passes valid pointers to one ray and its hit
-    unsafe {
-        let arguments = &*arguments;
-        let candidate = Candidate::Triangle((*arguments.hit).primitive);
-        if ask(arguments.context, candidate) != f32::NEG_INFINITY {
-            *arguments.valid = 0;
-        }
     }
 }

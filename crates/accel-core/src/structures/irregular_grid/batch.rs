@@ -6,13 +6,14 @@
 //! the walk of one ray to the last bit: triangles are tested by the same arithmetic, eight at a
 //! time.
 
-use super::IrregularGrid;
-use super::course::{Course, Point};
-use super::voxels::Voxel;
-use crate::far_ray::{self, Parameters, Place};
+use crate::geometry::far_ray::{self, Parameters, Place};
+use crate::geometry::ray::{Hit, MISS, Ray};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::{PrimSet, Shear, TriangleBlock};
-use crate::ray::{Hit, MISS, Ray};
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::structures::irregular_grid::IrregularGrid;
+use crate::structures::irregular_grid::course::Course;
+use crate::structures::irregular_grid::voxels::Point;
+use crate::structures::irregular_grid::voxels::Voxel;
 
 /// Rays on their way at once.
 const LANES: usize = 24;

@@ -4,13 +4,11 @@
 
 use wide::{i32x4, u8x16};
 
-use super::voxels::Voxel;
-use crate::lanes::{Four, FourOf, Lanes};
-use crate::ray::Ray;
-use crate::scalar::{Scalar, Vector};
-
-/// Lattice coordinates, and 0.
-pub(super) type Point = i32x4;
+use crate::geometry::lanes::{Four, Lanes};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::FourOf;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::structures::irregular_grid::voxels::{Point, Voxel};
 
 /// Where a grid's lattice lies.
 #[derive(Debug, Clone, Copy)]

@@ -13,8 +13,8 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 use wide::i32x4;
 
-use super::cells::{Cell, Cells};
-use super::voxels::Voxels;
+use crate::structures::irregular_grid::cells::{Cell, Cells};
+use crate::structures::irregular_grid::voxels::Voxels;
 
 /// Grows all cells; no face looks at more than `most_neighbours`.
 pub(super) fn expand(cells: &mut Cells, voxels: &Voxels, most_neighbours: usize) {

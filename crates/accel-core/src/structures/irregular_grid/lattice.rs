@@ -1,7 +1,7 @@
 //! The lattice that all cells of an irregular grid lie on: the top grid, halved so and so often.
 
-use crate::aabb::Aabb;
-use crate::scalar::{Scalar, Vector};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vector};
 
 /// Coordinates after the last lattice cell fit into 16 bits.
 const MOST_CELLS: u32 = (1 << 16) - 1;

@@ -2,10 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use super::cells::{Cells, DIVIDED};
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::{PrimSet, TriangleBlock};
-use crate::scalar::{Scalar, Vector};
-use crate::sink::Sink;
+use crate::query::sink::Sink;
+use crate::structures::irregular_grid::cells::{Cells, DIVIDED};
 
 /// Where the blocks of a list begin.
 struct Run {

@@ -29,16 +29,17 @@ mod voxels;
 
 use glam::DVec3;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
-use crate::bounds_rule::{BoundsOf, BoundsRule};
-use crate::cell_overlap;
-use crate::mailbox;
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::cell_overlap;
+use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
-use crate::ray::{Hit, Ray};
-use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
-use crate::scalar::{Scalar, Vector};
-use crate::sink::Sink;
+use crate::query::mailbox;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use cells::{FIRST_PART, TooLarge};
 use course::{Course, Place};
 use lattice::Lattice;

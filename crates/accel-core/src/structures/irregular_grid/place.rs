@@ -5,8 +5,8 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::lattice::{Division, Lattice};
-use super::overlap::Overlap;
+use crate::structures::irregular_grid::lattice::{Division, Lattice};
+use crate::structures::irregular_grid::overlap::Overlap;
 
 /// What is built over, whatever the scalar and the set.
 pub(super) trait Source {

@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cells::{Cell, Cells, DIVIDED, TooLarge};
-use super::empty_boxes::EmptyBoxes;
-use super::lattice::{Division, Lattice};
-use super::place::{Ends, Pair, Placement, Source};
+use crate::structures::irregular_grid::cells::{Cell, Cells, DIVIDED, TooLarge};
+use crate::structures::irregular_grid::empty_boxes::EmptyBoxes;
+use crate::structures::irregular_grid::lattice::{Division, Lattice};
+use crate::structures::irregular_grid::place::{Ends, Pair, Placement, Source};
 
 /// How cells are divided.
 #[derive(Debug, Clone, Copy)]

@@ -4,9 +4,11 @@
 use rayon::prelude::*;
 use wide::{i32x4, u8x16, u32x4};
 
-use super::cells::{Cells, DIVIDED, FIRST_PART};
-use super::course::Point;
-use super::lattice::{Division, Lattice};
+use crate::structures::irregular_grid::cells::{Cells, DIVIDED, FIRST_PART};
+use crate::structures::irregular_grid::lattice::{Division, Lattice};
+
+/// Lattice coordinates, and 0.
+pub(super) type Point = i32x4;
 
 /// A part of the grid.
 ///

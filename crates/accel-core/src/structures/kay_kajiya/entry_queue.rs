@@ -1,6 +1,6 @@
 //! The queue of volumes a ray has yet to visit, nearest entry first.
 
-use crate::scalar::Scalar;
+use crate::geometry::scalar::Scalar;
 
 /// Entries that need no memory of their own; more than most rays ever have waiting.
 const INLINE: usize = 64;

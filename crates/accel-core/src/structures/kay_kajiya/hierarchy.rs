@@ -1,17 +1,17 @@
 //! The hierarchy: built from the top by median cuts, walked nearest entry first.
 
-use super::entry_queue::EntryQueue;
-use crate::bounds_rule::BoundsOf;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::historical::bounds_rule::BoundsOf;
 use crate::params::Params;
 use crate::primitives::PrimSet;
-use crate::ray::Ray;
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape};
 use crate::structures::bounding_volumes::check_cells;
 use crate::structures::bounding_volumes::median_cut::Centres;
 use crate::structures::bounding_volumes::slabs::Slabs;
 use crate::structures::bounding_volumes::volume::Volume;
-use crate::structures::{BuildError, Shape};
+use crate::structures::kay_kajiya::entry_queue::EntryQueue;
 
 /// A volume and what it holds.
 #[derive(Debug, Clone, Copy)]

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use super::{KdTree, Node};
-use crate::region::{Shaft, ShaftWalk};
-use crate::scalar::Vector;
+use crate::geometry::scalar::Vector;
+use crate::query::region::{Shaft, ShaftWalk};
+use crate::structures::kd_tree::KdTree;
+use crate::structures::kd_tree::cells::Node;
 
 impl ShaftWalk for KdTree<f64> {
     fn walk_shaft(&self, shaft: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {

@@ -1,13 +1,13 @@
 //! How a k-d tree is built: depth first, each cell cut where the heuristic says; the sides of the
 //! first cuts at once.
 
-use super::super::BuildError;
-use super::surface_area::{Cut, Heuristic};
-use super::{Cells, DEEPEST, Node};
-use crate::aabb::Aabb;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::structure::BuildError;
+use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
+use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.

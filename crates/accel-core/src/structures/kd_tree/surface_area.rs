@@ -6,9 +6,9 @@
 
 use std::cmp::Ordering;
 
-use crate::aabb::Aabb;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::params::Params;
-use crate::scalar::{Scalar, Vector};
 
 /// A plane that cuts a cell.
 #[derive(Debug, Clone, Copy)]

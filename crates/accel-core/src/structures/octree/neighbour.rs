@@ -5,10 +5,11 @@
 //! Deviation: ancestors stand on a stack; father links and tables of adjacent faces and
 //! reflections are not needed, since the octants follow from ray parameters.
 
-use super::ray_planes::{Place, RayPlanes};
-use super::{Content, DEEPEST, Octree};
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::geometry::scalar::Scalar;
+use crate::query::sink::Sink;
+use crate::structures::octree::Octree;
+use crate::structures::octree::cells::{Content, DEEPEST};
+use crate::tree::ray_planes::{Place, RayPlanes};
 
 impl<S: Scalar> Octree<S> {
     /// Walks from parameter `t` on, climbing only as far as needed for each next cell.

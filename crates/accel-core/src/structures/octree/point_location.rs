@@ -2,10 +2,11 @@
 //!
 //! N_TS counts every cell on the way down, the leaf included. Deviation: see `ray_planes.rs`.
 
-use super::ray_planes::RayPlanes;
-use super::{Content, Octree};
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::geometry::scalar::Scalar;
+use crate::query::sink::Sink;
+use crate::structures::octree::Octree;
+use crate::structures::octree::cells::Content;
+use crate::tree::ray_planes::RayPlanes;
 
 impl<S: Scalar> Octree<S> {
     /// Walks from parameter `t` on, one search from the root for each cell.

@@ -3,12 +3,12 @@
 
 use rayon::prelude::*;
 
-use super::super::BuildError;
-use super::{Cells, LEAF};
-use crate::aabb::Aabb;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
-use crate::scalar::{Scalar, Vec3, Vector};
+use crate::structure::BuildError;
+use crate::structures::octree::cells::{Cells, LEAF};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.

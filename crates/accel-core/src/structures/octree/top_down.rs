@@ -7,10 +7,11 @@
 
 use std::ops::ControlFlow;
 
-use super::ray_planes::RayPlanes;
-use super::{Content, Octree};
-use crate::scalar::Scalar;
-use crate::sink::Sink;
+use crate::geometry::scalar::Scalar;
+use crate::query::sink::Sink;
+use crate::structures::octree::Octree;
+use crate::structures::octree::cells::Content;
+use crate::tree::ray_planes::RayPlanes;
 
 impl<S: Scalar> Octree<S> {
     /// Walks what lies between `t_in` and `t_out`.

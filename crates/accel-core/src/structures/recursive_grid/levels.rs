@@ -4,12 +4,12 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use crate::aabb::Aabb;
-use crate::box_placement::BoxPlacement;
-use crate::cell_lists::CellLists;
-use crate::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
-use crate::scalar::{Scalar, Vector};
-use crate::voxel_walk::GridFrame;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::box_placement::BoxPlacement;
+use crate::grid::cell_lists::CellLists;
+use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::grid::voxel_walk::GridFrame;
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;

@@ -1,13 +1,16 @@
 use glam::{DVec3, dvec3};
 
 use crate::Vector;
-use crate::aabb::Aabb;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Vec3;
+use crate::primitives::PrimsRef;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight};
-use crate::ray::{Hit, Ray};
-use crate::scalar::Vec3;
+use crate::query::tracer::Tracer;
+use crate::registry::Buildable;
+use crate::structure::BuildError;
+use crate::structures::find;
 use crate::structures::test_scenes::{closest_hits as hits, occlusions as blocked};
-use crate::structures::{BuildError, Buildable, PrimsRef, find};
-use crate::tracer::Tracer;
 
 /// splitmix64, to [0, 1).
 struct Random(u64);

@@ -7,15 +7,15 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::bounds_rule::smallest_cell;
-use crate::cell_lists::CellLists;
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::CellLists;
+use crate::grid::nested_grids::Excess;
+use crate::grid::regular_grid::Contents;
+use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::grid::voxel_walk::{CellDivision, GridFrame};
+use crate::historical::bounds_rule::smallest_cell;
 use crate::primitives::PrimSet;
-use crate::resolution::{ResolutionInput, ResolutionRule, resolve};
-use crate::scalar::Scalar;
-use crate::structures::nested_grids::Excess;
-use crate::structures::regular_grid::Contents;
 use crate::structures::uniform_grid::DenseCells;
-use crate::voxel_walk::{CellDivision, GridFrame};
 
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
 const REFERENCES_A_PRIMITIVE: u64 = 16;

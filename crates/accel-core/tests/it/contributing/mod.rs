@@ -6,7 +6,8 @@ mod two_boxes;
 use crate::agreement::mismatches;
 use crate::common::{Random, all_scenes, rays_for};
 use accel_core::entry;
-use accel_core::structures::{Buildable, Entry};
+use accel_core::registry::Buildable;
+use accel_core::structures::Entry;
 
 static REGISTRY: &[Entry] = &[entry!(two_boxes::TwoBoxes, two_boxes::INFO)];
 

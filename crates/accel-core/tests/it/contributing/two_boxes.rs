@@ -4,11 +4,11 @@
 //! Deviations: none.
 
 use accel_core::Aabb;
-use accel_core::bounds_rule::{BoundsOf, BoundsRule};
+use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
 use accel_core::params::{ParamKind, ParamSpec, Params};
 use accel_core::primitives::PrimSet;
-use accel_core::sink::Sink;
-use accel_core::structures::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::query::sink::Sink;
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use accel_core::{Ray, Scalar, Vector};
 
 /// Registry line.

@@ -40,7 +40,7 @@ mod tile;
 mod tiling;
 mod visibility;
 
-use accel_core::region::Work;
+use accel_core::query::region::Work;
 use scene_loading::Scene;
 
 pub use coverage::coverage;

@@ -6,7 +6,7 @@
 //! transformed. A point of the beam is `apex + s (D + u U + v V)`; `s` grows along every ray, and
 //! on a plane 1/s is affine in (u, v), so that depths are compared exactly.
 
-use accel_core::region::Shaft;
+use accel_core::query::region::Shaft;
 use glam::{DMat3, DVec2, DVec3};
 
 use super::convex::{Affine, Convex};

@@ -1,7 +1,7 @@
 //! The beams of a tile of the image, from the eye on: what they see, what light reaches it, and
 //! what they become at mirrors and glass.
 
-use accel_core::region::{Gathered, Shaft, Work};
+use accel_core::query::region::{Gathered, Shaft, Work};
 use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 

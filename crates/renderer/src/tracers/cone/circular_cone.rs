@@ -9,7 +9,7 @@
 //! radius. That map of space to places is a projection: lines remain lines.
 
 use accel_core::Ray;
-use accel_core::region::Shaft;
+use accel_core::query::region::Shaft;
 use glam::{DVec2, DVec3};
 
 /// Half the distance between the centres of the quarters of a square whose area is that of the

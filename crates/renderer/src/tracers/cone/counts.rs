@@ -1,6 +1,6 @@
 //! How many cones and rays an image took.
 
-use accel_core::region::Gathered;
+use accel_core::query::region::Gathered;
 
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {

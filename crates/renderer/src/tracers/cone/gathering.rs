@@ -2,7 +2,7 @@
 //! covered.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984, which tests every object.
-//! Deviation: the region query ([`accel_core::region`]). What is missing because the search ended is
+//! Deviation: the region query ([`accel_core::query::region`]). What is missing because the search ended is
 //! hidden, so that the image is the same through any structure.
 
 use std::ops::ControlFlow;

@@ -44,7 +44,7 @@ mod shadows;
 mod tracing;
 mod widening;
 
-use accel_core::region::Work;
+use accel_core::query::region::Work;
 use glam::DVec2;
 use rayon::prelude::*;
 use scene_loading::{Rgb, Scene};

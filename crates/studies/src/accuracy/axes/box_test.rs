@@ -4,9 +4,9 @@
 //! error-free comparison of the products that the slab test divides says whether the exact ray
 //! meets the exact box; a test that says no is wrong.
 
-use accel_core::box_test::BoxTest;
+use accel_core::geometry::box_test::BoxTest;
 use accel_core::primitives::PrimSet;
-use accel_core::structures::PrimsRef;
+use accel_core::primitives::PrimsRef;
 use accel_core::{Aabb, Ray};
 use glam::Vec3;
 use renderer::RayKind;

@@ -6,10 +6,11 @@
 //! points do. A point is wrong when its cell does not list the primitive: the cell that the walk in
 //! single precision takes it to be in, and for points that are exact the cell by exact arithmetic.
 
+use accel_core::grid::voxel_walk::GridFrame;
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Ball, PrimSet, PrimitiveKind};
+use accel_core::structure::Structure;
 use accel_core::structures::uniform_grid::UniformGrid;
-use accel_core::structures::{PrimsRef, Structure};
-use accel_core::voxel_walk::GridFrame;
 use accel_core::{Aabb, Vec3, Vector};
 use glam::DVec3;
 

@@ -45,7 +45,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let tracer = row.entry.build(prims, &row.params).map_err(refused)?;
     let double = Geometry::<f64>::of(scene)?;
     let rays = row.entry.build(double.prims(), &row.params).map_err(refused)?;
-    let shafts = Row::parse(accel_core::region::REGISTRY, THROUGH)?;
+    let shafts = Row::parse(accel_core::structures::gatherers::REGISTRY, THROUGH)?;
     let gatherer = shafts.entry.build(double.prims(), &shafts.params).map_err(refused)?;
     let sampled = Sampled {
         scene,

@@ -2,7 +2,7 @@
 //! primitives and on spheres seen from outside, and the rays that a rule makes from there, as the
 //! renderer makes them.
 
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 use renderer::leaving::{Leaving, OffsetRule};

@@ -1,6 +1,6 @@
 //! Single against double precision, of the same rays to the last digit.
 
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
 use accel_core::{Ray, Scalar};
 use renderer::Geometry;
 

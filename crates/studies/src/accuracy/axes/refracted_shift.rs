@@ -5,7 +5,7 @@
 //! others, Mitsuba 3, issue 219, 2022). Everything the eye sees is taken for glass here. The rays
 //! of the rules are traced in double precision, so that nothing but their start is judged.
 
-use accel_core::tracer::Tracer;
+use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 use renderer::Geometry;

@@ -7,7 +7,8 @@
 //! 10^-5 diagonals away, where the same ray does not meet them in double precision.
 
 use accel_core::primitives::PrimSet;
-use accel_core::structures::{Buildable, PrimsRef};
+use accel_core::primitives::PrimsRef;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
 use renderer::Geometry;

@@ -3,9 +3,9 @@
 //! The rays that are judged pass the centre of a sphere of the scene at 0.95 or 1.05 of its radius,
 //! from 10 to 10^4 radii away: f64 tells on which side, with room to spare.
 
-use accel_core::primitives::chosen::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, PrimitiveKind};
-use accel_core::structures::PrimsRef;
+use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
 use accel_core::{Ray, Vector};
 use glam::DVec3;
 use renderer::RaySettings;

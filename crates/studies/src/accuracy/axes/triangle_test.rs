@@ -1,8 +1,8 @@
 //! The test of triangles: what leaks, and what it takes not to.
 
-use accel_core::primitives::chosen::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, PrimitiveKind};
-use accel_core::structures::PrimsRef;
+use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
 
 use super::chosen_tests;
 use super::triangle_aims::{Aim, Shared};

@@ -6,11 +6,11 @@
 //! ray is wrong when its walk passes by a cell that it pierces, however shortly.
 
 use accel_core::Ray;
-use accel_core::cell_walk::CellWalk;
-use accel_core::double_walk::DoubleWalk;
+use accel_core::grid::cell_walk::CellWalk;
+use accel_core::grid::voxel_walk::GridFrame;
 use accel_core::primitives::PrimSet;
-use accel_core::structures::PrimsRef;
-use accel_core::voxel_walk::GridFrame;
+use accel_core::primitives::PrimsRef;
+use accel_core::variants::double_walk::DoubleWalk;
 use accel_core::{Aabb, Vector};
 use glam::{DVec3, Vec3};
 use renderer::RayKind;

@@ -15,7 +15,7 @@
 //! chain sees one triangle of those at equal parameters, that of the lowest id.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::{DVec3, dvec3};
 use robust::{Coord, orient2d};

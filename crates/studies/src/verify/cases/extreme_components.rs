@@ -6,7 +6,7 @@
 //! power of two smaller, whose parameters are as much larger.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Scalar, Vector};
 use glam::{DVec3, dvec3};
 

@@ -1,7 +1,7 @@
 //! Rounds of rays that leave what other rays hit.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 use renderer::Geometry;

@@ -1,9 +1,9 @@
 //! Scenes that are awkward for the cells of grids and trees.
 
 use accel_core::Vector;
-use accel_core::bounds_rule::{BoundsOf, BoundsRule};
+use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use glam::{DVec3, dvec3};
 
 use super::{

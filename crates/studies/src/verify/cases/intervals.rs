@@ -5,7 +5,7 @@
 //! line are found by testing each primitive alone; what each interval holds of them follows.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 

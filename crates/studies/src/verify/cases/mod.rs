@@ -19,7 +19,7 @@ pub mod traversal;
 
 use accel_core::Ray;
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use glam::{DVec3, dvec3};
 
 use super::draw::{one_of, point, unit, whole};

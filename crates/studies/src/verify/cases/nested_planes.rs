@@ -6,7 +6,7 @@
 //! then put it on either side of a plane, and a parent and its child may disagree.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use glam::{DVec3, dvec3};
 
 use crate::case;

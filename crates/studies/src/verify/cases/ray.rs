@@ -1,7 +1,7 @@
 //! Awkward rays.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
 

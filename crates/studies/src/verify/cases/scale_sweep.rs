@@ -5,7 +5,7 @@
 //! f64.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use glam::DVec3;
 
 use super::{point_within, soup_round, toward};

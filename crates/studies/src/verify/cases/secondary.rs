@@ -3,7 +3,7 @@
 //! The rays are made as the renderer makes them, from hits that brute force found.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
 use renderer::leaving::{Leaving, OffsetRule};

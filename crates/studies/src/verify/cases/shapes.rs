@@ -1,7 +1,7 @@
 //! Spheres, cones and polygons.
 
 use accel_core::primitives::{Cone, PrimitiveError};
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Vector};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 

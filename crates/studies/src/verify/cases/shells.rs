@@ -5,7 +5,7 @@
 //! one, unless the gap is so narrow that the offset itself bridges it.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use renderer::leaving::{Leaving, OffsetRule};

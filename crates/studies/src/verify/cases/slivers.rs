@@ -6,7 +6,7 @@
 //! angle.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Scalar};
 use glam::DVec3;
 

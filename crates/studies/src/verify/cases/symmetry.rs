@@ -5,7 +5,7 @@
 //! order of the axes changes the order of sums: ids must stay.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 
 use super::{point_within, soup_round, toward};
 use crate::case;

@@ -5,7 +5,7 @@
 //! parameters the lowest id; and no hit may lie before or behind its triangle.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
 

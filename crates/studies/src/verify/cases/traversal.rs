@@ -1,7 +1,7 @@
 //! Rays that are awkward to walk through cells.
 
 use accel_core::primitives::PrimitiveError;
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use glam::dvec3;
 
 use super::{

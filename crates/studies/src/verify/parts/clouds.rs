@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-use accel_core::cell_walk::{CellPosition, CellWalk};
-use accel_core::distance_field::{Metric, distances};
+use accel_core::grid::cell_walk::{CellPosition, CellWalk};
+use accel_core::grid::distance_field::{Metric, distances};
+use accel_core::grid::voxel_walk::GridFrame;
 use accel_core::structures::proximity_clouds::Jumps;
-use accel_core::voxel_walk::GridFrame;
 use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
 

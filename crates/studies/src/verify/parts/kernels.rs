@@ -3,10 +3,10 @@
 //! Structures choose between them, and instruction sets do: what a block says must be what the test
 //! of one triangle says, to the last bit, on whatever the program was compiled for.
 
+use accel_core::geometry::scalar::{Vec3, Vector};
 use accel_core::primitives::Shear;
 use accel_core::primitives::{PrimSet, TriangleBlock, TriangleSet};
-use accel_core::scalar::{Vec3, Vector};
-use accel_core::structures::Buildable;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray};
 
 use super::{Findings, Part};

@@ -3,11 +3,12 @@
 //! Rays are numbered with 8 bits, so that at least a thousand of them start again several times. A
 //! primitive may be tested again, but never skipped wrongly: the hits must be those of brute force.
 
-use accel_core::mailbox::{MailboxSource, Slots, Stamps};
 use accel_core::params::Params;
+use accel_core::query::mailbox::{MailboxSource, Slots, Stamps};
+use accel_core::query::tracer::{Bound, Tracer};
+use accel_core::registry::Buildable;
+use accel_core::structure::Structure;
 use accel_core::structures::uniform_grid::{INFO, UniformGrid};
-use accel_core::structures::{Buildable, Structure};
-use accel_core::tracer::{Bound, Tracer};
 use accel_core::{Hit, Ray};
 
 use super::{Findings, Part};

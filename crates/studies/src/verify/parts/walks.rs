@@ -7,8 +7,8 @@
 //!   tolerance: what the ray meets is listed there, and the walk does not end before;
 //! * a step changes one coordinate by one, and there are at most 3 N cells.
 
-use accel_core::cell_walk::CellWalk;
-use accel_core::voxel_walk::GridFrame;
+use accel_core::grid::cell_walk::CellWalk;
+use accel_core::grid::voxel_walk::GridFrame;
 use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
 use glam::{DVec3, dvec3};
 

@@ -1,0 +1,186 @@
+//! Rays from far away, and rays of extreme lengths, brought to common sizes before anything else
+//! looks at them.
+//!
+//! A ray that starts a thousand scene sizes away has lost the digits that tell cells apart, and
+//! every structure would lose them in a way of its own. So its origin is first moved along the ray
+//! to just before the scene, once, for all structures and the brute-force oracle alike; a ray that
+//! passes the scene at a distance, or leaves it, is a miss at once. (Our own remedy; the loss is
+//! case R6 of the hard cases.)
+//!
+//! A direction so long or so short that its reciprocal, or a parameter, loses digits to subnormal
+//! numbers or overflows is multiplied by a power of two first, and the parameters are divided by
+//! it. So the primitive is found whatever the length; where the parameter itself cannot be told in
+//! the scalar, it is the nearest that can, zero and infinity included.
+
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+
+/// Where a query should start.
+#[derive(Debug, Clone, Copy)]
+pub enum Place<S: Scalar> {
+    /// Where the ray starts.
+    Near,
+    /// On this ray, whose parameters differ.
+    Moved(Ray<S>, Parameters<S>),
+    /// It cannot hit anything, or is no ray at all.
+    Nowhere,
+}
+
+/// How the parameters of a ray become those of the ray it was made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameters<S> {
+    smaller_by: S,
+    factor: S,
+}
+
+impl<S: Scalar> Parameters<S> {
+    /// Those of the ray itself.
+    pub const SAME: Self = Self { smaller_by: S::ZERO, factor: S::ONE };
+
+    /// The parameter on the ray it was made from.
+    #[inline(always)]
+    pub fn restored(&self, t: S) -> S {
+        (t + self.smaller_by) * self.factor
+    }
+}
+
+/// Origins within this many magnitudes of the scene on every axis are near.
+const NEAR: f64 = 8.0;
+
+/// The largest coordinate of a near origin, for a scene whose largest coordinate is `magnitude`.
+pub fn reach<S: Scalar>(magnitude: S) -> S {
+    magnitude * S::from_f64(NEAR)
+}
+
+/// Judges a ray.
+#[inline(always)]
+pub fn place<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+    if !(ray.origin.is_finite() && ray.t_min <= ray.t_max) {
+        return Place::Nowhere;
+    }
+    // a sum: infinity and NaN show in it
+    let [x, y, z] = ray.direction.to_array();
+    let length = x.abs() + y.abs() + z.abs();
+    if !(length >= S::DIRECTION_LENGTHS[0] && length <= S::DIRECTION_LENGTHS[1]) {
+        return resized(ray, reach);
+    }
+    let [x, y, z] = ray.origin.to_array();
+    if x.abs().greater(y.abs()).greater(z.abs()) <= reach { Place::Near } else { moved(ray, reach) }
+}
+
+#[cold]
+#[inline(never)]
+fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+    if !ray.is_traceable() {
+        return Place::Nowhere;
+    }
+    let [x, y, z] = ray.direction.to_array();
+    let factor = x.abs().greater(y.abs()).greater(z.abs()).to_unit_size();
+    let inverse = S::ONE / factor;
+    let common = Ray {
+        direction: ray.direction * factor,
+        t_min: ray.t_min * inverse,
+        t_max: ray.t_max * inverse,
+        ..*ray
+    };
+    match place(&common, reach) {
+        Place::Near => Place::Moved(common, Parameters { factor, ..Parameters::SAME }),
+        Place::Moved(near, parameters) => Place::Moved(near, Parameters { factor, ..parameters }),
+        Place::Nowhere => Place::Nowhere,
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+    // in f64: far origins overflow the squares of f32
+    let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
+    let length = d.length();
+    let unit = d / length;
+    if !unit.is_finite() || unit.length_squared() < 0.5 {
+        return Place::Near;
+    }
+    let along = -o.dot(unit);
+    let passing = (o + unit * along).length();
+    // the scene lies in a ball of sqrt(3) magnitudes; 2 leaves room for rounding
+    let radius = reach.to_f64() * (2.0 / NEAR);
+    let slack = along.abs() * S::EPSILON.to_f64() * 4.0;
+    if along <= 0.0 || passing > radius + slack {
+        return Place::Nowhere;
+    }
+    let by = S::from_f64((along - 1.5 * radius) / length);
+    let near = Ray {
+        origin: crate::Vec3::<S>::from_dvec3(o + d * by.to_f64()),
+        direction: ray.direction,
+        t_min: ray.t_min - by,
+        t_max: ray.t_max - by,
+        time: ray.time,
+    };
+    if near.t_min > near.t_max {
+        return Place::Nowhere;
+    }
+    Place::Moved(near, Parameters { smaller_by: by, ..Parameters::SAME })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ray(o: [f32; 3], d: [f32; 3]) -> Ray<f32> {
+        Ray::new(o.into(), d.into())
+    }
+
+    #[test]
+    fn near_far_and_lost() {
+        let reach = reach(1.0f32);
+        assert!(matches!(place(&ray([7.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), reach), Place::Near));
+        let Place::Moved(near, by) = place(&ray([-1e6, 0.5, 0.0], [2.0, 0.0, 0.0]), reach) else {
+            panic!("not moved")
+        };
+        assert!((near.origin.x + 3.0).abs() < 0.1 && near.origin.y == 0.5);
+        assert!((by.restored(0.0) - 5e5).abs() < 2.0 && near.t_min < 0.0);
+        for lost in [
+            ray([-1e6, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+            ray([-1e6, 100.0, 0.0], [1.0, 0.0, 0.0]),
+            ray([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+            ray([f32::NAN, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ] {
+            assert!(matches!(place(&lost, reach), Place::Nowhere), "{lost:?}");
+        }
+        let mut window = ray([-1e6, 0.5, 0.0], [1.0, 0.0, 0.0]);
+        (window.t_min, window.t_max) = (f32::NAN, 1.0);
+        assert!(matches!(place(&window, reach), Place::Nowhere));
+        // extreme but finite numbers neither overflow nor hang
+        for x in [1e30f32, 3e38] {
+            assert!(!matches!(place(&ray([-x, 0.0, 0.0], [x, 0.0, 0.0]), reach), Place::Near));
+        }
+    }
+    #[test]
+    fn directions_of_any_length_are_the_same_ray() {
+        let reach = reach(1.0f32);
+        for length in [1e-45f32, 1e-40, 1e-20, 1e20, 3e38] {
+            for from in [-3.0, -1e6] {
+                let mut query = ray([from, 0.0, 0.0], [length, -length, 0.0]);
+                query.t_max = 8.0 / length;
+                if from < -100.0 {
+                    // it must pass near the scene
+                    query.origin.y = -from;
+                }
+                let Place::Moved(near, parameters) = place(&query, reach) else {
+                    panic!("{query:?}")
+                };
+                let d = near.direction;
+                assert!(d.x == -d.y && d.z == 0.0 && (1e-9..4.0).contains(&d.x), "{near:?}");
+                if from == -3.0 {
+                    let t = parameters.restored(3.0 / d.x);
+                    assert!((t / (3.0 / length) - 1.0).abs() < 1e-6 || !t.is_normal(), "{t}");
+                    assert!(near.t_max / (8.0 / d.x) > 0.999_99);
+                }
+            }
+        }
+        let zero = ray([0.0; 3], [0.0, -0.0, 0.0]);
+        assert!(matches!(place(&zero, reach), Place::Nowhere));
+        let endless = ray([0.0; 3], [f32::INFINITY, 1.0, 0.0]);
+        assert!(matches!(place(&endless, reach), Place::Nowhere));
+    }
+}

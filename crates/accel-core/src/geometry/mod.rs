@@ -1,0 +1,8 @@
+//! Scalars, vectors, rays and boxes.
+
+pub mod aabb;
+pub mod box_test;
+pub mod far_ray;
+pub mod lanes;
+pub mod ray;
+pub mod scalar;

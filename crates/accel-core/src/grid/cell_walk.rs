@@ -1,0 +1,88 @@
+//! What every walk of a ray through a regular grid offers, and the setting that chooses one.
+//!
+//! Two walks are for use: `voxel_walk.rs` (t_next stepping) and `driving_axis_walk.rs` (Fujimoto's
+//! synchronised DDAs). Two more are for comparison, in the uniform grid alone:
+//! `accumulating_walk.rs` and `double_walk.rs`. Storages and structures are written once, over [`CellWalk`].
+
+use crate::geometry::scalar::Scalar;
+use crate::params::{ParamKind, ParamSpec, Params};
+
+/// A cell of a regular grid.
+pub trait CellPosition {
+    /// Its index, x fastest.
+    fn index(&self) -> usize;
+    /// Its coordinates.
+    fn coords(&self) -> [i32; 3];
+}
+
+/// A cell that no ray is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GridCell {
+    /// Index, x fastest.
+    pub index: usize,
+    /// Coordinates.
+    pub coords: [i32; 3],
+}
+
+impl CellPosition for GridCell {
+    #[inline(always)]
+    fn index(&self) -> usize {
+        self.index
+    }
+
+    #[inline(always)]
+    fn coords(&self) -> [i32; 3] {
+        self.coords
+    }
+}
+
+/// A ray on its way through a grid, in one of its cells.
+pub trait CellWalk<S: Scalar>: CellPosition {
+    /// Parameter at which the ray leaves the current cell.
+    fn t_exit(&self) -> S;
+    /// Steps to the next cell; false when that would leave the grid.
+    fn advance(&mut self) -> bool;
+}
+
+/// Which walk a grid uses. The first two visit every pierced cell; they differ in time only, and in
+/// which cells they touch where a ray meets an edge or corner of cells exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Traversal {
+    /// Amanatides and Woo 1987.
+    #[default]
+    TNext,
+    /// Fujimoto, Tanaka and Iwata 1986.
+    DrivingAxis,
+    /// Amanatides and Woo 1987 to the letter: it passes cells by.
+    Accumulate,
+    /// [`Traversal::TNext`] in f64.
+    Double,
+}
+
+impl Traversal {
+    /// The setting, for the parameter list of a structure.
+    pub const PARAM: ParamSpec = ParamSpec {
+        name: "traversal",
+        summary: "step to the nearest of three planes, or along a driving axis (Fujimoto's 3D-DDA)",
+        default: "t-next",
+        kind: ParamKind::Choice(&["t-next", "driving-axis"]),
+    };
+
+    /// The same with the walks that are there for comparison.
+    pub const PARAM_OF_ALL: ParamSpec = ParamSpec {
+        summary: "step to the nearest of three planes, or along a driving axis (Fujimoto's \
+                  3D-DDA); for comparison: accumulate (as published, passes cells by), f64",
+        kind: ParamKind::Choice(&["t-next", "driving-axis", "accumulate", "f64"]),
+        ..Self::PARAM
+    };
+
+    /// What the settings ask for; the structure declares [`Traversal::PARAM`].
+    pub fn of(params: &Params) -> Self {
+        match params.text(Self::PARAM.name) {
+            "driving-axis" => Self::DrivingAxis,
+            "accumulate" => Self::Accumulate,
+            "f64" => Self::Double,
+            _ => Self::TNext,
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! What grids are made of: frames and their traversals, lists of cells, resolution rules,
+//! placement of boxes.
+
+pub(crate) mod block_lists;
+pub(crate) mod box_placement;
+pub mod cell_lists;
+pub mod cell_overlap;
+pub mod cell_walk;
+pub mod distance_field;
+pub mod driving_axis_walk;
+pub(crate) mod nested_grids;
+pub mod regular_grid;
+pub mod resolution;
+pub mod voxel_walk;

@@ -1,0 +1,281 @@
+//! Grids whose cells hold primitives and further grids: what HUG and the adaptive grid are made of.
+//!
+//! All cells of all grids stand in one array, their ids in two more. The walk is a recursion over
+//! nested grids, as deep as the builder nests them (each builder has a limit).
+
+use std::ops::ControlFlow;
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::grid::block_lists::{DenseRows, block_lists};
+use crate::grid::box_placement::BoxPlacement;
+use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
+use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::voxel_walk::GridFrame;
+use crate::query::sink::Sink;
+
+/// Limits and conventions of a build.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rules {
+    /// Order of ids in a cell.
+    pub order: ListOrder,
+    /// Cells by division, as in 1999.
+    pub by_division: bool,
+    /// Upper limit for the cells of all grids.
+    pub max_cells: u64,
+    /// Upper limit for the references in all cells.
+    pub max_references: u64,
+}
+
+/// A limit was exceeded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Excess {
+    /// Cells.
+    Cells(u64),
+    /// References.
+    References(u64),
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Grid<S: Scalar> {
+    frame: GridFrame<S>,
+    first_cell: u32,
+}
+
+/// Where the lists of a cell begin; they end where those of the next cell begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct CellStart {
+    ids: u32,
+    grids: u32,
+}
+
+/// The grids. Number 0 is the first one pushed.
+pub(crate) struct NestedGrids<S: Scalar> {
+    grids: Vec<Grid<S>>,
+    /// One more than there are cells.
+    starts: Vec<CellStart>,
+    ids: Vec<u32>,
+    inner: Vec<u32>,
+}
+
+/// References that boxes would have in a grid; counted without visiting cells.
+pub(crate) fn references_in<S: Scalar>(frame: &GridFrame<S>, boxes: &[Aabb<S>]) -> u64 {
+    boxes
+        .iter()
+        .map(|b| {
+            let (first, last) = frame.range(b);
+            (0..3).map(|k| (last[k] - first[k] + 1) as u64).product::<u64>()
+        })
+        .sum()
+}
+
+impl<S: Scalar> NestedGrids<S> {
+    pub(crate) fn new() -> Self {
+        let starts = vec![CellStart { ids: 0, grids: 0 }];
+        Self { grids: Vec::new(), starts, ids: Vec::new(), inner: Vec::new() }
+    }
+
+    /// Adds a grid with the primitives `ids` and the grids `inner`, each with its box at the same
+    /// position, and returns its number. Inner grids may be pushed later.
+    pub(crate) fn push(
+        &mut self,
+        frame: GridFrame<S>,
+        (ids, id_boxes): (&[u32], &[Aabb<S>]),
+        (inner, inner_boxes): (&[u32], &[Aabb<S>]),
+        rules: &Rules,
+    ) -> Result<u32, Excess> {
+        let cells = (self.starts.len() - 1 + frame.cells()) as u64;
+        if cells > rules.max_cells.min(u64::from(u32::MAX) - 1) {
+            return Err(Excess::Cells(cells));
+        }
+        let lists_of = |boxes: &[Aabb<S>], used: usize| {
+            let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
+            let room = rules.max_references.min(u64::from(u32::MAX)).saturating_sub(used as u64);
+            block_lists(
+                &DenseRows::new(frame.resolution()),
+                boxes.len(),
+                rules.order,
+                room,
+                &placement,
+            )
+            .map_err(|TooManyReferences(n)| Excess::References(n + used as u64))
+        };
+        let id_lists = lists_of(id_boxes, self.ids.len())?;
+        let inner_lists = match inner {
+            [] => CellLists::default(),
+            _ => lists_of(inner_boxes, self.inner.len())?,
+        };
+        let number = self.grids.len() as u32;
+        self.grids.push(Grid { frame, first_cell: (self.starts.len() - 1) as u32 });
+        for cell in 0..frame.cells() {
+            self.ids.extend(id_lists.list(cell).iter().map(|&i| ids[i as usize]));
+            self.inner.extend(inner_lists.list(cell).iter().map(|&i| inner[i as usize]));
+            self.starts
+                .push(CellStart { ids: self.ids.len() as u32, grids: self.inner.len() as u32 });
+        }
+        Ok(number)
+    }
+
+    /// Adds a grid of which every cell may become an inner grid in place of its list: `divide` is
+    /// asked with the cell's box and its list (positions in `boxes`), and answers with the inner
+    /// grid's number.
+    pub(crate) fn push_divided(
+        &mut self,
+        frame: GridFrame<S>,
+        (ids, boxes): (&[u32], &[Aabb<S>]),
+        rules: &Rules,
+        mut divide: impl FnMut(Aabb<S>, &[u32]) -> Option<u32>,
+    ) -> Result<u32, Excess> {
+        let cells = (self.starts.len() - 1 + frame.cells()) as u64;
+        if cells > rules.max_cells.min(u64::from(u32::MAX) - 1) {
+            return Err(Excess::Cells(cells));
+        }
+        let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
+        let room = rules.max_references.min(u64::from(u32::MAX));
+        let room = room.saturating_sub(self.ids.len() as u64);
+        let lists = block_lists(
+            &DenseRows::new(frame.resolution()),
+            boxes.len(),
+            rules.order,
+            room,
+            &placement,
+        )
+        .map_err(|TooManyReferences(n)| Excess::References(n + self.ids.len() as u64))?;
+        let number = self.grids.len() as u32;
+        self.grids.push(Grid { frame, first_cell: (self.starts.len() - 1) as u32 });
+        for cell in 0..frame.cells() {
+            let list = lists.list(cell);
+            match divide(frame.cell_bounds(cell), list) {
+                Some(grid) => self.inner.push(grid),
+                None => self.ids.extend(list.iter().map(|&i| ids[i as usize])),
+            }
+            self.starts
+                .push(CellStart { ids: self.ids.len() as u32, grids: self.inner.len() as u32 });
+        }
+        Ok(number)
+    }
+
+    /// Number of grids so far.
+    pub(crate) fn len(&self) -> usize {
+        self.grids.len()
+    }
+
+    /// Cells that hold no inner grid; empty ones among them; cells that do; references to
+    /// primitives in all of them.
+    pub(crate) fn census(&self) -> Census {
+        let mut census = Census { references: self.ids.len() as u64, ..Census::default() };
+        for w in self.starts.windows(2) {
+            if w[0].grids < w[1].grids {
+                census.dividing_cells += 1;
+            } else {
+                census.cells += 1;
+                census.empty_cells += u64::from(w[0].ids == w[1].ids);
+            }
+        }
+        census
+    }
+
+    /// Bytes occupied.
+    pub(crate) fn bytes(&self) -> u64 {
+        (size_of_val(self.grids.as_slice())
+            + size_of_val(self.starts.as_slice())
+            + size_of_val(self.ids.as_slice())
+            + size_of_val(self.inner.as_slice())) as u64
+    }
+
+    /// Walks a grid and the grids within; `Break` when the sink ended the query. A grid that
+    /// `visited` has seen is not walked again.
+    pub(crate) fn walk<K: Sink<S>>(
+        &self,
+        grid: u32,
+        ray: &Ray<S>,
+        t_start: S,
+        sink: &mut K,
+        visited: &mut impl Visited,
+    ) -> ControlFlow<()> {
+        let Some(grid) = self.grids.get(grid as usize) else { return ControlFlow::Continue(()) };
+        // what is farther than the best hit needs no walk
+        let ray_left = Ray { t_max: sink.t_max(), ..*ray };
+        let Some(mut walk) = grid.frame.walk_from(&ray_left, t_start) else {
+            return ControlFlow::Continue(());
+        };
+        loop {
+            let cell = grid.first_cell as usize + walk.index();
+            let (Some(&from), Some(&to)) = (self.starts.get(cell), self.starts.get(cell + 1))
+            else {
+                return ControlFlow::Continue(());
+            };
+            if from.grids == to.grids {
+                sink.elementary_step(from.ids == to.ids);
+            } else {
+                sink.inner_step();
+            }
+            if from.ids < to.ids
+                && let Some(list) = self.ids.get(from.ids as usize..to.ids as usize)
+            {
+                sink.test(list)?;
+            }
+            if from.grids < to.grids {
+                for i in from.grids..to.grids {
+                    let Some(&inner) = self.inner.get(i as usize) else { continue };
+                    if visited.is_first(inner) {
+                        self.walk(inner, ray, t_start, sink, visited)?;
+                    }
+                }
+            }
+            if sink.t_max() < walk.t_exit() || !walk.advance() {
+                return ControlFlow::Continue(());
+            }
+        }
+    }
+}
+
+/// What [`NestedGrids::census`] counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Census {
+    /// Cells without inner grids.
+    pub cells: u64,
+    /// Those of them without primitives.
+    pub empty_cells: u64,
+    /// Cells with inner grids.
+    pub dividing_cells: u64,
+    /// References to primitives.
+    pub references: u64,
+}
+
+/// Remembers which grids a ray has walked. It may forget (a second walk is only a waste), but
+/// never claims a walk that was not made.
+pub(crate) trait Visited {
+    /// True unless the grid is known to have been walked; remembers it.
+    fn is_first(&mut self, grid: u32) -> bool;
+}
+
+/// For grids of which none is in two cells.
+pub(crate) struct NoMailbox;
+
+impl Visited for NoMailbox {
+    #[inline(always)]
+    fn is_first(&mut self, _: u32) -> bool {
+        true
+    }
+}
+
+/// A direct-mapped table on the stack.
+pub(crate) struct Mailbox([u32; Self::SLOTS]);
+
+impl Mailbox {
+    const SLOTS: usize = 32;
+
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        Self([u32::MAX; Self::SLOTS])
+    }
+}
+
+impl Visited for Mailbox {
+    #[inline(always)]
+    fn is_first(&mut self, grid: u32) -> bool {
+        std::mem::replace(&mut self.0[grid as usize % Self::SLOTS], grid) != grid
+    }
+}

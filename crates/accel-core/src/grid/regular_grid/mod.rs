@@ -1,0 +1,386 @@
+//! What the regular grids share: frame, placement, walk. They differ in where cells are stored.
+//!
+//! `uniform_grid.rs` (an array), `hashed_grid.rs` (a hash table) and `bricked_grid.rs` (blocks)
+//! are this grid over one [`CellStorage`] each, so they have the same cells and do the same work.
+
+mod shaft_walk;
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::block_lists::{BlockPlacement, CellRows, DenseRows, block_lists};
+use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
+use crate::grid::cell_overlap::{Insertion, overlaps};
+use crate::grid::cell_walk::{CellPosition, CellWalk, Traversal};
+use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
+use crate::grid::voxel_walk::GridFrame;
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::Params;
+use crate::primitives::PrimSet;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure};
+use crate::variants::double_walk::DoubleWalk;
+
+/// Where the lists of a grid's cells are kept.
+pub trait CellStorage: Sized + Send + Sync {
+    /// Whether the walks that are there for comparison are compiled for it.
+    const COMPARES_WALKS: bool = false;
+
+    /// Stores the lists that `contents` describes.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`] when they exceed `contents.max_references`.
+    fn build<S: Scalar, P: PrimSet<S>>(
+        contents: &Contents<S, P>,
+        params: &Params,
+    ) -> Result<Self, TooManyReferences>;
+
+    /// The ids of a cell.
+    fn list(&self, cell: &impl CellPosition) -> &[u32];
+    /// Cells that hold ids.
+    fn occupied_cells(&self) -> u64;
+    /// Ids in all cells together.
+    fn references(&self) -> u64;
+    /// Bytes occupied.
+    fn bytes(&self) -> u64;
+}
+
+/// What a storage is built from: which primitive goes to which cells.
+pub struct Contents<'a, S: Scalar, P: PrimSet<S>> {
+    /// The grid.
+    pub frame: GridFrame<S>,
+    /// Number of primitives.
+    pub primitives: usize,
+    /// Order of ids in a cell.
+    pub order: ListOrder,
+    /// Limit for references.
+    pub max_references: u64,
+    boxes: BoundsOf<'a, S, P>,
+    historical: bool,
+    insertion: Insertion,
+}
+
+impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
+    /// First and last cell of primitive `id` on each axis.
+    #[inline(always)]
+    pub fn range(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        if self.insertion != Insertion::PaddedBox {
+            return self.range_compared(id);
+        }
+        let b = self.boxes.of(id);
+        if self.historical { self.frame.range_by_division(&b) } else { self.frame.range(&b) }
+    }
+
+    /// The box that decides where primitive `id` goes.
+    #[inline(always)]
+    pub fn box_of(&self, id: u32) -> Aabb<S> {
+        self.boxes.of(id)
+    }
+
+    /// By how much boxes are padded.
+    pub fn padding(&self) -> S {
+        self.boxes.padding()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn range_compared(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        match self.insertion.is_padded() {
+            true => self.frame.range(&self.boxes.of(id)),
+            false => self.frame.range(&self.boxes.prims().bounds(id)),
+        }
+    }
+
+    /// The cells of [`Contents::range`] that the primitive overlaps itself.
+    #[cold]
+    #[inline(never)]
+    fn overlapped(&self, id: u32) -> Vec<[i32; 3]> {
+        let margin = if self.insertion.is_padded() { self.boxes.padding().to_f64() } else { 0.0 };
+        let wide = self.frame.in_double();
+        let (first, last) = self.range(id);
+        let (mut cells, mut balls) = (Vec::new(), Vec::new());
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    let cell = wide.cell_bounds(wide.index([x, y, z])).expanded(margin);
+                    let corners = (cell.min, cell.max);
+                    if overlaps(self.boxes.prims(), id, corners, &mut balls) {
+                        cells.push([x, y, z]);
+                    }
+                }
+            }
+        }
+        cells
+    }
+
+    /// Calls `emit` with the coordinates of every cell primitive `id` goes to, x fastest.
+    #[inline(always)]
+    pub fn cells_of(&self, id: u32, mut emit: impl FnMut([i32; 3])) {
+        if self.insertion.is_exact() {
+            return self.overlapped(id).into_iter().for_each(emit);
+        }
+        let (first, last) = self.range(id);
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    emit([x, y, z]);
+                }
+            }
+        }
+    }
+
+    /// All references together, without visiting cells.
+    pub fn count_references(&self) -> u64 {
+        let cells = |id| {
+            let (first, last) = self.range(id);
+            (0..3).map(|k| (last[k] - first[k] + 1).max(0) as u64).product::<u64>()
+        };
+        (0..self.primitives as u32).map(cells).fold(0, u64::saturating_add)
+    }
+
+    /// The lists in one array, those of the frame's cells in their order.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`].
+    pub fn dense_lists(&self) -> Result<CellLists, TooManyReferences> {
+        if self.insertion.is_exact() {
+            return self.lists(self.frame.cells(), |c| self.frame.index(c));
+        }
+        self.lists_of_rows(&DenseRows::new(self.frame.resolution()))
+    }
+
+    /// The lists in one array, where `rows` says; of boxes, not exact ones.
+    pub(crate) fn lists_of_rows(
+        &self,
+        rows: &impl CellRows,
+    ) -> Result<CellLists, TooManyReferences> {
+        block_lists(rows, self.primitives, self.order, self.max_references, self)
+    }
+
+    /// The lists in one array, `cells` of them, cell `coords` at `index(coords)`.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`].
+    pub fn lists(
+        &self,
+        cells: usize,
+        index: impl Fn([i32; 3]) -> usize,
+    ) -> Result<CellLists, TooManyReferences> {
+        struct Indexed<'c, 'a, S: Scalar, P: PrimSet<S>, F>(&'c Contents<'a, S, P>, F);
+        impl<S: Scalar, P: PrimSet<S>, F: Fn([i32; 3]) -> usize> Placement for Indexed<'_, '_, S, P, F> {
+            #[inline(always)]
+            fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+                self.0.cells_of(id, |c| emit((self.1)(c)));
+            }
+        }
+        if !self.insertion.is_exact() {
+            // before any cell is visited: identical primitives may be in all of them
+            let needed = self.count_references();
+            if needed > self.max_references {
+                return Err(TooManyReferences(needed));
+            }
+        }
+        let placement = Indexed(self, index);
+        CellLists::build(cells, self.primitives, self.order, self.max_references, &placement)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>> BlockPlacement for Contents<'_, S, P> {
+    #[inline(always)]
+    fn block(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        self.range(id)
+    }
+}
+
+/// Box margin of cones in Havran and Sixta's uniform grid, as fitted to their counters.
+const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
+
+/// A regular grid whose cells are kept in a `G`.
+pub struct RegularGrid<S: Scalar, G> {
+    frame: GridFrame<S>,
+    storage: G,
+    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    from_origin: bool,
+    traversal: Traversal,
+    /// For [`Traversal::Double`].
+    wide_frame: GridFrame<f64>,
+}
+
+impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
+    /// Where its cells are.
+    pub fn frame(&self) -> &GridFrame<S> {
+        &self.frame
+    }
+
+    /// The ids in the cell of those coordinates.
+    pub fn list(&self, coords: [i32; 3]) -> &[u32] {
+        self.storage.list(&self.frame.cell(coords))
+    }
+}
+
+impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let (contents, storage) = stored::<S, P, G>(prims, params)?;
+        let (frame, from_origin) = (contents.frame, contents.historical);
+        let (wide_frame, traversal) = (frame.in_double(), Traversal::of(params));
+        Ok(Self { frame, storage, from_origin, traversal, wide_frame })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        match self.traversal {
+            Traversal::TNext => {
+                if let Some(walk) = self.frame.walk_from(ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+            Traversal::DrivingAxis => {
+                if let Some(walk) = self.frame.driving_walk_from(ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+            // the parameter of other grids does not offer what follows
+            Traversal::Accumulate | Traversal::Double if !G::COMPARES_WALKS => {}
+            Traversal::Accumulate => {
+                if let Some(walk) = self.frame.accumulating_walk_from(ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+            Traversal::Double => {
+                if let Some(walk) = DoubleWalk::from(&self.wide_frame, ray, t_start) {
+                    visit(walk, &self.storage, sink);
+                }
+            }
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        let cells = self.frame.cells() as u64;
+        Shape {
+            inner_cells: 0,
+            cells,
+            empty_cells: cells - self.storage.occupied_cells(),
+            references: self.storage.references(),
+            resolution: Some(self.frame.resolution()),
+            bytes: self.storage.bytes(),
+            ..Shape::default()
+        }
+    }
+}
+
+/// Visits cells until nothing closer can follow.
+#[inline(always)]
+fn visit<S: Scalar>(
+    mut walk: impl CellWalk<S>,
+    storage: &impl CellStorage,
+    sink: &mut impl Sink<S>,
+) {
+    loop {
+        let list = storage.list(&walk);
+        sink.elementary_step(list.is_empty());
+        if !list.is_empty() && sink.test(list).is_break() {
+            return;
+        }
+        if sink.t_max() < walk.t_exit() || !walk.advance() {
+            return;
+        }
+    }
+}
+
+/// References a primitive, on average, beyond which a computed resolution is made coarser. On the
+/// scenes of 1999 no rule needs more than 12.
+const REFERENCES_A_PRIMITIVE: u64 = 64;
+
+/// Contents under the settings of [`crate::params::specs`], and their storage. A resolution that is not given in
+/// voxels is halved as long as it lists primitives too often: copies of one large primitive would
+/// otherwise each go to all voxels.
+///
+/// # Errors
+/// [`BuildError`] when the scene is too large for the scalar or the grid for its limits.
+pub fn stored<'a, S: Scalar, P: PrimSet<S>, G: CellStorage>(
+    prims: &'a P,
+    params: &Params,
+) -> Result<(Contents<'a, S, P>, G), BuildError> {
+    let mut contents = contents_of(prims, params)?;
+    let hard_limit = contents.max_references;
+    let is_given = matches!(params.resolution("resolution"), ResolutionRule::Fixed(_));
+    let soft_limit = (REFERENCES_A_PRIMITIVE * prims.len() as u64).max(1 << 20);
+    loop {
+        let is_final = is_given || contents.frame.cells() == 1;
+        contents.max_references = if is_final { hard_limit } else { hard_limit.min(soft_limit) };
+        match G::build(&contents, params) {
+            Ok(storage) => return Ok((contents, storage)),
+            Err(e) if is_final => return Err(too_many_references(e, hard_limit, params)),
+            Err(_) => {
+                let halved = contents.frame.resolution().map(|n| n.div_ceil(2));
+                contents.frame = GridFrame::new(contents.frame.bounds(), halved);
+            }
+        }
+    }
+}
+
+/// Frame and placement under the settings of [`crate::params::specs`].
+pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
+    prims: &'a P,
+    params: &Params,
+) -> Result<Contents<'a, S, P>, BuildError> {
+    let structure = params.structure();
+    // what a structure does not list has its default
+    let historical = params.get("boxes") == Some("historical");
+    let rule = if historical {
+        BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
+    } else {
+        BoundsRule::Padded
+    };
+    let boxes =
+        BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    let frame = frame_of(prims, &boxes, params)?;
+    let order =
+        if params.get("order") == Some("reverse") { ListOrder::Reverse } else { ListOrder::File };
+    let max_references = params.integer("max-references");
+    let insertion = Insertion::of(params);
+    let primitives = prims.len();
+    Ok(Contents { frame, primitives, order, max_references, boxes, historical, insertion })
+}
+
+fn too_many_references(e: TooManyReferences, limit: u64, params: &Params) -> BuildError {
+    BuildError::TooLarge {
+        structure: params.structure(),
+        what: "references in voxels",
+        needed: u128::from(e.0),
+        limit: u128::from(limit),
+    }
+}
+
+/// The grid that the settings `resolution`, `density` and `max-cells` ask for.
+fn frame_of<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    boxes: &BoundsOf<S, P>,
+    params: &Params,
+) -> Result<GridFrame<S>, BuildError> {
+    let rule = params.resolution("resolution");
+    let max_cells = params.integer("max-cells");
+    let input = ResolutionInput {
+        bounds: boxes.scene(),
+        primitives: prims.len(),
+        density: params.real("density"),
+        mean_longest_side: if rule.reads_sides() { mean_longest_side(prims) } else { 0.0 },
+        max_cells,
+        smallest_cell: boxes.smallest_cell(),
+    };
+    let n = resolve(rule, &input).map_err(|needed| BuildError::TooLarge {
+        structure: params.structure(),
+        what: "number of voxels",
+        needed,
+        limit: u128::from(max_cells),
+    })?;
+    Ok(GridFrame::new(divided_bounds(rule, boxes.scene(), n), n))
+}
+
+fn mean_longest_side<S: Scalar, P: PrimSet<S>>(prims: &P) -> f64 {
+    let longest =
+        |b: Aabb<S>| b.size().to_array().into_iter().fold(0.0f64, |m, s| m.max(s.to_f64()));
+    let sum: f64 = (0..prims.len() as u32).map(|id| longest(prims.bounds(id))).sum();
+    sum / prims.len().max(1) as f64
+}

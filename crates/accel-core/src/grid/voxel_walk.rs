@@ -1,0 +1,484 @@
+//! The walk of a ray through a regular grid of voxels by t_next stepping.
+//!
+//! Paper: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
+//! 1987. Deviation: the parameter of the next plane is not accumulated (t += dt drifts by up to tens
+//! of cells on long walks) but recomputed from the plane's index, so that its error
+//! does not grow with the number of steps.
+//!
+//! What is guaranteed, in the scalar of the walk and to the ray's end: the part of the ray between
+//! the exits of two successive cells lies within the second of them, grown by an error that is
+//! independent of the number of steps. Three roundings of positions (plane, from_origin, their sum)
+//! and two of factors (1 / direction, the product with it) keep a plane within 22 epsilon of the
+//! scene's largest coordinate of where it is met, for rays that start within 8 magnitudes
+//! (`far_ray.rs`). Boxes are inserted padded by 64 of the same (`bounds_rule.rs`). So a cell may be
+//! passed by whose corner or edge the ray cuts by less, never a primitive: what the ray meets in
+//! that cell is listed in the cells before or after it as well, and those are not left before the
+//! parameter of the hit. `rtbench verify --cases T1,T3,T4` holds both walks against exact integers.
+//!
+//! **Grids within cells.** The walk of an inner grid has planes, and roundings, of its own. A ray
+//! nearly within a side of the outer cell leaves an inner grid of exactly that box, by one rounding,
+//! at any parameter, and what the rest of the cell holds is passed by while the outer walk, by
+//! another rounding, is still there. So an inner grid is that of the cell grown by the padding of
+//! boxes. Between the cell's entry and exit the ray is within 22 epsilon of the cell, so within the
+//! inner grid's box by 42 on every axis; the inner walk, off by another 22, does not leave that box
+//! before the outer one leaves the cell. Two rules follow for whoever walks both: a hit before an
+//! inner exit ends the inner walk alone, for beyond the outer exit only the outer lists are
+//! complete; and an inner walk starts where the cell is entered, but never before the outer walk
+//! did, for planes beside the ray may be met at any parameter, even an infinite one.
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::grid::cell_walk::{CellPosition, CellWalk, GridCell};
+
+/// Where the cells of a regular grid are.
+#[derive(Debug, Clone, Copy)]
+pub struct GridFrame<S: Scalar> {
+    bounds: Aabb<S>,
+    lo: [S; 3],
+    cell: [S; 3],
+    inv_cell: [S; 3],
+    n: [i32; 3],
+}
+
+impl<S: Scalar> GridFrame<S> {
+    /// Divides `bounds` into `n` cells an axis; every axis of `bounds` must have a length > 0 and
+    /// `n` at most [`crate::grid::resolution::MAX_PER_AXIS`].
+    pub fn new(bounds: Aabb<S>, n: [u32; 3]) -> Self {
+        let (lo, size) = (bounds.min.to_array(), bounds.size().to_array());
+        let mut cell = [S::ONE; 3];
+        let mut inv_cell = [S::ONE; 3];
+        for k in 0..3 {
+            cell[k] = size[k] / S::from_i32(n[k] as i32);
+            inv_cell[k] = S::ONE / cell[k];
+        }
+        Self { bounds, lo, cell, inv_cell, n: n.map(|n| n as i32) }
+    }
+
+    /// Cells an axis.
+    pub fn resolution(&self) -> [u32; 3] {
+        self.n.map(|n| n as u32)
+    }
+
+    /// The divided box.
+    pub fn bounds(&self) -> Aabb<S> {
+        self.bounds
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.n.iter().map(|&n| n as usize).product()
+    }
+
+    /// The first and last cell an axis that `b` touches, clamped to the grid.
+    #[inline(always)]
+    pub fn range(&self, b: &Aabb<S>) -> ([i32; 3], [i32; 3]) {
+        let (lo, hi) = (b.min.to_array(), b.max.to_array());
+        let mut first = [0; 3];
+        let mut last = [0; 3];
+        for k in 0..3 {
+            first[k] = self.clamped((lo[k] - self.lo[k]) * self.inv_cell[k], k);
+            last[k] = self.clamped((hi[k] - self.lo[k]) * self.inv_cell[k], k);
+        }
+        (first, last)
+    }
+
+    /// [`GridFrame::range`] with a division in place of the product by the inverse, as
+    /// floor((x - lo) / cell) was computed in 1999: it decides differently on cell planes.
+    pub fn range_by_division(&self, b: &Aabb<S>) -> ([i32; 3], [i32; 3]) {
+        let (lo, hi) = (b.min.to_array(), b.max.to_array());
+        let mut first = [0; 3];
+        let mut last = [0; 3];
+        for k in 0..3 {
+            first[k] = self.clamped((lo[k] - self.lo[k]) / self.cell[k], k);
+            last[k] = self.clamped((hi[k] - self.lo[k]) / self.cell[k], k);
+        }
+        (first, last)
+    }
+
+    /// Truncation equals floor here: what is below 0 is clamped to 0 anyway.
+    #[inline(always)]
+    fn clamped(&self, x: S, axis: usize) -> i32 {
+        x.to_index(self.n[axis] - 1)
+    }
+
+    /// Index of a cell, x fastest.
+    #[inline(always)]
+    pub fn index(&self, c: [i32; 3]) -> usize {
+        (c[2] as usize * self.n[1] as usize + c[1] as usize) * self.n[0] as usize + c[0] as usize
+    }
+
+    /// A cell of this grid, for questions that no ray asks.
+    pub fn cell(&self, coords: [i32; 3]) -> GridCell {
+        GridCell { index: self.index(coords), coords }
+    }
+
+    /// Coordinates of the cell with that index.
+    pub fn coords(&self, index: usize) -> [i32; 3] {
+        let [nx, ny, _] = self.n.map(|n| n as usize);
+        [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as i32)
+    }
+
+    /// Lengths of a cell's sides.
+    pub fn cell_size(&self) -> [S; 3] {
+        self.cell
+    }
+
+    /// The box of the cell with that index.
+    pub fn cell_bounds(&self, index: usize) -> Aabb<S> {
+        let at = self.coords(index);
+        let plane = |k: usize, i: i32| self.lo[k] + S::from_i32(i) * self.cell[k];
+        Aabb {
+            min: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k]))),
+            max: Vec3::<S>::from_array(std::array::from_fn(|k| plane(k, at[k] + 1))),
+        }
+    }
+
+    /// Starts a walk, or `None` when the ray misses the box within its interval.
+    #[inline(always)]
+    pub fn walk(&self, ray: &Ray<S>) -> Option<VoxelWalk<S>> {
+        self.walk_from(ray, ray.t_min)
+    }
+
+    /// Starts a walk at parameter `t_start` in place of the ray's `t_min`.
+    #[inline(always)]
+    pub fn walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<VoxelWalk<S>> {
+        let (t_in, _) = self.bounds.clip(ray.origin, ray.direction, t_start, ray.t_max)?;
+        Some(self.walk_at(ray, inverse_direction(ray), t_in))
+    }
+
+    /// Starts a walk in the cell that holds, or is nearest to, the point of the ray at `t`,
+    /// whether or not the ray meets the box there. `inverse` is [`inverse_direction`] of the ray.
+    #[inline(always)]
+    pub fn walk_at(&self, ray: &Ray<S>, inverse: [S; 3], t: S) -> VoxelWalk<S> {
+        let o = ray.origin.to_array();
+        let d = ray.direction.to_array();
+        let p = ray.at(t).to_array();
+        let stride = [1, self.n[0] as isize, self.n[0] as isize * self.n[1] as isize];
+        let mut walk = VoxelWalk {
+            t_next: [S::INFINITY; 3],
+            plane: [S::ZERO; 3],
+            plane_step: [S::ZERO; 3],
+            cell: self.cell,
+            from_origin: [S::ZERO; 3],
+            inv_d: inverse,
+            remaining: [0; 3],
+            last: [0; 3],
+            step: [0; 3],
+            stride: [0; 3],
+            offset: 0,
+        };
+        let mut at = [0; 3];
+        for k in 0..3 {
+            at[k] = self.clamped((p[k] - self.lo[k]) * self.inv_cell[k], k);
+            // no direction (0 * infinity below would be NaN)
+            if !inverse[k].is_finite() {
+                walk.last[k] = at[k];
+                continue;
+            }
+            let up = d[k] > S::ZERO;
+            walk.step[k] = if up { 1 } else { -1 };
+            walk.last[k] = if up { self.n[k] - 1 } else { 0 };
+            walk.from_origin[k] = self.lo[k] - o[k];
+            walk.plane[k] = S::from_i32(at[k] + i32::from(up));
+            walk.plane_step[k] = if up { S::ONE } else { -S::ONE };
+            walk.remaining[k] = if up { self.n[k] - 1 - at[k] } else { at[k] };
+            walk.stride[k] = if up { stride[k] } else { -stride[k] };
+            walk.t_next[k] = walk.plane_parameter(k);
+        }
+        walk.offset = self.index(at) as isize;
+        walk
+    }
+
+    /// The same grid in f64, its planes where `S` has them but for the rounding of their sums.
+    pub fn in_double(&self) -> GridFrame<f64> {
+        let wide = |v: [S; 3]| v.map(S::to_f64);
+        let cell = wide(self.cell);
+        let bounds = Aabb { min: self.bounds.min.to_dvec3(), max: self.bounds.max.to_dvec3() };
+        GridFrame { bounds, lo: wide(self.lo), cell, inv_cell: cell.map(|c| 1.0 / c), n: self.n }
+    }
+}
+
+/// Divides the cells of a grid, each by a grid of its own, which is made anew for each ray that
+/// comes by, in place of being stored.
+#[derive(Debug, Clone, Copy)]
+pub struct CellDivision<S: Scalar> {
+    /// Lower corner of the first cell, and how far apart those of two cells are.
+    lo: [S; 3],
+    pitch: [S; 3],
+    /// Sides of a cell.
+    side: [S; 3],
+    inv_side: [S; 3],
+}
+
+impl<S: Scalar> CellDivision<S> {
+    /// Of the cells of `frame`, whose grids reach `padding` beyond them.
+    pub fn new(frame: &GridFrame<S>, padding: S) -> Self {
+        let side = frame.cell.map(|cell| cell + padding + padding);
+        Self {
+            lo: frame.lo.map(|lo| lo - padding),
+            pitch: frame.cell,
+            side,
+            inv_side: side.map(|side| S::ONE / side),
+        }
+    }
+
+    /// The grid of `n` cells an axis, at least 1, that divides the cell of those coordinates.
+    #[inline(always)]
+    pub fn grid(&self, coords: [i32; 3], n: [u8; 3]) -> GridFrame<S> {
+        let (mut lo, mut hi, mut cell, mut inv_cell) = (self.lo, self.lo, self.side, self.inv_side);
+        for k in 0..3 {
+            let parts = S::from_i32(i32::from(n[k]));
+            lo[k] += S::from_i32(coords[k]) * self.pitch[k];
+            hi[k] = lo[k] + self.side[k];
+            cell[k] = self.side[k] / parts;
+            inv_cell[k] = self.inv_side[k] * parts;
+        }
+        let bounds = Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) };
+        GridFrame { bounds, lo, cell, inv_cell, n: n.map(i32::from) }
+    }
+}
+
+/// 1 / direction; an infinity on the axes that the ray is perpendicular to, or so nearly that it
+/// never leads to another cell.
+#[inline(always)]
+pub fn inverse_direction<S: Scalar>(ray: &Ray<S>) -> [S; 3] {
+    ray.direction.to_array().map(|d| S::ONE / d)
+}
+
+/// A ray on its way through a grid.
+#[derive(Debug, Clone, Copy)]
+pub struct VoxelWalk<S: Scalar> {
+    /// Parameter at which the next plane of each axis is met.
+    pub(crate) t_next: [S; 3],
+    /// Index of that plane.
+    pub(crate) plane: [S; 3],
+    pub(crate) plane_step: [S; 3],
+    pub(crate) cell: [S; 3],
+    /// Lower corner of the grid minus the ray's origin.
+    pub(crate) from_origin: [S; 3],
+    pub(crate) inv_d: [S; 3],
+    /// Cells left in the direction of each axis.
+    pub(crate) remaining: [i32; 3],
+    /// The outermost cell in the direction of each axis; the current one where it has none.
+    pub(crate) last: [i32; 3],
+    /// 1, -1, or 0 on an axis without direction.
+    pub(crate) step: [i32; 3],
+    pub(crate) stride: [isize; 3],
+    pub(crate) offset: isize,
+}
+
+impl<S: Scalar> VoxelWalk<S> {
+    #[inline(always)]
+    fn plane_parameter(&self, k: usize) -> S {
+        (self.plane[k] * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
+    }
+
+    /// Parameter of the plane that comes `planes` after the next one on axis `k`.
+    #[inline(always)]
+    pub fn plane_ahead(&self, k: usize, planes: i32) -> S {
+        if self.step[k] == 0 {
+            return S::INFINITY;
+        }
+        let plane = self.plane[k] + self.plane_step[k] * S::from_i32(planes);
+        (plane * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
+    }
+
+    /// Moves so many cells forward on each axis at once; false when that would leave the grid.
+    /// Axes without direction do not move.
+    #[inline(always)]
+    pub fn jump(&mut self, cells: [i32; 3]) -> bool {
+        for (k, n) in cells.into_iter().enumerate() {
+            if n <= 0 || self.step[k] == 0 {
+                continue;
+            }
+            if n > self.remaining[k] {
+                return false;
+            }
+            self.remaining[k] -= n;
+            self.offset += self.stride[k] * n as isize;
+            self.plane[k] += self.plane_step[k] * S::from_i32(n);
+            self.t_next[k] = self.plane_parameter(k);
+        }
+        true
+    }
+
+    /// The axis whose plane is met first; of equal ones the lowest.
+    #[inline(always)]
+    pub(crate) fn axis(&self) -> usize {
+        let [x, y, z] = self.t_next;
+        let (k, t) = if y < x { (1, y) } else { (0, x) };
+        if z < t { 2 } else { k }
+    }
+}
+
+impl<S: Scalar> CellPosition for VoxelWalk<S> {
+    #[inline(always)]
+    fn index(&self) -> usize {
+        self.offset as usize
+    }
+
+    #[inline(always)]
+    fn coords(&self) -> [i32; 3] {
+        std::array::from_fn(|k| self.last[k] - self.step[k] * self.remaining[k])
+    }
+}
+
+impl<S: Scalar> CellWalk<S> for VoxelWalk<S> {
+    #[inline(always)]
+    fn t_exit(&self) -> S {
+        self.t_next[self.axis()]
+    }
+
+    #[inline(always)]
+    fn advance(&mut self) -> bool {
+        let k = self.axis();
+        if self.remaining[k] == 0 {
+            return false;
+        }
+        self.remaining[k] -= 1;
+        self.offset += self.stride[k];
+        self.plane[k] += self.plane_step[k];
+        self.t_next[k] = self.plane_parameter(k);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The cells of a walk; its coordinates and exits are held against the indices on the way.
+    fn collect(frame: &GridFrame<f64>, walk: Option<impl CellWalk<f64>>) -> Vec<usize> {
+        let mut out = Vec::new();
+        let Some(mut w) = walk else { return out };
+        let mut last_exit = f64::NEG_INFINITY;
+        loop {
+            assert_eq!(frame.index(w.coords()), w.index());
+            assert!(w.t_exit() >= last_exit - 1e-9 * last_exit.abs());
+            last_exit = w.t_exit();
+            out.push(w.index());
+            if !w.advance() {
+                return out;
+            }
+        }
+    }
+
+    /// The cells of the t_next walk, which those of the driving-axis walk must equal but for the
+    /// order at ties, where both may touch another cell on an edge or corner.
+    fn cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
+        collect(frame, frame.walk(ray))
+    }
+
+    fn driven_cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
+        collect(frame, frame.driving_walk_from(ray, ray.t_min))
+    }
+
+    fn unit_frame(n: u32) -> GridFrame<f64> {
+        let bounds = Aabb { min: glam::DVec3::ZERO, max: glam::DVec3::splat(f64::from(n)) };
+        GridFrame::new(bounds, [n; 3])
+    }
+
+    #[test]
+    fn visits_exactly_the_pierced_cells() {
+        let n = 16;
+        let frame = unit_frame(n);
+        let mut state = 12345u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) as f64 / (1u64 << 31) as f64
+        };
+        for _ in 0..2000 {
+            let o = glam::DVec3::new(random(), random(), random()) * 48.0 - 16.0;
+            let target = glam::DVec3::new(random(), random(), random()) * f64::from(n);
+            let ray = Ray::<f64>::new(o, target - o);
+            let visited = cells_of(&frame, &ray);
+            assert_eq!(driven_cells_of(&frame, &ray), visited, "{ray:?}");
+            // oracle: every cell whose box the ray crosses by more than rounding
+            let mut pierced = 0;
+            for i in 0..frame.cells() {
+                let c = [i % 16, i / 16 % 16, i / 256];
+                let lo = glam::DVec3::new(c[0] as f64, c[1] as f64, c[2] as f64);
+                let b = Aabb::<f64> { min: lo, max: lo + 1.0 };
+                if let Some((a, z)) = b.clip(ray.origin, ray.direction, 0.0, f64::INFINITY)
+                    && z - a > 1e-9
+                {
+                    pierced += 1;
+                    assert!(visited.contains(&i), "{ray:?} misses cell {c:?}");
+                }
+            }
+            assert!(visited.len() <= pierced + 3, "{} for {pierced}", visited.len());
+        }
+    }
+
+    #[test]
+    fn axis_parallel_rays_and_rays_in_cell_planes_end() {
+        let frame = unit_frame(8);
+        for k in 0..3 {
+            for sign in [1.0, -1.0] {
+                for zero in [0.0, -0.0] {
+                    let mut d = [zero; 3];
+                    d[k] = sign;
+                    let mut o = [4.0; 3];
+                    o[k] = if sign > 0.0 { -3.0 } else { 11.0 };
+                    let ray = Ray::<f64>::new(o.into(), d.into());
+                    assert_eq!(cells_of(&frame, &ray).len(), 8);
+                    assert_eq!(driven_cells_of(&frame, &ray).len(), 8);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_origin_far_away_is_clamped_into_the_grid() {
+        // HARD_CASES T4
+        let frame = unit_frame(8);
+        let ray = Ray::<f64>::new([-1e9, 8.0, 8.0].into(), [1.0, 0.0, 0.0].into());
+        let cells = cells_of(&frame, &ray);
+        assert_eq!(cells.len(), 8);
+        assert!(cells.iter().all(|&c| c < frame.cells()));
+    }
+
+    #[test]
+    fn lattice_ties_miss_no_pierced_cell_in_either_walk() {
+        // HARD_CASES T2: lattice origins, directions {-7..7}^3; half-integer sums keep it exact
+        let frame = unit_frame(8);
+        for d in (0..15i32.pow(3)).map(|i| [i % 15 - 7, i / 15 % 15 - 7, i / 225 - 7]) {
+            if d == [0; 3] {
+                continue;
+            }
+            let d = d.map(f64::from);
+            let ray = Ray::<f64>::new([4.0, 3.0, 5.0].into(), d.into());
+            let (next, driven) = (cells_of(&frame, &ray), driven_cells_of(&frame, &ray));
+            for i in 0..frame.cells() {
+                let lo = glam::DVec3::new((i % 8) as f64, (i / 8 % 8) as f64, (i / 64) as f64);
+                let b = Aabb::<f64> { min: lo, max: lo + 1.0 };
+                // an open crossing: rays within a face's plane pierce neither neighbour
+                let within = (0..3)
+                    .all(|k| d[k] != 0.0 || (ray.origin[k] > lo[k] && ray.origin[k] < lo[k] + 1.0));
+                if within
+                    && let Some((a, z)) = b.clip(ray.origin, ray.direction, 0.0, f64::INFINITY)
+                    && z - a > 1e-9
+                {
+                    assert!(next.contains(&i), "{d:?} t_next misses {lo}");
+                    assert!(driven.contains(&i), "{d:?} driving axis misses {lo}");
+                }
+            }
+            assert!(next.len() <= 22 && driven.len() <= 22);
+        }
+    }
+
+    #[test]
+    fn directions_too_small_to_invert_are_no_directions() {
+        // HARD_CASES R2: 0 * infinity once ended the walk at the first cell
+        let bounds = Aabb { min: glam::Vec3::ZERO, max: glam::Vec3::splat(8.0) };
+        let frame = GridFrame::<f32>::new(bounds, [8; 3]);
+        let ray = Ray::<f32>::new([4.0, -1.0, 4.0].into(), [1e-45, 1.0, -1e-45].into());
+        let mut walk = frame.walk(&ray).unwrap();
+        let mut driven = frame.driving_walk_from(&ray, 0.0).unwrap();
+        for _ in 0..7 {
+            assert!(walk.advance() && driven.advance());
+        }
+        assert!(!walk.advance() && !driven.advance());
+    }
+}

@@ -1,0 +1,250 @@
+//! Settings of a structure: named, typed, with defaults and ranges.
+
+pub mod specs;
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use crate::grid::resolution::ResolutionRule;
+
+/// What values a parameter takes.
+#[derive(Debug, Clone, Copy)]
+pub enum ParamKind {
+    /// A whole number in a closed range.
+    Integer {
+        /// Smallest.
+        min: u64,
+        /// Largest.
+        max: u64,
+    },
+    /// A real number in a closed range.
+    Real {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+    },
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// A rule for the number of voxels, or voxels like 64x64x16.
+    Resolution,
+}
+
+impl fmt::Display for ParamKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer { min, max } => write!(f, "a whole number from {min} to {max}"),
+            Self::Real { min, max } => write!(f, "a number from {min} to {max}"),
+            Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
+            Self::Resolution => {
+                write!(f, "one of {} or voxels like 64x64x16", ResolutionRule::NAMES.join(", "))
+            }
+        }
+    }
+}
+
+/// One parameter of a structure.
+#[derive(Debug, Clone, Copy)]
+pub struct ParamSpec {
+    /// Name as typed: `density`.
+    pub name: &'static str,
+    /// What it does, one line.
+    pub summary: &'static str,
+    /// Value when nothing is said.
+    pub default: &'static str,
+    /// Valid values.
+    pub kind: ParamKind,
+}
+
+/// A setting that cannot be used; names what is valid.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ParamError {
+    /// No such parameter.
+    #[error("{structure} has no parameter '{name}'; {}", valid_names(.valid))]
+    Unknown {
+        /// Structure.
+        structure: &'static str,
+        /// Name as given.
+        name: String,
+        /// Names it has.
+        valid: Vec<&'static str>,
+    },
+    /// The value does not fit.
+    #[error("{structure}.{name} = '{value}': expected {expected}")]
+    Invalid {
+        /// Structure.
+        structure: &'static str,
+        /// Parameter.
+        name: &'static str,
+        /// Value as given.
+        value: String,
+        /// What is valid.
+        expected: String,
+    },
+}
+
+fn valid_names(valid: &[&str]) -> String {
+    if valid.is_empty() { "it has none".into() } else { format!("it has {}", valid.join(", ")) }
+}
+
+/// Validated settings: every parameter of a structure has a value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Params {
+    structure: &'static str,
+    values: BTreeMap<&'static str, String>,
+    /// Names that differ from their default.
+    set: Vec<&'static str>,
+}
+
+impl Params {
+    /// The defaults, overridden by `settings` (later ones win).
+    ///
+    /// # Errors
+    /// [`ParamError`] for an unknown name or a value out of range.
+    pub fn new<'s>(
+        structure: &'static str,
+        specs: &'static [ParamSpec],
+        settings: impl IntoIterator<Item = (&'s str, &'s str)>,
+    ) -> Result<Self, ParamError> {
+        Self::with_common(structure, specs, &[], settings)
+    }
+
+    /// The same with parameters that the structure has in common with others.
+    ///
+    /// # Errors
+    /// As [`Params::new`].
+    pub fn with_common<'s>(
+        structure: &'static str,
+        own: &'static [ParamSpec],
+        common: &'static [ParamSpec],
+        settings: impl IntoIterator<Item = (&'s str, &'s str)>,
+    ) -> Result<Self, ParamError> {
+        let specs = || own.iter().chain(common);
+        let mut values: BTreeMap<_, _> = specs().map(|s| (s.name, s.default.to_owned())).collect();
+        for (name, value) in settings {
+            let spec = specs().find(|s| s.name == name).ok_or_else(|| ParamError::Unknown {
+                structure,
+                name: name.to_owned(),
+                valid: specs().map(|s| s.name).collect(),
+            })?;
+            if !is_valid(spec.kind, value) {
+                return Err(ParamError::Invalid {
+                    structure,
+                    name: spec.name,
+                    value: value.to_owned(),
+                    expected: spec.kind.to_string(),
+                });
+            }
+            values.insert(spec.name, value.to_owned());
+        }
+        let set = specs().filter(|s| values[s.name] != s.default).map(|s| s.name).collect();
+        Ok(Self { structure, values, set })
+    }
+
+    /// The structure these belong to.
+    pub fn structure(&self) -> &'static str {
+        self.structure
+    }
+
+    /// A value as text.
+    ///
+    /// # Panics
+    /// When the structure did not declare `name`: a mistake in its source, not in any input.
+    pub fn text(&self, name: &str) -> &str {
+        self.values.get(name).unwrap_or_else(|| {
+            panic!("structure {} reads undeclared parameter {name}", self.structure)
+        })
+    }
+
+    /// A value as text, or `None` when the structure did not declare `name`.
+    pub fn get(&self, name: &str) -> Option<&str> {
+        self.values.get(name).map(String::as_str)
+    }
+
+    /// A real number. Panics as [`Params::text`], or when declared as another kind.
+    pub fn real(&self, name: &str) -> f64 {
+        self.parsed(name)
+    }
+
+    /// A whole number. Panics as [`Params::real`].
+    pub fn integer(&self, name: &str) -> u64 {
+        self.parsed(name)
+    }
+
+    /// A resolution rule. Panics as [`Params::real`].
+    pub fn resolution(&self, name: &str) -> ResolutionRule {
+        self.parsed(name)
+    }
+
+    fn parsed<T: std::str::FromStr>(&self, name: &str) -> T {
+        let text = self.text(name);
+        text.parse().unwrap_or_else(|_| {
+            panic!("structure {} declared {name} as another kind: {text}", self.structure)
+        })
+    }
+
+    /// The settings that differ from the defaults, as (name, value).
+    pub fn changed(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        self.set.iter().map(|&name| (name, self.text(name)))
+    }
+}
+
+impl fmt::Display for Params {
+    /// What differs from the defaults, as `density=4 resolution=woo`; empty when nothing does.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (name, value)) in self.changed().enumerate() {
+            write!(f, "{}{name}={value}", if i == 0 { "" } else { " " })?;
+        }
+        Ok(())
+    }
+}
+
+fn is_valid(kind: ParamKind, value: &str) -> bool {
+    match kind {
+        ParamKind::Integer { min, max } => {
+            value.parse::<u64>().is_ok_and(|v| (min..=max).contains(&v))
+        }
+        ParamKind::Real { min, max } => value.parse::<f64>().is_ok_and(|v| v >= min && v <= max),
+        ParamKind::Choice(words) => words.contains(&value),
+        ParamKind::Resolution => value.parse::<ResolutionRule>().is_ok(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static SPECS: &[ParamSpec] = &[
+        ParamSpec {
+            name: "density",
+            summary: "",
+            default: "2",
+            kind: ParamKind::Real { min: 0.01, max: 100.0 },
+        },
+        ParamSpec {
+            name: "order",
+            summary: "",
+            default: "file",
+            kind: ParamKind::Choice(&["file", "reverse"]),
+        },
+    ];
+
+    #[test]
+    fn defaults_overrides_and_text() {
+        let p = Params::new("x", SPECS, []).unwrap();
+        assert_eq!((p.real("density"), p.text("order"), p.to_string().as_str()), (2.0, "file", ""));
+        let p = Params::new("x", SPECS, [("density", "4"), ("order", "reverse")]).unwrap();
+        assert_eq!(p.to_string(), "density=4 order=reverse");
+    }
+
+    #[test]
+    fn errors_name_what_is_valid() {
+        let e = Params::new("x", SPECS, [("depth", "1")]).unwrap_err();
+        assert_eq!(e.to_string(), "x has no parameter 'depth'; it has density, order");
+        for bad in ["0", "1e9", "NaN", "inf", "four", ""] {
+            let e = Params::new("x", SPECS, [("density", bad)]).unwrap_err();
+            assert!(e.to_string().contains("expected a number from 0.01 to 100"), "{e}");
+        }
+        assert!(Params::new("x", SPECS, [("order", "up")]).is_err());
+    }
+}

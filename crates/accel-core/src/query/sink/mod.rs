@@ -1,0 +1,174 @@
+//! Queries as sinks: a traversal pushes candidates, the sink tests them and says when to stop.
+//!
+//! One traversal thus serves closest hit, occlusion and the historical shadow ray, with and
+//! without counters.
+
+use std::ops::ControlFlow;
+
+use crate::geometry::ray::{Hit, MISS, Ray};
+use crate::geometry::scalar::Scalar;
+use crate::primitives::PrimSet;
+use crate::query::counters::Counters;
+use crate::query::mailbox::{Mailbox, NoMailbox};
+
+/// What a traversal sees of a query.
+pub trait Sink<S: Scalar> {
+    /// True when the sink counts: lets an adapter skip work that is only done for counting.
+    const COUNTING: bool;
+    /// No hit beyond this parameter matters any more. A traversal stops once everything it has
+    /// not visited lies strictly beyond it.
+    fn t_max(&self) -> S;
+    /// Tests the candidates; `Break` ends the query.
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()>;
+    /// [`Sink::test`] for a query that treats hits up to the cell's exit differently from farther
+    /// ones; `t_exit` is the parameter at which the ray leaves the cell of these candidates.
+    #[inline(always)]
+    fn test_in_cell(&mut self, ids: &[u32], _t_exit: S) -> ControlFlow<()> {
+        self.test(ids)
+    }
+    /// True when any hit may end the query and none changes [`Sink::t_max`]: lets an adapter call
+    /// the occlusion query of a library.
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        false
+    }
+    /// Reports a step into a cell or leaf.
+    fn elementary_step(&mut self, empty: bool);
+    /// Reports a step within a hierarchy.
+    fn inner_step(&mut self);
+}
+
+mod counting_calls;
+mod erased;
+
+pub(crate) use counting_calls::{count, count_steps};
+
+pub use erased::ErasedSink;
+
+/// The closest hit in `[t_min, t_max]`; of equal hits the lowest id wins.
+pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
+    mailbox: M,
+    prims: &'a P,
+    ray: &'a Ray<S>,
+    setup: P::RaySetup,
+    best: Hit<S>,
+    counters: C,
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
+    /// Starts a query.
+    #[inline(always)]
+    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        Self::with_mailbox(prims, ray, NoMailbox)
+    }
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P, C, M> {
+    /// Starts a query with an empty mailbox.
+    #[inline(always)]
+    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
+        let best = Hit { t: ray.t_max, id: MISS };
+        Self { mailbox, prims, ray, setup: prims.setup(ray), best, counters: C::default() }
+    }
+
+    /// The answer and what it took.
+    #[inline(always)]
+    pub fn finish(self) -> (Hit<S>, C) {
+        (self.best, self.counters)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'_, S, P, C, M> {
+    count_steps!();
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.best.t
+    }
+
+    #[inline(always)]
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        if !M::ENABLED {
+            count!(self.counters.intersection_tests(ids.len()));
+        }
+        for &id in ids {
+            if M::ENABLED {
+                if !self.mailbox.is_new(id) {
+                    count!(self.counters.test_saved());
+                    continue;
+                }
+                count!(self.counters.intersection_tests(1));
+            }
+            if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
+                && (t < self.best.t || id < self.best.id)
+            {
+                self.best = Hit { t, id };
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Is the ray blocked by an opaque primitive? Transmissive ones let it pass.
+pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
+    mailbox: M,
+    prims: &'a P,
+    ray: &'a Ray<S>,
+    setup: P::RaySetup,
+    blocked: bool,
+    counters: C,
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
+    /// Starts a query.
+    #[inline(always)]
+    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
+        Self::with_mailbox(prims, ray, NoMailbox)
+    }
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, M> {
+    /// Starts a query with an empty mailbox.
+    #[inline(always)]
+    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
+        let (setup, counters) = (prims.setup(ray), C::default());
+        Self { mailbox, prims, ray, setup, blocked: false, counters }
+    }
+
+    /// The answer and what it took.
+    #[inline(always)]
+    pub fn finish(self) -> (bool, C) {
+        (self.blocked, self.counters)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S, P, C, M> {
+    count_steps!();
+
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.ray.t_max
+    }
+
+    #[inline(always)]
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        for &id in ids {
+            if M::ENABLED && !self.mailbox.is_new(id) {
+                count!(self.counters.test_saved());
+                continue;
+            }
+            count!(self.counters.intersection_tests(1));
+            let hit = self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max);
+            if hit.is_some() && self.prims.is_opaque(id) {
+                self.blocked = true;
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}

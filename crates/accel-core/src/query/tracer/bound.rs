@@ -1,0 +1,254 @@
+//! A structure with its primitives: what is timed is compiled for each structure, kind of primitive
+//! and query; what counts walks with one [`ErasedSink`].
+
+use std::ops::Deref;
+
+use super::counting::Counting;
+use super::nearby::{closest, near};
+use super::{ShadowCount, ShadowRule, Tracer};
+use crate::geometry::far_ray;
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Scalar;
+use crate::primitives::PrimSet;
+use crate::query::counters::{NoCounters, WorkCounters};
+use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
+use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
+use crate::structure::{Shape, Structure};
+
+/// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
+/// view that nobody else keeps.
+pub struct Bound<S, H, T> {
+    prims: H,
+    structure: T,
+    mailbox: Setting,
+    reach: S,
+}
+
+impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H, T> {
+    /// Joins a structure with the primitives it was built over.
+    pub fn new(prims: H, structure: T) -> Self {
+        let reach = far_ray::reach(prims.magnitude());
+        Self { prims, structure, mailbox: Setting::None, reach }
+    }
+
+    /// The same with a mailbox.
+    pub fn with_mailbox(self, mailbox: Setting) -> Self {
+        Self { mailbox, ..self }
+    }
+
+    /// True when rays are timed without a mailbox.
+    fn has_no_mailbox(&self) -> bool {
+        !T::DUPLICATES || matches!(self.mailbox, Setting::None)
+    }
+
+    #[inline(always)]
+    fn timed_closest<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
+        closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
+            let mut sink =
+                ClosestHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
+            self.structure.walk(ray, &mut sink);
+            sink.finish().0
+        });
+    }
+
+    /// [`Tracer::count_closest_hits`] with a mailbox of the caller's, in place of that of the
+    /// settings.
+    pub fn count_closest<B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+        mailboxes: B,
+    ) -> WorkCounters {
+        self.counting(|counting| counting.closest_hits(rays, hits, mailboxes))
+    }
+
+    fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
+        let walk = |ray: &Ray<S>, mut sink: ErasedSink<'_, S>| self.structure.walk(ray, &mut sink);
+        pass(Counting { prims: &*self.prims, reach: self.reach, walk: &walk })
+    }
+
+    #[inline(always)]
+    fn timed_occlusions<B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        blocked: &mut [bool],
+        mut mailboxes: B,
+    ) {
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = near(self.reach, ray, false, |ray, _| {
+                let mailbox = mailboxes.next_ray();
+                let mut sink =
+                    AnyHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
+                self.structure.walk(ray, &mut sink);
+                sink.finish().0
+            });
+        }
+    }
+
+    pub(super) fn count_all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
+        self.counting(|counting| {
+            self.mailbox.with(|mailbox| counting.closest_hits(rays, hits, mailbox))
+        })
+    }
+
+    pub(super) fn count_all_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+    ) -> WorkCounters {
+        self.counting(|counting| {
+            self.mailbox.with(|mailbox| counting.occlusions(rays, rule, answers, mailbox))
+        })
+    }
+
+    pub(super) fn whole_shape(&self) -> Shape {
+        let shape = self.structure.shape();
+        Shape { bytes: shape.bytes + self.mailbox.bytes(), ..shape }
+    }
+}
+
+impl<S, P, H, T> Tracer<S> for Bound<S, H, T>
+where
+    S: Scalar,
+    P: PrimSet<S>,
+    H: Deref<Target = P> + Send + Sync,
+    T: Structure<S>,
+{
+    fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        if self.has_no_mailbox() {
+            let n = rays.len().min(hits.len());
+            let (rays, hits) = (&rays[..n], &mut hits[..n]);
+            if !self.structure.closest_batch(&*self.prims, rays, self.reach, hits) {
+                self.timed_closest(rays, hits, NoMailbox);
+            }
+            return;
+        }
+        self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
+    }
+
+    fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        if self.has_no_mailbox() {
+            let n = rays.len().min(blocked.len());
+            let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
+            if !self.structure.occlusion_batch(&*self.prims, rays, self.reach, blocked) {
+                self.timed_occlusions(rays, blocked, NoMailbox);
+            }
+            return;
+        }
+        self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
+    }
+
+    fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
+        self.count_all_closest(rays, hits)
+    }
+
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+    ) -> WorkCounters {
+        self.count_all_occlusions(rays, rule, answers)
+    }
+
+    fn shape(&self) -> Shape {
+        self.whole_shape()
+    }
+
+    fn answers_batches(&self) -> bool {
+        // whether they serve is the question that a timed pass asks, here of no rays
+        self.has_no_mailbox()
+            && self.structure.has_rays_side_by_side()
+            && (self.structure.closest_batch(&*self.prims, &[], self.reach, &mut [])
+                || self.structure.occlusion_batch(&*self.prims, &[], self.reach, &mut []))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Params;
+    use crate::query::mailbox::{Slots, Stamps};
+    use crate::structures::test_scenes::{built, hard_scenes, mixed_scene, rays, work};
+    use crate::structures::uniform_grid::{INFO, UniformGrid};
+    use crate::structures::{find, uniform_grid};
+
+    #[test]
+    fn ray_numbers_may_wrap() {
+        // HARD_CASES Gr8: 8-bit numbers, more than 1,000 rays, down to one slot
+        let set = mixed_scene::<f64>(200, 21, [1.0; 3]);
+        let rays = rays(&set, 1500, 22);
+        let params = Params::new("uniform-grid", INFO.params, [("density", "8")]).unwrap();
+        let grid = UniformGrid::build(&set, &params).unwrap();
+        let bound = Bound::new(&set, grid);
+        let mut expected = vec![Hit::NONE; rays.len()];
+        bound.closest_hits(&rays, &mut expected);
+        let mut saved = Vec::new();
+        let mut check =
+            |name: &str, mailbox: &mut dyn FnMut(&mut [Hit<f64>], &mut WorkCounters)| {
+                let (mut hits, mut total) = (vec![Hit::NONE; rays.len()], WorkCounters::default());
+                mailbox(&mut hits, &mut total);
+                assert_eq!(hits, expected, "{name}");
+                saved.push(total.tests_saved);
+            };
+        let mut stamps = Stamps::<u8>::dense(200);
+        check("dense", &mut |h, c| *c = bound.count_closest(&rays, h, &mut stamps));
+        let mut stamps = Stamps::<u8>::in_records(200, 40);
+        check("records", &mut |h, c| *c = bound.count_closest(&rays, h, &mut stamps));
+        let mut stamps = Stamps::<u32>::dense(200);
+        check("u32", &mut |h, c| *c = bound.count_closest(&rays, h, &mut stamps));
+        let mut slots = Slots::<u8>::new(1 << 12);
+        check("many slots", &mut |h, c| *c = bound.count_closest(&rays, h, &mut slots));
+        let mut slots = Slots::<u8>::new(1);
+        check("one slot", &mut |h, c| *c = bound.count_closest(&rays, h, &mut slots));
+        assert!(saved[0] > 0 && saved[..4].iter().all(|&s| s == saved[0]), "{saved:?}");
+        assert!(saved[4] < saved[0], "{saved:?}");
+    }
+
+    #[test]
+    fn mailboxes_change_no_answer_and_account_for_every_test() {
+        let entry = find(uniform_grid::INFO.name).unwrap();
+        for (scene, set) in hard_scenes::<f32>() {
+            let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 23);
+            let (hits, blocked, closest, _) = work(built(entry, &set, "density=8").as_ref(), &rays);
+            assert_eq!(closest.tests_saved, 0);
+            for mailbox in ["primitive", "array", "hash", "hash mailbox-slots=1"] {
+                let settings = format!("density=8 mailbox={mailbox}");
+                let got = work(built(entry, &set, &settings).as_ref(), &rays);
+                assert!(got.0 == hits && got.1 == blocked, "{settings} {scene}");
+                let tests = got.2.intersection_tests + got.2.tests_saved;
+                assert_eq!(tests, closest.intersection_tests, "{settings} {scene}");
+                assert_eq!(got.2.traversal_steps, closest.traversal_steps);
+                if scene == "cube" && !mailbox.contains('=') {
+                    assert!(got.2.tests_saved > 0, "{settings}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn threads_share_a_mailbox_without_harm() {
+        let set = mixed_scene::<f32>(200, 24, [1.0; 3]);
+        let rays = rays(&set, 600, 25);
+        let entry = find(uniform_grid::INFO.name).unwrap();
+        let mut expected = vec![Hit::NONE; rays.len()];
+        built(entry, &set, "density=8").closest_hits(&rays, &mut expected);
+        for mailbox in ["primitive", "array", "hash"] {
+            let tracer = built(entry, &set, &format!("density=8 mailbox={mailbox}"));
+            std::thread::scope(|scope| {
+                for _ in 0..4 {
+                    scope.spawn(|| {
+                        for part in [7, 100, 600] {
+                            for (r, e) in rays.chunks(part).zip(expected.chunks(part)) {
+                                let mut hits = vec![Hit::NONE; r.len()];
+                                tracer.closest_hits(r, &mut hits);
+                                assert_eq!(hits, e, "{mailbox}");
+                            }
+                        }
+                    });
+                }
+            });
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The counting pass. It reaches the structure through one dynamic call a ray and walks with the one
+//! [`ErasedSink`], so that it is compiled once for each kind of primitive, not for each structure.
+
+use super::nearby::{closest, near};
+use super::{ShadowCount, ShadowRule};
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Scalar;
+use crate::historical::shadow_sink::{HistoricalCellShadow, HistoricalShadow};
+use crate::primitives::PrimSet;
+use crate::query::counters::WorkCounters;
+use crate::query::mailbox::{AnyMailbox, MailboxSource};
+use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
+
+/// A structure's walk with the primitives it was built over.
+pub(super) struct Counting<'a, S: Scalar, P> {
+    /// The primitives.
+    pub prims: &'a P,
+    /// How far origins may be; see [`crate::geometry::far_ray`].
+    pub reach: S,
+    /// The structure's walk.
+    pub walk: &'a dyn Fn(&Ray<S>, ErasedSink<'_, S>),
+}
+
+impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
+    /// The closest hit of every ray.
+    pub fn closest_hits<B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+        mailboxes: B,
+    ) -> WorkCounters {
+        let mut total = WorkCounters::default();
+        closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
+            let mut sink =
+                ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox);
+            (self.walk)(ray, ErasedSink::new(&mut sink));
+            let (hit, counters) = sink.finish();
+            total += counters;
+            hit
+        });
+        total
+    }
+
+    /// What every shadow ray meets.
+    pub fn occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+        mut mailbox: AnyMailbox,
+    ) -> WorkCounters {
+        let mut total = WorkCounters::default();
+        for (ray, answer) in rays.iter().zip(answers) {
+            let counters;
+            (*answer, counters) = near(self.reach, ray, Default::default(), |near, _| {
+                self.shadow(near, rule, &mut mailbox)
+            });
+            total += counters;
+        }
+        total
+    }
+
+    /// One shadow ray; the historical ones have no mailbox.
+    fn shadow(
+        &self,
+        ray: &Ray<S>,
+        rule: ShadowRule,
+        mailbox: &mut AnyMailbox,
+    ) -> (ShadowCount, WorkCounters) {
+        match rule {
+            ShadowRule::OpaqueBlocks => {
+                let mut sink = AnyHit::<S, P, WorkCounters, _>::with_mailbox(
+                    self.prims,
+                    ray,
+                    mailbox.next_ray(),
+                );
+                (self.walk)(ray, ErasedSink::new(&mut sink));
+                let (blocked, counters) = sink.finish();
+                (ShadowCount { blocked, glass: 0 }, counters)
+            }
+            ShadowRule::Historical => {
+                let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                (self.walk)(ray, ErasedSink::new(&mut sink));
+                let (blocked, glass, counters) = sink.finish();
+                (ShadowCount { blocked, glass: glass as u32 }, counters)
+            }
+            ShadowRule::HistoricalInCell => {
+                let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                (self.walk)(ray, ErasedSink::new(&mut sink));
+                let (hit, counters) = sink.finish();
+                let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
+                let blocked = hit.is_hit() && !glass;
+                (ShadowCount { blocked, glass: glass.into() }, counters)
+            }
+        }
+    }
+}

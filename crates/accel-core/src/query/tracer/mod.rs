@@ -1,0 +1,62 @@
+//! A built structure as an object: one dynamic call for a batch of rays, everything inside static.
+
+mod bound;
+mod counting;
+mod in_motion;
+mod nearby;
+
+pub use bound::Bound;
+pub use in_motion::BoundInMotion;
+
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Scalar;
+use crate::query::counters::WorkCounters;
+use crate::structure::Shape;
+
+/// What a shadow ray of the counting pass does; the historical rules are explained in
+/// `results/published/README.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShadowRule {
+    /// Stops at the first opaque hit; transmissive primitives are ignored.
+    OpaqueBlocks,
+    /// As Havran and Sixta counted: glass that was hit is remembered and not tested again.
+    Historical,
+    /// As Havran and Sixta counted in the recursive grid: whatever is hit stops the ray, at once
+    /// if the hit lies in the current cell.
+    HistoricalInCell,
+}
+
+/// Answers of one historical shadow ray.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ShadowCount {
+    /// An opaque primitive is in the way.
+    pub blocked: bool,
+    /// Distinct transmissive primitives hit before the walk ended.
+    pub glass: u32,
+}
+
+/// A structure with the primitives it was built over.
+///
+/// Output slices must be as long as `rays`; longer inputs are cut to the shorter of both.
+pub trait Tracer<S: Scalar>: Send + Sync {
+    /// The closest hit of every ray.
+    fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]);
+    /// Whether every ray is blocked by an opaque primitive.
+    fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]);
+    /// [`Tracer::closest_hits`], counting the work.
+    fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters;
+    /// [`Tracer::occlusions`], counting the work.
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+    ) -> WorkCounters;
+    /// What was built.
+    fn shape(&self) -> Shape;
+    /// Whether a batch is answered in a way of its own, with several rays on their way at once.
+    /// Otherwise each ray of it is walked to its end before the next one begins.
+    fn answers_batches(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,44 @@
+//! Rays that begin far away are brought near before a structure sees them.
+
+use crate::geometry::far_ray::{self, Parameters, Place};
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Scalar;
+use crate::query::mailbox::MailboxSource;
+
+/// Calls `query` with the ray, brought near, and what its parameters became.
+#[inline(always)]
+pub(super) fn near<S: Scalar, R>(
+    reach: S,
+    ray: &Ray<S>,
+    nowhere: R,
+    query: impl FnOnce(&Ray<S>, Parameters<S>) -> R,
+) -> R {
+    let moved;
+    let (near, parameters) = match far_ray::place(ray, reach) {
+        Place::Near => (ray, Parameters::SAME),
+        Place::Moved(near, parameters) => {
+            moved = near;
+            (&moved, parameters)
+        }
+        Place::Nowhere => return nowhere,
+    };
+    query(near, parameters)
+}
+
+/// Closest hits with one kind of mailbox; `one` asks for one of them.
+#[inline(always)]
+pub(super) fn closest<S: Scalar, B: MailboxSource>(
+    reach: S,
+    rays: &[Ray<S>],
+    hits: &mut [Hit<S>],
+    mut mailboxes: B,
+    mut one: impl for<'r> FnMut(&'r Ray<S>, B::Mailbox<'_>) -> Hit<S>,
+) {
+    for (ray, hit) in rays.iter().zip(hits) {
+        let miss = Hit { t: ray.t_max, ..Hit::NONE };
+        *hit = near(reach, ray, miss, |near, parameters| {
+            let found = one(near, mailboxes.next_ray());
+            if found.is_hit() { Hit { t: parameters.restored(found.t), ..found } } else { miss }
+        });
+    }
+}

@@ -1,0 +1,158 @@
+//! The binary BVH of the `obvhs` crate: PLOC with reinsertion, the modern baseline.
+//!
+//! Papers: D. Meister, J. Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume
+//! Hierarchy Construction", TVCG 2018, and "Parallel Reinsertion for Bounding Volume Hierarchy
+//! Optimization", 2018, as implemented by obvhs 0.4. Its builder and its traversal are used;
+//! primitives are tested by our own sets. See `obvhs_adapter.rs` for the robust adapter, and
+//! `obvhs_builder.rs` for scenes that the builder does not serve.
+
+use std::ops::ControlFlow;
+
+use obvhs::bvh2::{Bvh2, node::Bvh2Node};
+use obvhs::fast_stack;
+use obvhs::ray::{Ray as ObvhsRay, RayHit};
+
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::params::Params;
+use crate::primitives::PrimSet;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo};
+use crate::structures::obvhs::adapter::{
+    ALSO_TESTED, BoxRay, DEVIATIONS, Groups, PARAMS, RaySetup, VARIANTS, build_params, items,
+    known_defect,
+};
+use crate::structures::obvhs::builder;
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "obvhs-bvh2",
+    summary: "binary BVH of the obvhs crate (PLOC, reinsertion)",
+    paper: "Meister, Bittner 2018 (two papers); obvhs 0.4",
+    deviations: DEVIATIONS,
+    params: PARAMS,
+    variants: VARIANTS,
+    also_tested: ALSO_TESTED,
+    known_defect,
+    sampled: false,
+};
+
+/// obvhs's `Bvh2` over our primitives.
+pub struct ObvhsBvh2<S: Scalar> {
+    bvh: Bvh2,
+    groups: Groups,
+    setup: RaySetup<S>,
+}
+
+impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
+    const DUPLICATES: bool = false;
+
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let items = items(prims, params)?;
+        let (preset, robust) = (build_params(params), items.setup.is_robust());
+        let bvh = builder::binary(&items.boxes, &preset, robust);
+        Ok(Self { bvh, groups: items.groups, setup: items.setup })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let mut start = self.setup.ray(ray, false);
+        if self.setup.is_robust() {
+            start.ray.tmax = start.bound(sink.t_max());
+        }
+        if K::COUNTING {
+            count_nodes(&self.bvh, start.ray, |node, r| self.leaf(node, r, &start, sink));
+            return;
+        }
+        let mut leaf = |node: &Bvh2Node, r: &mut ObvhsRay, _: &mut RayHit| {
+            self.leaf(Some(node), r, &start, sink)
+        };
+        let mut none = RayHit::none();
+        fast_stack!(u32, (96, 192), self.bvh.max_depth, stack, {
+            self.bvh.ray_traverse_dynamic(&mut stack, start.ray, &mut none, &mut leaf);
+        });
+    }
+
+    fn shape(&self) -> Shape {
+        let leaves = self.bvh.nodes.iter().filter(|n| n.is_leaf());
+        let cells = leaves.clone().count() as u64;
+        let items = leaves.flat_map(|n| n.first_index..n.first_index + n.prim_count);
+        let references = items
+            .map(|i| self.groups.ids(&self.bvh.primitive_indices[i as usize]).len() as u64)
+            .sum();
+        Shape {
+            inner_cells: self.bvh.nodes.len() as u64 - cells,
+            cells,
+            empty_cells: 0,
+            references,
+            resolution: None,
+            bytes: (size_of_val(self.bvh.nodes.as_slice())
+                + size_of_val(self.bvh.primitive_indices.as_slice())) as u64
+                + self.groups.bytes(),
+            ..Shape::default()
+        }
+    }
+}
+
+impl<S: Scalar> ObvhsBvh2<S> {
+    /// Tests a leaf's primitives (or reports an inner node, `None`); false ends the traversal.
+    #[inline(always)]
+    fn leaf<K: Sink<S>>(
+        &self,
+        node: Option<&Bvh2Node>,
+        ray: &mut ObvhsRay,
+        start: &BoxRay<S>,
+        sink: &mut K,
+    ) -> bool {
+        let Some(node) = node else {
+            sink.inner_step();
+            return true;
+        };
+        sink.elementary_step(false);
+        let items = node.first_index as usize..(node.first_index + node.prim_count) as usize;
+        for item in &self.bvh.primitive_indices[items] {
+            if sink.test(self.groups.ids(item)) == ControlFlow::Break(()) {
+                return false;
+            }
+        }
+        ray.tmax = start.bound(sink.t_max());
+        true
+    }
+}
+
+/// Visits nodes in the order obvhs does, reporting inner nodes as well (`None`): only for
+/// counting, so that the timed traversal is the library's own. A test holds both against each
+/// other. A pair's leaves are tested at once, its inner nodes near one first; a node that waits on
+/// the stack is not tested against the shrunken ray again.
+fn count_nodes(
+    bvh: &Bvh2,
+    mut ray: ObvhsRay,
+    mut visit: impl FnMut(Option<&Bvh2Node>, &mut ObvhsRay) -> bool,
+) {
+    let Some(root) = bvh.nodes.first() else { return };
+    if root.aabb().intersect_ray(&ray) >= ray.tmax {
+        return;
+    }
+    if root.is_leaf() {
+        visit(Some(root), &mut ray);
+        return;
+    }
+    let mut waiting = vec![root.first_index];
+    while let Some(pair) = waiting.pop() {
+        visit(None, &mut ray);
+        let both = &bvh.nodes[pair as usize..pair as usize + 2];
+        let entry = [both[0].aabb().intersect_ray(&ray), both[1].aabb().intersect_ray(&ray)];
+        let near_first = if entry[0] > entry[1] { [1, 0] } else { [0, 1] };
+        let waiting_before = waiting.len();
+        for i in near_first {
+            if entry[i] < ray.tmax {
+                if !both[i].is_leaf() {
+                    waiting.push(both[i].first_index);
+                } else if !visit(Some(&both[i]), &mut ray) {
+                    return;
+                }
+            }
+        }
+        waiting[waiting_before..].reverse();
+    }
+}

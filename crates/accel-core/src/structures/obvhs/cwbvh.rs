@@ -1,0 +1,110 @@
+//! The compressed 8-wide BVH of the `obvhs` crate.
+//!
+//! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. Its builder, node test and
+//! traversal are used; primitives are tested by our own sets. See `obvhs_adapter.rs`, and
+//! `obvhs_builder.rs` for scenes that the builder does not serve.
+
+use glam::UVec2;
+use obvhs::cwbvh::CwBvh;
+
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::params::Params;
+use crate::primitives::PrimSet;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo};
+use crate::structures::obvhs::adapter::{
+    ALSO_TESTED, DEVIATIONS, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
+};
+use crate::structures::obvhs::builder::{TooDeep, eight_wide};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "obvhs-cwbvh",
+    summary: "compressed 8-wide BVH of the obvhs crate",
+    paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",
+    deviations: DEVIATIONS,
+    params: PARAMS,
+    variants: VARIANTS,
+    also_tested: ALSO_TESTED,
+    known_defect,
+    sampled: false,
+};
+
+/// obvhs's `CwBvh` over our primitives.
+pub struct ObvhsCwBvh<S: Scalar> {
+    bvh: CwBvh,
+    groups: Groups,
+    setup: RaySetup<S>,
+}
+
+impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
+    const DUPLICATES: bool = false;
+
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let items = items(prims, params)?;
+        let (preset, robust) = (build_params(params), items.setup.is_robust());
+        let bvh =
+            eight_wide(&items.boxes, &preset, robust).map_err(|TooDeep { needed, limit }| {
+                BuildError::TooLarge {
+                    structure: params.structure(),
+                    what: "depth of obvhs's CwBvh",
+                    needed: u128::from(needed),
+                    limit: u128::from(limit),
+                }
+            })?;
+        Ok(Self { bvh, groups: items.groups, setup: items.setup })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let mut start = self.setup.ray(ray, true);
+        if self.setup.is_robust() {
+            start.ray.tmax = start.bound(sink.t_max());
+        }
+        let mut ray = start.ray;
+        let mut state = self.bvh.new_traversal(ray.direction);
+        let mut node;
+        'walk: {
+            obvhs::traverse!(
+                self.bvh,
+                node,
+                state,
+                {
+                    sink.inner_step();
+                    node.intersect_ray(&ray, state.oct_inv4)
+                },
+                {
+                    sink.elementary_step(false);
+                    let item = &self.bvh.primitive_indices[state.primitive_id as usize];
+                    if sink.test(self.groups.ids(item)).is_break() {
+                        break 'walk;
+                    }
+                    ray.tmax = start.bound(sink.t_max());
+                }
+            );
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        let cells = self
+            .bvh
+            .nodes
+            .iter()
+            .flat_map(|n| (0..8).map(move |c| (n, c)))
+            .filter(|(n, c)| n.is_leaf(*c) && !n.is_child_empty(*c))
+            .count();
+        let indices = self.bvh.primitive_indices.as_slice();
+        Shape {
+            inner_cells: self.bvh.nodes.len() as u64,
+            cells: cells as u64,
+            empty_cells: 0,
+            references: indices.iter().map(|i| self.groups.ids(i).len() as u64).sum(),
+            resolution: None,
+            bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(indices)) as u64
+                + self.groups.bytes(),
+            ..Shape::default()
+        }
+    }
+}

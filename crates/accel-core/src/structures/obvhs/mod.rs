@@ -1,0 +1,6 @@
+//! Bounding volume hierarchies of the crate `obvhs`.
+
+pub(crate) mod adapter;
+pub(crate) mod builder;
+pub mod bvh2;
+pub mod cwbvh;

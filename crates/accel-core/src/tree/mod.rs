@@ -1,0 +1,5 @@
+//! What hierarchies are made of.
+
+pub(crate) mod cluster_bvh;
+pub mod clustering;
+pub(crate) mod ray_planes;

@@ -1,0 +1,113 @@
+//! Where a ray meets axis-parallel planes, and the cell it is in: all in ray parameters.
+//!
+//! A plane always gets the same parameter, so comparisons between parameters never contradict
+//! each other: a walk that enters the next cell at the exit of the last one always moves on.
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+
+/// A ray prepared for planes.
+pub(crate) struct RayPlanes<S> {
+    origin: [S; 3],
+    /// Reciprocal of the direction; +infinity where that is zero.
+    inverse: [S; 3],
+    /// Bit k is set when the ray runs downwards on axis k.
+    downwards: u32,
+}
+
+impl<S: Scalar> RayPlanes<S> {
+    /// Prepares a ray.
+    #[inline(always)]
+    pub(crate) fn new(ray: &Ray<S>) -> Self {
+        let d = ray.direction.to_array();
+        let mut inverse = [S::INFINITY; 3];
+        let mut downwards = 0;
+        for k in 0..3 {
+            if d[k] != S::ZERO {
+                inverse[k] = S::ONE / d[k];
+            }
+            downwards |= u32::from(d[k] < S::ZERO) << k;
+        }
+        Self { origin: ray.origin.to_array(), inverse, downwards }
+    }
+
+    /// Parameter at which the plane is crossed. For a ray parallel to it: infinity when the ray
+    /// stays below, minus infinity above, NaN within.
+    #[inline(always)]
+    pub(crate) fn crossing(&self, axis: usize, plane: S) -> S {
+        (plane - self.origin[axis]) * self.inverse[axis]
+    }
+
+    /// [`RayPlanes::crossing`], rounded down and up by more than its error.
+    #[inline(always)]
+    pub(crate) fn crossing_interval(&self, axis: usize, plane: S) -> (S, S) {
+        let t = self.crossing(axis, plane);
+        let four = S::from_i32(4) * S::EPSILON;
+        let (a, b) = (t * (S::ONE - four), t * (S::ONE + four));
+        if t < S::ZERO { (b, a) } else { (a, b) }
+    }
+
+    /// Bit k is set when the ray runs downwards on axis k: what is near on that axis is above.
+    #[inline(always)]
+    pub(crate) fn downwards(&self) -> u32 {
+        self.downwards
+    }
+
+    /// The whole box as the cell the ray is in.
+    #[inline(always)]
+    pub(crate) fn root(&self, bounds: &Aabb<S>) -> Place<S> {
+        let (lo, hi) = (bounds.min.to_array(), bounds.max.to_array());
+        let mut exit = [S::INFINITY; 3];
+        for k in 0..3 {
+            let far = if self.downwards >> k & 1 == 1 { lo[k] } else { hi[k] };
+            exit[k] = self.crossing(k, far).lesser(S::INFINITY);
+        }
+        Place { cell: 0, exit }
+    }
+
+    /// The child of an inner cell in which the ray is at parameter `t`; on a plane, the child
+    /// behind it.
+    #[inline(always)]
+    pub(crate) fn child(
+        &self,
+        parent: &Place<S>,
+        planes: &[S; 3],
+        first_child: u32,
+        t: S,
+    ) -> Place<S> {
+        let mut behind = 0;
+        let mut exit = parent.exit;
+        for k in 0..3 {
+            let crossing = self.crossing(k, planes[k]);
+            if crossing <= t {
+                behind |= 1 << k;
+            } else {
+                exit[k] = crossing.lesser(exit[k]);
+            }
+        }
+        Place { cell: first_child + (behind ^ self.downwards), exit }
+    }
+}
+
+/// A cell on a ray's way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place<S> {
+    /// Number of the cell.
+    pub(crate) cell: u32,
+    /// Parameters of the far planes of its box.
+    exit: [S; 3],
+}
+
+impl<S: Scalar> Place<S> {
+    /// Parameter at which the ray leaves the cell.
+    #[inline(always)]
+    pub(crate) fn exit(&self) -> S {
+        self.exit[0].lesser(self.exit[1]).lesser(self.exit[2])
+    }
+
+    /// A place for an array that is yet to be filled.
+    pub(crate) fn unset() -> Self {
+        Self { cell: 0, exit: [S::INFINITY; 3] }
+    }
+}

@@ -1,0 +1,7 @@
+//! What is wrong or dear on purpose: for the accuracy study only.
+
+pub mod accumulating_walk;
+pub mod chosen_tests;
+pub mod double_walk;
+pub mod sphere_tests;
+pub mod triangle_tests;

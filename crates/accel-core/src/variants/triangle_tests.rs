@@ -1,0 +1,166 @@
+//! Other tests of triangles, to be compared with the watertight one: what they lose, what they cost.
+//!
+//! Papers: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1),
+//! 1997 (with a tolerance, as it is often used); K. Shoemake, "Pluecker Coordinate Tutorial", Ray
+//! Tracing News 11(1), 1998 (signs of the ray against each edge); S. Woop, C. Benthin, I. Wald,
+//! "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013 (double precision where an edge function
+//! is zero).
+//!
+//! Deviations: coordinates of the Pluecker test are relative to the ray's origin, so that only the
+//! moment of each edge is left; the test in f64 is the watertight one on the same vertices.
+
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::Shear;
+use crate::primitives::triangle::{TriangleTest, Watertight, edge_function, moeller_trumbore};
+
+/// How far outside, in barycentric coordinates and epsilons of the scalar, Moeller-Trumbore with a
+/// tolerance accepts a hit: 10^-6 in f32.
+const TOLERANCE_EPSILONS: f64 = 8.0;
+
+/// Moeller and Trumbore 1997 with a tolerance: triangles are a little larger than they are.
+#[derive(Debug, Clone, Copy)]
+pub struct MoellerTrumboreTolerant;
+
+impl<S: Scalar> TriangleTest<S> for MoellerTrumboreTolerant {
+    type Setup = ();
+    const NAME: &'static str = "moeller-trumbore-epsilon";
+
+    #[inline(always)]
+    fn setup(_: &Ray<S>, _: S) {}
+
+    #[inline(always)]
+    fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
+        moeller_trumbore(tri, ray, t_max, S::EPSILON * S::from_f64(TOLERANCE_EPSILONS))
+    }
+}
+
+/// On which side of each edge the ray passes, by Pluecker coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct Pluecker;
+
+impl<S: Scalar> TriangleTest<S> for Pluecker {
+    type Setup = ();
+    const NAME: &'static str = "pluecker";
+
+    #[inline(always)]
+    fn setup(_: &Ray<S>, _: S) {}
+
+    #[inline(always)]
+    fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
+        let [a, b, c] = tri.map(|v| Vec3::<S>::from_array(v) - ray.origin);
+        let d = ray.direction;
+        let (u, v, w) = (d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a)));
+        if (u < S::ZERO || v < S::ZERO || w < S::ZERO)
+            && (u > S::ZERO || v > S::ZERO || w > S::ZERO)
+        {
+            return None;
+        }
+        let normal = (b - a).cross(c - a);
+        let det = d.dot(normal);
+        if det == S::ZERO {
+            return None;
+        }
+        let t = a.dot(normal) / det;
+        (t >= ray.t_min && t <= t_max).then_some(t)
+    }
+}
+
+/// The watertight test as published: where an edge function rounds to zero, all three are computed
+/// again in f64.
+#[derive(Debug, Clone, Copy)]
+pub struct WatertightFallback;
+
+impl<S: Scalar> TriangleTest<S> for WatertightFallback {
+    type Setup = Shear<S>;
+    const NAME: &'static str = "watertight-fallback";
+
+    #[inline(always)]
+    fn setup(ray: &Ray<S>, magnitude: S) -> Shear<S> {
+        Shear::of_any(ray, magnitude)
+    }
+
+    #[inline(always)]
+    fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
+        let [a, b, c] = tri.each_ref().map(|v| shear.apply(v));
+        let [mut u, mut v, mut w] =
+            [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
+        if u == S::ZERO || v == S::ZERO || w == S::ZERO {
+            [u, v, w] = in_double([a, b, c]);
+        }
+        if (u < S::ZERO || v < S::ZERO || w < S::ZERO)
+            && (u > S::ZERO || v > S::ZERO || w > S::ZERO)
+        {
+            return None;
+        }
+        let det = u + v + w;
+        if det == S::ZERO {
+            return None;
+        }
+        let t = (u * a[2] + v * b[2] + w * c[2]) * shear.depth_scale() / det;
+        (t >= ray.t_min && t <= t_max).then_some(t)
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn in_double<S: Scalar>(corners: [[S; 3]; 3]) -> [S; 3] {
+    let [a, b, c] = corners.map(|p| p.map(S::to_f64));
+    let of = |p: [f64; 3], q: [f64; 3]| S::from_f64(edge_function(p[0], q[1], p[1], q[0]));
+    [of(c, b), of(a, c), of(b, a)]
+}
+
+/// The watertight test in f64, of the same vertices and the same ray.
+#[derive(Debug, Clone, Copy)]
+pub struct InDouble;
+
+impl<S: Scalar> TriangleTest<S> for InDouble {
+    type Setup = (Ray<f64>, Shear<f64>);
+    const NAME: &'static str = "f64";
+
+    #[inline(always)]
+    fn setup(ray: &Ray<S>, magnitude: S) -> Self::Setup {
+        let ray = ray.widened();
+        (ray, Shear::of(&ray, magnitude.to_f64()))
+    }
+
+    #[inline(always)]
+    fn intersect(tri: &[[S; 3]; 3], _: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S> {
+        let wide = tri.map(|v| v.map(S::to_f64));
+        let (ray, shear) = setup;
+        let t = S::from_f64(Watertight::intersect(&wide, ray, shear, t_max.to_f64())?);
+        // rounding must not carry it beyond the end that the caller compares with
+        (t <= t_max).then_some(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every test finds the middle of a triangle from both sides, and passes by what is beside it.
+    fn finds<S: Scalar, T: TriangleTest<S>>() {
+        let corner = |x: f64, y: f64| [x, y, 1.0].map(S::from_f64);
+        let tri = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
+        for side in [1.0, -1.0] {
+            let at = |x: f64, y: f64| {
+                let o = Vec3::<S>::from_dvec3(glam::dvec3(x, y, 1.0 - side));
+                let ray = Ray::<S>::new(o, Vec3::<S>::from_dvec3(glam::dvec3(0.0, 0.0, side)));
+                T::intersect(&tri, &ray, &T::setup(&ray, S::ONE), S::from_f64(9.0)).map(S::to_f64)
+            };
+            assert_eq!(at(0.25, 0.25), Some(1.0), "{}", T::NAME);
+            assert_eq!(at(0.75, 0.75), None, "{}", T::NAME);
+            assert_eq!(at(-0.25, 0.25), None, "{}", T::NAME);
+        }
+    }
+
+    #[test]
+    fn they_find_what_is_there() {
+        finds::<f32, MoellerTrumboreTolerant>();
+        finds::<f32, Pluecker>();
+        finds::<f32, WatertightFallback>();
+        finds::<f32, InDouble>();
+        finds::<f64, WatertightFallback>();
+        finds::<f64, InDouble>();
+    }
+}
