@@ -6,10 +6,10 @@
 //! * [`structure::Structure`] owns ids only. It is built from bounds and *walks* a ray, pushing
 //!   candidate ids into a [`query::sink::Sink`].
 //! * A [`query::sink::Sink`] is the query: closest hit or occlusion, with or without
-//!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. The irregular
-//!   grid has two more, for batches of rays among triangles alone, which it tests eight at a time:
-//!   several rays on their way at once, or one after the other
-//!   ([`structure::Structure::closest_batch`]).
+//!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. Lists of
+//!   triangles may be kept as [`primitives::TriangleBlock`]s, which a sink tests at once and counts
+//!   as the triangles they are. The irregular grid has one more traversal, for batches of rays with
+//!   several on their way at once ([`structure::Structure::closest_batch`]).
 //! * [`query::tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
 //! * [`query::region::Gatherer`] answers the other question, which primitives a beam or cone may meet.

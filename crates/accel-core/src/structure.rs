@@ -23,9 +23,9 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// ([`Ray::is_traceable`]).
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
 
-    /// Answers the rays of a batch in a way of its own, with the answers of [`Structure::walk`];
-    /// false when it has none for this set, and rays are walked one after the other. Rays are
-    /// brought near ([`crate::geometry::far_ray`]) within `reach`.
+    /// Answers the rays of a batch with several of them on their way at once, with the answers of
+    /// [`Structure::walk`]; false when it has no such way for this set, and rays are walked one after
+    /// the other. Rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
     #[inline(always)]
     fn closest_batch<P: PrimSet<S>>(
         &self,
@@ -46,13 +46,6 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
         _reach: S,
         _blocked: &mut [bool],
     ) -> bool {
-        false
-    }
-
-    /// Whether [`Structure::closest_batch`] and [`Structure::occlusion_batch`], where they serve,
-    /// have several rays on their way at once: such a row is marked as one of batches.
-    #[inline(always)]
-    fn has_rays_side_by_side(&self) -> bool {
         false
     }
 

@@ -4,6 +4,7 @@
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
 //! * [`ChosenTests`](crate::variants::chosen_tests::ChosenTests): either of them under tests that are chosen at run time.
 
+pub(crate) mod blocks;
 mod collinear;
 mod cone;
 pub(crate) mod mixed;
@@ -18,6 +19,7 @@ mod sphere;
 mod support;
 pub(crate) mod triangle;
 mod triangle_block;
+pub(crate) mod watertight;
 
 pub use cone::Cone;
 pub use mixed::{MixedSet, MixedSetBuilder};

@@ -13,7 +13,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::collinear::are_collinear;
 use crate::primitives::shear::Shear;
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use crate::primitives::triangle::edge_function;
+use crate::primitives::watertight::edge_function;
 
 /// A polygon of fewer than three vertices: how many it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::support::Ball;
 use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vec3};
 use crate::parallel::map_parts;
+use crate::primitives::support::Ball;
+use crate::primitives::triangle_block::TriangleBlock;
 
 /// What kind of primitive an id stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +92,38 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup;
     /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
+    /// Replaces `best` by a closer hit of a primitive of the block within the ray's interval, or by an
+    /// equal one of a lower id. The block is made of triangles of this set ([`PrimSet::corners`]).
+    #[inline(always)]
+    fn closest_in_block(
+        &self,
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::RaySetup,
+        best: &mut Hit<S>,
+    ) {
+        let (ids, n) = block.ids();
+        for &id in &ids[..n] {
+            if let Some(t) = self.intersect(id, ray, setup, best.t)
+                && (t < best.t || id < best.id)
+            {
+                *best = Hit { t, id };
+            }
+        }
+    }
+    /// Whether an opaque primitive of the block blocks the ray.
+    #[inline(always)]
+    fn is_blocked_in(
+        &self,
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::RaySetup,
+    ) -> bool {
+        let (ids, n) = block.ids();
+        let blocks =
+            |&id: &u32| self.intersect(id, ray, setup, ray.t_max).is_some() && self.is_opaque(id);
+        ids[..n].iter().any(blocks)
+    }
     /// False for primitives that let shadow rays pass.
     fn is_opaque(&self, id: u32) -> bool;
     /// The largest absolute coordinate of any bounds; known without a walk over the set.

@@ -13,12 +13,13 @@ use std::marker::PhantomData;
 use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::collinear::without_sliver;
-use crate::primitives::precise::{self, exact_difference, weights_suffice};
 use crate::primitives::shear::Shear;
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
+use crate::primitives::triangle_block::TriangleBlock;
+use crate::primitives::watertight;
 use crate::primitives::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
 
 /// A way to intersect a ray with a triangle.
@@ -31,28 +32,39 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     fn setup(ray: &Ray<S>, magnitude: S) -> Self::Setup;
     /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
     fn intersect(v: &[[S; 3]; 3], ray: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S>;
+    /// Replaces `best` by a closer hit of a triangle of the block, or by an equal one of a lower id.
+    #[inline(always)]
+    fn closest_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::Setup,
+        best: &mut Hit<S>,
+    ) {
+        for (id, corners) in block.triangles() {
+            if let Some(t) = Self::intersect(&corners, ray, setup, best.t)
+                && (t < best.t || id < best.id)
+            {
+                *best = Hit { t, id };
+            }
+        }
+    }
+    /// Whether the ray meets a triangle of the block of which `counts` holds.
+    #[inline(always)]
+    fn any_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::Setup,
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        block.triangles().any(|(id, corners)| {
+            Self::intersect(&corners, ray, setup, ray.t_max).is_some() && counts(id)
+        })
+    }
 }
 
 /// Woop, Benthin and Wald 2013: no ray slips between two triangles that share an edge or vertex.
 #[derive(Debug, Clone, Copy)]
 pub struct Watertight;
-
-/// The largest coordinate of sheared corners across the ray.
-#[inline(always)]
-fn largest<S: Scalar>([a, b, c]: &[[S; 3]; 3]) -> S {
-    let x = a[0].abs().greater(b[0].abs()).greater(c[0].abs());
-    let y = a[1].abs().greater(b[1].abs()).greater(c[1].abs());
-    x.greater(y)
-}
-
-/// `a*b - c*d` with the right sign: where the rounded products cancel, the sign of the exact
-/// difference (of the rounding errors) decides. Never contract this into one FMA: that breaks
-/// the antisymmetry that makes shared edges tight.
-#[inline(always)]
-pub(crate) fn edge_function<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
-    let e = a * b - c * d;
-    if e == S::ZERO { exact_difference(a, b, c, d) } else { e }
-}
 
 impl<S: Scalar> TriangleTest<S> for Watertight {
     type Setup = Shear<S>;
@@ -65,25 +77,27 @@ impl<S: Scalar> TriangleTest<S> for Watertight {
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
-        let a = shear.apply(&tri[0]);
-        let b = shear.apply(&tri[1]);
-        let c = shear.apply(&tri[2]);
-        let u = edge_function(c[0], b[1], c[1], b[0]);
-        let v = edge_function(a[0], c[1], a[1], c[0]);
-        let w = edge_function(b[0], a[1], b[1], a[0]);
-        if (u < S::ZERO || v < S::ZERO || w < S::ZERO)
-            && (u > S::ZERO || v > S::ZERO || w > S::ZERO)
-        {
-            return None;
-        }
-        let det = u + v + w;
-        // also where it is zero, or NaN
-        if !weights_suffice(largest(&[a, b, c]), det, shear.fine) {
-            return precise::intersect(tri, ray, shear, t_max);
-        }
-        let t = (u * a[2] + v * b[2] + w * c[2]) * shear.shear[2] / det;
-        // NaN fails both comparisons
-        (t >= ray.t_min && t <= t_max).then_some(t)
+        watertight::intersect(tri, ray, shear, t_max)
+    }
+
+    #[inline(always)]
+    fn closest_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        best: &mut Hit<S>,
+    ) {
+        block.closest(ray, shear, best);
+    }
+
+    #[inline(always)]
+    fn any_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        block.any(ray, shear, counts)
     }
 }
 
@@ -214,6 +228,20 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     #[inline(always)]
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &T::Setup, t_max: S) -> Option<S> {
         T::intersect(&self.triangles[id as usize], ray, setup, t_max)
+    }
+    #[inline(always)]
+    fn closest_in_block(
+        &self,
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &T::Setup,
+        best: &mut Hit<S>,
+    ) {
+        T::closest_in_block(block, ray, setup, best);
+    }
+    #[inline(always)]
+    fn is_blocked_in(&self, block: &TriangleBlock<S>, ray: &Ray<S>, setup: &T::Setup) -> bool {
+        T::any_in_block(block, ray, setup, |id| self.is_opaque(id))
     }
     #[inline(always)]
     fn is_opaque(&self, id: u32) -> bool {

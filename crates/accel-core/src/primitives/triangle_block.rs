@@ -1,6 +1,6 @@
 //! Eight triangles against one ray: the watertight test in lanes, equal to it to the last bit.
 //!
-//! Paper: as `triangle.rs`. The arithmetic is that of `Watertight::intersect`, operation by
+//! Paper: as `triangle.rs`. The arithmetic is that of `watertight.rs`, operation by
 //! operation, in vectors. A lane whose edge function rounds to zero, or whose weights are imprecise,
 //! is left to the scalar test, which finds exact signs and better weights (`precise.rs`).
 
@@ -11,7 +11,7 @@ use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::EightOf;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::shear::Shear;
-use crate::primitives::triangle::{TriangleTest, Watertight};
+use crate::primitives::watertight;
 
 const LANES: usize = 8;
 
@@ -69,6 +69,13 @@ impl<S: Scalar> TriangleBlock<S> {
         let mut ids = self.ids;
         ids[0] &= !MORE;
         (ids, ids.iter().take_while(|id| **id | MORE != MISS).count())
+    }
+
+    /// Its triangles with their ids.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, [[S; 3]; 3])> {
+        let (ids, n) = self.ids();
+        (0..n)
+            .map(move |lane| (ids[lane], self.corners.map(|corner| corner.map(|axis| axis[lane]))))
     }
 
     /// The id in a lane that has one.
@@ -165,7 +172,7 @@ impl<S: Scalar> TriangleBlock<S> {
         let mut hits = 0;
         for (lane, t) in t.iter_mut().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
             let triangle = self.corners.map(|corner| corner.map(|axis| axis[lane]));
-            if let Some(found) = Watertight::intersect(&triangle, ray, shear, t_max) {
+            if let Some(found) = watertight::intersect(&triangle, ray, shear, t_max) {
                 *t = found;
                 hits |= 1 << lane;
             }
@@ -234,7 +241,7 @@ mod tests {
             let shear = Shear::of(&ray, S::ONE);
             let mut expected = Hit { t: ray.t_max, id: MISS };
             for (id, triangle) in numbered() {
-                if let Some(t) = Watertight::intersect(&triangle, &ray, &shear, expected.t)
+                if let Some(t) = watertight::intersect(&triangle, &ray, &shear, expected.t)
                     && (t < expected.t || id < expected.id)
                 {
                     expected = Hit { t, id };

@@ -12,7 +12,8 @@
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::Shear;
-use crate::primitives::triangle::{TriangleTest, Watertight, edge_function, moeller_trumbore};
+use crate::primitives::triangle::{TriangleTest, Watertight, moeller_trumbore};
+use crate::primitives::watertight::edge_function;
 
 /// How far outside, in barycentric coordinates and epsilons of the scalar, Moeller-Trumbore with a
 /// tolerance accepts a hit: 10^-6 in f32.

@@ -181,10 +181,6 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
         rays.len() <= 1
     }
 
-    fn has_rays_side_by_side(&self) -> bool {
-        true
-    }
-
     fn shape(&self) -> Shape {
         Shape::default()
     }

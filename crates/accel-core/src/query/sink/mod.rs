@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::counters::Counters;
 use crate::query::mailbox::{Mailbox, NoMailbox};
 
@@ -20,6 +20,13 @@ pub trait Sink<S: Scalar> {
     fn t_max(&self) -> S;
     /// Tests the candidates; `Break` ends the query.
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()>;
+    /// [`Sink::test`] of the triangles of a block, at once where the set has a test for that. The block
+    /// is made of triangles of the set that the sink tests.
+    #[inline(always)]
+    fn test_block(&mut self, block: &TriangleBlock<S>) -> ControlFlow<()> {
+        let (ids, n) = block.ids();
+        self.test(&ids[..n])
+    }
     /// [`Sink::test`] for a query that treats hits up to the cell's exit differently from farther
     /// ones; `t_exit` is the parameter at which the ray leaves the cell of these candidates.
     #[inline(always)]
@@ -107,6 +114,16 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'
         }
         ControlFlow::Continue(())
     }
+
+    #[inline(always)]
+    fn test_block(&mut self, block: &TriangleBlock<S>) -> ControlFlow<()> {
+        if M::ENABLED || C::ENABLED {
+            let (ids, n) = block.ids();
+            return self.test(&ids[..n]);
+        }
+        self.prims.closest_in_block(block, self.ray, &self.setup, &mut self.best);
+        ControlFlow::Continue(())
+    }
 }
 
 /// Is the ray blocked by an opaque primitive? Transmissive ones let it pass.
@@ -168,6 +185,19 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S
                 self.blocked = true;
                 return ControlFlow::Break(());
             }
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn test_block(&mut self, block: &TriangleBlock<S>) -> ControlFlow<()> {
+        if M::ENABLED || C::ENABLED {
+            let (ids, n) = block.ids();
+            return self.test(&ids[..n]);
+        }
+        if self.prims.is_blocked_in(block, self.ray, &self.setup) {
+            self.blocked = true;
+            return ControlFlow::Break(());
         }
         ControlFlow::Continue(())
     }

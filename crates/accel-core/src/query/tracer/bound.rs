@@ -159,7 +159,6 @@ where
     fn answers_batches(&self) -> bool {
         // whether they serve is the question that a timed pass asks, here of no rays
         self.has_no_mailbox()
-            && self.structure.has_rays_side_by_side()
             && (self.structure.closest_batch(&*self.prims, &[], self.reach, &mut [])
                 || self.structure.occlusion_batch(&*self.prims, &[], self.reach, &mut []))
     }

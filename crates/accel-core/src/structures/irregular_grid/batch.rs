@@ -1,5 +1,5 @@
 //! A batch of rays through the grid: several on their way at once, each on its own; one that is
-//! finished makes room for the next. Or one ray after the other, with the same steps and tests.
+//! finished makes room for the next.
 //!
 //! A single ray is a chain of loads that wait for one another: voxel, triangles, voxel. Rays do not
 //! wait for each other, so the processor works on some while others wait. The answers are those of
@@ -197,50 +197,6 @@ impl<S: Scalar> IrregularGrid<S> {
         }
     }
 
-    /// Answers one ray after the other.
-    #[inline(always)]
-    fn trace_one_by_one<Q: Query<S>>(
-        &self,
-        blocks: &[TriangleBlock<S>],
-        rays: &[Ray<S>],
-        reach: S,
-        query: &mut Q,
-    ) {
-        let mut lane = Lane::idle();
-        for (place, ray) in rays.iter().enumerate() {
-            if !self.start(&mut lane, ray, place, reach) {
-                query.finish(place, Hit { t: ray.t_max, id: MISS });
-                continue;
-            }
-            lane.voxel = self.voxels.at(lane.at);
-            loop {
-                if lane.voxel.list() != 0 && self.test(blocks, &mut lane, query) {
-                    break;
-                }
-                if !self.step(&mut lane) {
-                    break;
-                }
-                lane.voxel = self.voxels.at(lane.at);
-            }
-            query.finish(place, Hit { t: lane.parameters.restored(lane.best.t), ..lane.best });
-        }
-    }
-
-    #[inline(always)]
-    fn answer<Q: Query<S>>(
-        &self,
-        blocks: &[TriangleBlock<S>],
-        rays: &[Ray<S>],
-        reach: S,
-        mut query: Q,
-    ) {
-        if self.is_batch {
-            self.trace(blocks, rays, reach, &mut query);
-        } else {
-            self.trace_one_by_one(blocks, rays, reach, &mut query);
-        }
-    }
-
     /// Closest hits of all rays.
     pub(super) fn trace_closest(
         &self,
@@ -249,7 +205,7 @@ impl<S: Scalar> IrregularGrid<S> {
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        self.answer(blocks, rays, reach, Closest { rays, hits });
+        self.trace(blocks, rays, reach, &mut Closest { rays, hits });
     }
 
     /// Occlusion of all rays.
@@ -261,7 +217,7 @@ impl<S: Scalar> IrregularGrid<S> {
         reach: S,
         blocked: &mut [bool],
     ) {
-        self.answer(blocks, rays, reach, Occlusion { prims, blocked });
+        self.trace(blocks, rays, reach, &mut Occlusion { prims, blocked });
     }
 }
 

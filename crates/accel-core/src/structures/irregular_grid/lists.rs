@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use crate::geometry::scalar::{Scalar, Vector};
-use crate::primitives::{PrimSet, TriangleBlock};
+use crate::geometry::scalar::Scalar;
+use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
 use crate::structures::irregular_grid::cells::{Cells, DIVIDED};
 
@@ -45,9 +45,7 @@ impl<S: Scalar> Lists<S> {
     /// The lists of all cells, which get their numbers. Blocks where all primitives are triangles
     /// at rest, and not too many.
     pub(super) fn of<P: PrimSet<S>>(cells: &mut Cells, prims: &P) -> Self {
-        if prims.is_watertight()
-            && prims.len() <= TriangleBlock::<S>::MOST_IDS
-            && (0..prims.len() as u32).all(|id| prims.corners(id).is_some())
+        if blocks::serve(prims)
             && let Some((runs, n)) = Self::number(cells)
         {
             return Self::Blocks(Self::blocks(cells, prims, &runs, n));
@@ -67,7 +65,7 @@ impl<S: Scalar> Lists<S> {
             if *first == 0 {
                 *first = next;
                 runs.push(Run { list: cell.list, first: next as usize });
-                let blocks = cells.list(cell.list).len().div_ceil(TriangleBlock::<S>::LANES);
+                let blocks = blocks::number_of::<S>(cells.list(cell.list).len());
                 let after = u32::try_from(blocks).ok().and_then(|n| next.checked_add(n));
                 next = after.filter(|next| next & DIVIDED == 0)?;
             }
@@ -84,20 +82,14 @@ impl<S: Scalar> Lists<S> {
         runs: &[Run],
         n: usize,
     ) -> Vec<TriangleBlock<S>> {
-        let corners = |id| prims.corners(id).map(|corners| corners.map(|p| p.to_array()));
-        let block = |ids: &[u32], more| {
-            TriangleBlock::new(ids.iter().filter_map(|&id| Some((id, corners(id)?))), more)
-        };
-        let mut blocks = vec![TriangleBlock::new(std::iter::empty(), false); n];
-        let write = |run: &Run, blocks: &mut [TriangleBlock<S>]| {
-            let ids = cells.list(run.list);
-            let mut parts = ids.chunks(TriangleBlock::<S>::LANES).zip(blocks).peekable();
-            while let Some((part, into)) = parts.next() {
-                *into = block(part, parts.peek().is_some());
+        let mut all = vec![TriangleBlock::new(std::iter::empty(), false); n];
+        let write = |run: &Run, into: &mut [TriangleBlock<S>]| {
+            for (block, into) in blocks::of_list(prims, cells.list(run.list)).zip(into) {
+                *into = block;
             }
         };
-        write_all(runs, 1, &mut blocks[1..], &write);
-        blocks
+        write_all(runs, 1, &mut all[1..], &write);
+        all
     }
 
     /// Hands a list to a sink.
@@ -111,8 +103,7 @@ impl<S: Scalar> Lists<S> {
             }
             Self::Blocks(blocks) => {
                 for block in blocks.get(number..).unwrap_or(&[]) {
-                    let (ids, n) = block.ids();
-                    sink.test(ids.get(..n).unwrap_or(&[]))?;
+                    sink.test_block(block)?;
                     if !block.has_next() {
                         break;
                     }

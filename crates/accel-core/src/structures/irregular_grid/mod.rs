@@ -226,7 +226,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         hits: &mut [Hit<S>],
     ) -> bool {
-        if let Lists::Blocks(blocks) = &self.lists {
+        if let (Lists::Blocks(blocks), true) = (&self.lists, self.is_batch) {
             self.trace_closest(blocks, rays, reach, hits);
             return true;
         }
@@ -240,15 +240,11 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         blocked: &mut [bool],
     ) -> bool {
-        if let Lists::Blocks(blocks) = &self.lists {
+        if let (Lists::Blocks(blocks), true) = (&self.lists, self.is_batch) {
             self.trace_occlusions(blocks, prims, rays, reach, blocked);
             return true;
         }
         false
-    }
-
-    fn has_rays_side_by_side(&self) -> bool {
-        self.is_batch
     }
 
     fn shape(&self) -> Shape {

@@ -1,0 +1,50 @@
+//! The watertight test of one triangle; paper and deviations as in `triangle.rs`.
+
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::primitives::precise::{self, exact_difference, weights_suffice};
+use crate::primitives::shear::Shear;
+
+/// The largest coordinate of sheared corners across the ray.
+#[inline(always)]
+fn largest<S: Scalar>([a, b, c]: &[[S; 3]; 3]) -> S {
+    let x = a[0].abs().greater(b[0].abs()).greater(c[0].abs());
+    let y = a[1].abs().greater(b[1].abs()).greater(c[1].abs());
+    x.greater(y)
+}
+
+/// `a*b - c*d` with the right sign: where the rounded products cancel, the sign of the exact
+/// difference (of the rounding errors) decides. Never contract this into one FMA: that breaks
+/// the antisymmetry that makes shared edges tight.
+#[inline(always)]
+pub(crate) fn edge_function<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
+    let e = a * b - c * d;
+    if e == S::ZERO { exact_difference(a, b, c, d) } else { e }
+}
+
+/// Where the ray hits the triangle, if within `[ray.t_min, t_max]`.
+#[inline(always)]
+pub(crate) fn intersect<S: Scalar>(
+    tri: &[[S; 3]; 3],
+    ray: &Ray<S>,
+    shear: &Shear<S>,
+    t_max: S,
+) -> Option<S> {
+    let a = shear.apply(&tri[0]);
+    let b = shear.apply(&tri[1]);
+    let c = shear.apply(&tri[2]);
+    let u = edge_function(c[0], b[1], c[1], b[0]);
+    let v = edge_function(a[0], c[1], a[1], c[0]);
+    let w = edge_function(b[0], a[1], b[1], a[0]);
+    if (u < S::ZERO || v < S::ZERO || w < S::ZERO) && (u > S::ZERO || v > S::ZERO || w > S::ZERO) {
+        return None;
+    }
+    let det = u + v + w;
+    // also where it is zero, or NaN
+    if !weights_suffice(largest(&[a, b, c]), det, shear.fine) {
+        return precise::intersect(tri, ray, shear, t_max);
+    }
+    let t = (u * a[2] + v * b[2] + w * c[2]) * shear.shear[2] / det;
+    // NaN fails both comparisons
+    (t >= ray.t_min && t <= t_max).then_some(t)
+}
