@@ -24,6 +24,7 @@ pub mod recursive_grid;
 pub(crate) mod test_scenes;
 pub mod two_level_grid;
 pub mod uniform_grid;
+pub mod wide_bvh;
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamSpec, Params};
@@ -51,6 +52,7 @@ pub static REGISTRY: &[Entry] = &[
     entry!(kd_tree::KdTree, kd_tree::INFO),
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
+    entry!(wide_bvh::WideBvh, wide_bvh::INFO),
     entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
     entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     #[cfg(feature = "embree")]

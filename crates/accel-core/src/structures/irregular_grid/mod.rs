@@ -37,13 +37,13 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use cells::{FIRST_PART, TooLarge};
 use course::{Course, Place};
 use lattice::Lattice;
-use lists::Lists;
 use place::{Placement, Source};
 use subdivide::{Settings, subdivide};
 use voxels::Voxels;
@@ -190,7 +190,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             references: cells.references,
             ..Shape::default()
         };
-        let lists = Lists::of(&mut cells, prims);
+        let lists = lists::of_cells(&mut cells, prims);
         voxels.fill(&cells);
         shape.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
         let a_length = lattice.side.map(|side| S::from_f64(1.0 / side));

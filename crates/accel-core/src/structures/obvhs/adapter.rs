@@ -25,13 +25,16 @@ use crate::structure::{BuildError, refuse_out_of_scale};
 pub(crate) const PRESETS: &[&str] =
     &["fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
 
+/// The preset, for the parameter list of whatever is built by obvhs.
+pub(crate) const PRESET: ParamSpec = ParamSpec {
+    name: "preset",
+    summary: "obvhs's build preset",
+    default: "medium",
+    kind: ParamKind::Choice(PRESETS),
+};
+
 pub(crate) const PARAMS: &[ParamSpec] = &[
-    ParamSpec {
-        name: "preset",
-        summary: "obvhs's build preset",
-        default: "medium",
-        kind: ParamKind::Choice(PRESETS),
-    },
+    PRESET,
     ParamSpec {
         name: "adapter",
         summary: "robust gives right answers; as-shipped passes rays and boxes unchanged",
@@ -116,8 +119,16 @@ pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
 ) -> Result<Items<S>, BuildError> {
-    let robust = is_robust(params);
-    let (single, setup) = boxes(prims, params.structure(), robust)?;
+    items_of(prims, params.structure(), is_robust(params))
+}
+
+/// [`items`], the setting given.
+pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    structure: &'static str,
+    robust: bool,
+) -> Result<Items<S>, BuildError> {
+    let (single, setup) = boxes(prims, structure, robust)?;
     let (boxes, groups) = if robust && centres_coincide(&single) {
         grouped(&single)
     } else {

@@ -42,9 +42,8 @@ pub(crate) struct TooDeep {
 
 /// The binary tree of a preset.
 pub(crate) fn binary(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
-    let mut bvh = agglomerated(boxes, params, robust);
+    let mut bvh = reinserted(boxes, params, robust);
     let mut reinsertion = ReinsertionOptimizer::default();
-    reinsertion.run(&mut bvh, params.reinsertion_batch_ratio, None);
     collapse(&mut bvh, params.max_prims_per_leaf.clamp(1, 255), params.collapse_traversal_cost);
     let again = params.post_collapse_reinsertion_batch_ratio_multiplier;
     reinsertion.run(&mut bvh, params.reinsertion_batch_ratio * again, None);
@@ -64,8 +63,7 @@ pub(crate) fn eight_wide(
     params: &BvhBuildParams,
     robust: bool,
 ) -> Result<CwBvh, TooDeep> {
-    let mut bvh = agglomerated(boxes, params, robust);
-    ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
+    let mut bvh = reinserted(boxes, params, robust);
     let binary_levels = if bvh.max_depth > LEVELS as usize { levels(&bvh) } else { 0 };
     if binary_levels > CONVERTED_LEVELS {
         return Err(TooDeep { needed: binary_levels, limit: CONVERTED_LEVELS });
@@ -84,6 +82,13 @@ pub(crate) fn eight_wide(
         needed if needed > WIDE_LEVELS => Err(TooDeep { needed, limit: WIDE_LEVELS }),
         _ => Ok(wide),
     }
+}
+
+/// The binary tree of a preset before leaves are joined: one box a leaf.
+pub(crate) fn reinserted(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
+    let mut bvh = agglomerated(boxes, params, robust);
+    ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
+    bvh
 }
 
 /// A binary tree with one box a leaf; if `robust`, of at most [`LEVELS`] levels.
@@ -244,7 +249,7 @@ fn levels(bvh: &Bvh2) -> u32 {
 
 /// Halves the subtrees that reach below `limit` levels, each as far down as there is room for a
 /// balanced one. More than 2^(limit - 1) leaves cannot be served, and make a balanced tree.
-fn limit_levels(bvh: &mut Bvh2, limit: u32) {
+pub(crate) fn limit_levels(bvh: &mut Bvh2, limit: u32) {
     let all = below(bvh);
     bvh.max_depth = DEFAULT_MAX_STACK_DEPTH;
     if all.first().is_none_or(|root| root.levels <= limit) {

@@ -1,0 +1,70 @@
+//! Lists of primitives as sinks test them: ids, or triangles eight at a time.
+
+use std::ops::ControlFlow;
+
+use crate::geometry::scalar::Scalar;
+use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::query::sink::Sink;
+
+/// Lists by their numbers.
+#[derive(Debug)]
+pub(crate) enum Lists<S> {
+    /// At its number the list's length, then the ids.
+    Ids(Vec<u32>),
+    /// Its number is that of its first block.
+    Blocks(Vec<TriangleBlock<S>>),
+}
+
+impl<S: Scalar> Lists<S> {
+    /// None yet; of blocks where they serve the set.
+    pub(crate) fn begun<P: PrimSet<S>>(prims: &P) -> Self {
+        if blocks::serve(prims) { Self::Blocks(Vec::new()) } else { Self::Ids(Vec::new()) }
+    }
+
+    /// Adds a list that is not empty; its number, unless numbers have run out.
+    pub(crate) fn push<P: PrimSet<S>>(&mut self, prims: &P, ids: &[u32]) -> Option<u32> {
+        let number = match self {
+            Self::Ids(all) => {
+                let number = all.len();
+                all.push(ids.len() as u32);
+                all.extend_from_slice(ids);
+                number
+            }
+            Self::Blocks(all) => {
+                let number = all.len();
+                all.extend(blocks::of_list(prims, ids));
+                number
+            }
+        };
+        u32::try_from(number).ok()
+    }
+
+    /// Hands a list to a sink.
+    #[inline(always)]
+    pub(crate) fn test<K: Sink<S>>(&self, number: u32, sink: &mut K) -> ControlFlow<()> {
+        let number = number as usize;
+        match self {
+            Self::Ids(ids) => {
+                let n = ids.get(number).map_or(0, |&n| n as usize);
+                sink.test(ids.get(number + 1..number + 1 + n).unwrap_or(&[]))
+            }
+            Self::Blocks(blocks) => {
+                for block in blocks.get(number..).unwrap_or(&[]) {
+                    sink.test_block(block)?;
+                    if !block.has_next() {
+                        break;
+                    }
+                }
+                ControlFlow::Continue(())
+            }
+        }
+    }
+
+    /// Bytes of all lists.
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::Ids(ids) => size_of_val(ids.as_slice()),
+            Self::Blocks(blocks) => size_of_val(blocks.as_slice()),
+        }
+    }
+}

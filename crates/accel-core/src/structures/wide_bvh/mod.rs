@@ -1,0 +1,158 @@
+//! An eight-wide BVH with exact boxes: obvhs's binary tree collapsed, triangles in blocks of eight.
+//!
+//! Papers: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
+//! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT 2008
+//! (one ray against all boxes of a node). The binary tree is obvhs's: agglomeration and reinsertion
+//! (see `obvhs/bvh2.rs`).
+//!
+//! Deviations: boxes are not compressed; they are padded, in units of the scene's size, and rays are
+//! set up as for obvhs's robust adapter (`obvhs/adapter.rs`), so that no hit is lost; the children that
+//! a ray meets are sorted by where it enters them, but for occlusion, where any hit will do.
+
+mod collapse;
+mod node;
+mod stack;
+
+use std::ops::ControlFlow;
+
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+use crate::query::lists::Lists;
+use crate::query::sink::Sink;
+use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structures::obvhs::adapter::{PRESET, RaySetup, build_params, items_of};
+use crate::structures::obvhs::builder::{limit_levels, reinserted};
+use collapse::{Collapse, Costs};
+use node::{LEAF, Node, NodeRay};
+use stack::{LEVELS, Stack};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    name: "wide-bvh",
+    summary: "eight-wide BVH with exact boxes, collapsed from obvhs's binary tree",
+    paper: "Ylitie, Karras, Laine 2017; Wald, Benthin, Boulos 2008",
+    deviations: "obvhs's builder; exact boxes; children sorted by distance; blocks of triangles",
+    params: &[
+        PRESET,
+        ParamSpec {
+            name: "max-leaf",
+            summary: "primitives of a leaf at most",
+            default: "16",
+            kind: ParamKind::Integer { min: 1, max: 64 },
+        },
+        ParamSpec {
+            name: "node-cost",
+            summary: "cost of a visit to a node, that of a block of triangles being 1",
+            default: "1",
+            kind: ParamKind::Real { min: 0.01, max: 100.0 },
+        },
+    ],
+    variants: &[""],
+    also_tested: &["preset=fastest", "max-leaf=1", "max-leaf=4 node-cost=4"],
+    known_defect: no_defect,
+    sampled: false,
+};
+
+/// The tree.
+pub struct WideBvh<S: Scalar> {
+    nodes: Vec<Node>,
+    /// The root: a node or, with [`LEAF`], a list.
+    root: u32,
+    lists: Lists<S>,
+    setup: RaySetup<S>,
+    shape: Shape,
+}
+
+impl<S: Scalar> Structure<S> for WideBvh<S> {
+    const DUPLICATES: bool = false;
+
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        let items = items_of(prims, structure, true)?;
+        let mut bvh = reinserted(&items.boxes, &build_params(params), true);
+        limit_levels(&mut bvh, LEVELS);
+        let costs = Costs {
+            node: params.real("node-cost") as f32,
+            longest_leaf: params.integer("max-leaf") as u32,
+        };
+        let collapse = Collapse::plan(&bvh, &items.groups, costs);
+        let mut lists = Lists::begun(prims);
+        let mut shape = Shape::default();
+        let mut ids = Vec::new();
+        let mut leaf = |node: u32, shape: &mut Shape| {
+            ids.clear();
+            collapse.ids(node, &mut ids);
+            shape.cells += 1;
+            shape.references += ids.len() as u64;
+            lists.push(prims, &ids).filter(|number| number & LEAF == 0).ok_or(
+                BuildError::TooLarge {
+                    structure,
+                    what: "number of references",
+                    needed: shape.references.into(),
+                    limit: LEAF.into(),
+                },
+            )
+        };
+        let mut nodes: Vec<Node> = Vec::new();
+        let mut waiting = Vec::new();
+        let root = if collapse.is_leaf(0) {
+            LEAF | leaf(0, &mut shape)?
+        } else {
+            nodes.push(Node::empty());
+            waiting.push((0u32, 0usize));
+            0
+        };
+        while let Some((from, into)) = waiting.pop() {
+            let (children, n) = collapse.children(from);
+            for (k, &child) in children[..n].iter().enumerate() {
+                let aabb = bvh.nodes[child as usize].aabb();
+                nodes[into].set_box(k, aabb.min.to_array(), aabb.max.to_array());
+                nodes[into].children[k] = if collapse.is_leaf(child) {
+                    LEAF | leaf(child, &mut shape)?
+                } else {
+                    waiting.push((child, nodes.len()));
+                    nodes.push(Node::empty());
+                    nodes.len() as u32 - 1
+                };
+            }
+        }
+        shape.inner_cells = nodes.len() as u64;
+        shape.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
+        Ok(Self { nodes, root, lists, setup: items.setup, shape })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let start = self.setup.ray(ray, false);
+        let ray = NodeRay::of(&start.ray);
+        let mut end = start.bound(sink.t_max());
+        let mut stack = Stack::new();
+        let mut at = self.root;
+        loop {
+            if at & LEAF != 0 {
+                sink.elementary_step(false);
+                if self.lists.test(at & !LEAF, sink) == ControlFlow::Break(()) {
+                    return;
+                }
+                end = start.bound(sink.t_max());
+            } else {
+                sink.inner_step();
+                if let Some(nearest) = stack.descend(&self.nodes[at as usize], &ray, end) {
+                    at = nearest;
+                    continue;
+                }
+            }
+            match stack.pop(end) {
+                Some(next) => at = next,
+                None => return,
+            }
+        }
+    }
+
+    fn shape(&self) -> Shape {
+        self.shape
+    }
+}

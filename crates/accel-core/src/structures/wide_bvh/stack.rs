@@ -1,0 +1,116 @@
+//! What of the tree waits while a ray is in some part of it.
+
+use std::mem::MaybeUninit;
+
+use super::collapse::WIDTH;
+use super::node::{Node, NodeRay};
+
+/// Levels of the binary tree at most, and so of the wide one.
+pub(super) const LEVELS: u32 = 96;
+/// What waits while the deepest node is visited: all children but one of a node a level.
+const ROOM: usize = LEVELS as usize * (WIDTH - 1) + WIDTH;
+
+/// Where a ray enters a child, in the upper half, and the child: nearer ones are less.
+type Entry = u64;
+
+const SIGN: u32 = 1 << 31;
+
+/// Children that wait, nearer ones of a node above farther ones.
+pub(super) struct Stack {
+    entries: [MaybeUninit<Entry>; ROOM],
+    waiting: usize,
+}
+
+impl Stack {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self { entries: [const { MaybeUninit::uninit() }; ROOM], waiting: 0 }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, entry: Entry) {
+        self.entries[self.waiting].write(entry);
+        self.waiting += 1;
+    }
+
+    /// Pushes an entry below the nearer ones among those from `first` on.
+    #[inline(always)]
+    fn insert(&mut self, entry: Entry, first: usize) {
+        let mut place = self.waiting;
+        while place > first {
+            // SAFETY: what lies below `waiting` was written
+            let above = unsafe { self.entries[place - 1].assume_init() };
+            if above >= entry {
+                break;
+            }
+            self.entries[place].write(above);
+            place -= 1;
+        }
+        self.entries[place].write(entry);
+        self.waiting += 1;
+    }
+
+    /// The next child that the ray enters before `end`.
+    #[inline(always)]
+    pub(super) fn pop(&mut self, end: f32) -> Option<u32> {
+        while self.waiting > 0 {
+            self.waiting -= 1;
+            // SAFETY: what lies below `waiting` was written
+            let entry = unsafe { self.entries[self.waiting].assume_init() };
+            if f32::from_bits((entry >> 32) as u32) <= end {
+                return Some(entry as u32);
+            }
+        }
+        None
+    }
+
+    /// The nearest of a node's children that the ray meets before `end`; the others wait.
+    #[inline(always)]
+    pub(super) fn descend(&mut self, node: &Node, ray: &NodeRay, end: f32) -> Option<u32> {
+        let (mut met, enter) = ray.test(node, end);
+        if met == 0 {
+            return None;
+        }
+        let enter = enter.to_array();
+        let entry = |child: u32| {
+            let child = child as usize & (WIDTH - 1);
+            // parameters are not negative, and so in the order of their bits
+            let key = u64::from(enter[child].to_bits() & !SIGN);
+            key << 32 | u64::from(node.children[child])
+        };
+        let mut next = || {
+            let child = met.trailing_zeros();
+            met &= met.wrapping_sub(1);
+            (entry(child), met == 0)
+        };
+        let (a, is_last) = next();
+        if is_last {
+            return Some(a as u32);
+        }
+        let (b, is_last) = next();
+        let (a, b) = (a.min(b), a.max(b));
+        if is_last {
+            self.push(b);
+            return Some(a as u32);
+        }
+        let (c, is_last) = next();
+        let (b, c) = (b.min(c), b.max(c));
+        let (a, b) = (a.min(b), a.max(b));
+        let first = self.waiting;
+        self.push(c);
+        self.push(b);
+        let mut nearest = a;
+        if !is_last {
+            loop {
+                let (d, is_last) = next();
+                let (near, far) = (nearest.min(d), nearest.max(d));
+                nearest = near;
+                self.insert(far, first);
+                if is_last {
+                    break;
+                }
+            }
+        }
+        Some(nearest as u32)
+    }
+}
