@@ -12,6 +12,9 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// and none is compiled.
     const DUPLICATES: bool = true;
 
+    /// Whether [`Structure::lists`] has lists, and [`PARAM`](crate::query::kernel::PARAM) is among its parameters.
+    const HAS_LISTS: bool = false;
+
     /// Builds the structure over all primitives of the set.
     ///
     /// # Errors
@@ -22,6 +25,10 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// may stop as soon as the rest lies beyond `sink.t_max()`. The ray is traceable
     /// ([`Ray::is_traceable`]).
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
+
+    /// Calls `each` with the lists that [`Structure::walk`] hands to its sink, whole ones, each once; of
+    /// one array. Lists that it leaves out are tested primitive by primitive.
+    fn lists<'a>(&'a self, _each: &mut dyn FnMut(&'a [u32])) {}
 
     /// Answers the rays of a batch with several of them on their way at once, with the answers of
     /// [`Structure::walk`]; false when it has no such way for this set, and rays are walked one after

@@ -152,6 +152,11 @@ impl CellLists {
         }
     }
 
+    /// All lists.
+    pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|at| &self.ids[at[0] as usize..at[1] as usize])
+    }
+
     /// Cuts the cells into stretches of about as many ids each: at most `most`, at least one, none
     /// of few ids.
     pub fn stretches(&self, most: usize) -> Vec<Range<usize>> {

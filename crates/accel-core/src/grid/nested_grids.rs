@@ -76,6 +76,11 @@ impl<S: Scalar> NestedGrids<S> {
         Self { grids: Vec::new(), starts, ids: Vec::new(), inner: Vec::new() }
     }
 
+    /// The references of all cells.
+    pub(crate) fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).filter_map(|at| self.ids.get(at[0].ids as usize..at[1].ids as usize))
+    }
+
     /// Adds a grid with the primitives `ids` and the grids `inner`, each with its box at the same
     /// position, and returns its number. Inner grids may be pushed later.
     pub(crate) fn push(

@@ -28,3 +28,28 @@ pub(crate) fn of_list<'a, S: Scalar, P: PrimSet<S>>(
         TriangleBlock::new(part.iter().filter_map(|&id| Some((id, corners(id)?))), i < last)
     })
 }
+
+/// So many empty blocks, then those of lists, one list after the other; made by the threads of the
+/// current rayon pool.
+pub(crate) fn of_lists<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    empty: usize,
+    lists: &[&[u32]],
+) -> Vec<TriangleBlock<S>> {
+    let number: usize = lists.iter().map(|list| number_of::<S>(list.len())).sum();
+    let mut all = vec![TriangleBlock::new(std::iter::empty(), false); empty + number];
+    write(prims, lists, &mut all[empty..]);
+    all
+}
+
+fn write<S: Scalar, P: PrimSet<S>>(prims: &P, lists: &[&[u32]], into: &mut [TriangleBlock<S>]) {
+    if lists.len() < 512 {
+        let blocks = lists.iter().flat_map(|list| of_list(prims, list));
+        into.iter_mut().zip(blocks).for_each(|(into, block)| *into = block);
+        return;
+    }
+    let (before, after) = lists.split_at(lists.len() / 2);
+    let middle = before.iter().map(|list| number_of::<S>(list.len())).sum();
+    let (low, high) = into.split_at_mut(middle);
+    rayon::join(|| write(prims, before, low), || write(prims, after, high));
+}

@@ -77,6 +77,9 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn corners(&self, _id: u32) -> Option<[Vec3<S>; 3]> {
         None
     }
+    /// Whether lists of its primitives may be kept as blocks of triangles; false where no test is
+    /// compiled for them.
+    const HAS_BLOCKS: bool = false;
     /// Whether all are triangles that [`Watertight`](super::Watertight) tests: another way to compute that test gives
     /// the set's own answers.
     fn is_watertight(&self) -> bool {

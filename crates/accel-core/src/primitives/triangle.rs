@@ -189,6 +189,7 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
 
 impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     type RaySetup = T::Setup;
+    const HAS_BLOCKS: bool = true;
 
     #[inline(always)]
     fn len(&self) -> usize {

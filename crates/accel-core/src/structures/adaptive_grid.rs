@@ -25,6 +25,7 @@ use crate::grid::voxel_walk::GridFrame;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -88,11 +89,18 @@ pub static INFO: StructureInfo = StructureInfo {
             ..specs::MAX_CELLS
         },
         specs::MAX_REFERENCES,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
-    also_tested: &["exact-clusters=4096", "m=0.1", "orphan-grid=on m=0.1", "mailbox=hash"],
+    also_tested: &[
+        "kernel=scalar",
+        "exact-clusters=4096",
+        "m=0.1",
+        "orphan-grid=on m=0.1",
+        "mailbox=hash",
+    ],
     known_defect: no_defect,
     sampled: false,
 };
@@ -131,6 +139,8 @@ struct Maker<'a, S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let historical = params.text("boxes") == "historical";
         let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
@@ -180,6 +190,11 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         self.walk_with(ray, sink, || {});
+    }
+
+    /// An orphan that is a leaf of the hierarchy stands in no list and is tested alone.
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.grids.lists().for_each(each);
     }
 
     /// N_IN is the number of the hierarchy's inner nodes and of all grids; N_V of all cells that

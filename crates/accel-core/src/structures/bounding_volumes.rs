@@ -34,6 +34,7 @@ use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 
@@ -61,6 +62,7 @@ pub static INFO: StructureInfo = StructureInfo {
             Kay, Kajiya 1986 (slabs)",
     deviations: "one kind of volume a scene; padded; groups cut at medians of centres",
     params: &[
+        kernel::PARAM,
         ParamSpec {
             name: "volume",
             summary: "kind of volume; slabs have the directions given",
@@ -78,7 +80,12 @@ pub static INFO: StructureInfo = StructureInfo {
         MAX_CELLS,
     ],
     variants: &["volume=sphere", "volume=slabs group=16"],
-    also_tested: &["", "volume=slabs directions=3", "volume=slabs directions=4 group=8"],
+    also_tested: &[
+        "kernel=block group=8",
+        "",
+        "volume=slabs directions=3",
+        "volume=slabs directions=4 group=8",
+    ],
     known_defect,
     sampled: true,
 };
@@ -147,6 +154,7 @@ impl<S: Scalar, P: PrimSet<S>> Groups<'_, S, P> {
 }
 
 impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
+    const HAS_LISTS: bool = true;
     const DUPLICATES: bool = false;
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
@@ -175,6 +183,10 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
             Volumes::Slabs4(volumes) => self.filter(volumes, ray, sink),
             Volumes::Slabs7(volumes) => self.filter(volumes, ray, sink),
         }
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.ids.chunks(self.group).for_each(each);
     }
 
     fn shape(&self) -> Shape {

@@ -17,6 +17,7 @@ use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
 
@@ -50,11 +51,13 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Integer { min: 4, max: 1 << 30 },
         },
         Traversal::PARAM,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
     also_tested: &[
+        "kernel=scalar",
         "density=20",
         "block-bytes=4 macro-block-bytes=4",
         "traversal=driving-axis",
@@ -166,6 +169,15 @@ impl CellStorage for BrickedCells {
     fn list(&self, cell: &impl CellPosition) -> &[u32] {
         let i = self.layout.index(cell.coords());
         self.ids.get(self.start(i)..self.start(i + 1)).unwrap_or(&[])
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        let starts: Vec<usize> = self.starts.iter().flat_map(|l| l.0).map(|s| s as usize).collect();
+        starts
+            .windows(2)
+            .filter(|at| at[0] < at[1])
+            .filter_map(|at| self.ids.get(at[0]..at[1]))
+            .for_each(each);
     }
 
     fn occupied_cells(&self) -> u64 {

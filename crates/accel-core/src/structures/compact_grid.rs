@@ -27,6 +27,7 @@ use crate::parallel::map_parts;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
 
@@ -54,11 +55,18 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Integer { min: 0, max: 1 << 20 },
         },
         Traversal::PARAM,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
-    also_tested: &["density=20", "tries=0", "traversal=driving-axis", "mailbox=hash"],
+    also_tested: &[
+        "kernel=scalar",
+        "density=20",
+        "tries=0",
+        "traversal=driving-axis",
+        "mailbox=hash",
+    ],
     known_defect: no_defect,
     sampled: false,
 };
@@ -255,6 +263,10 @@ impl CellStorage for CompactCells {
             return &[];
         }
         self.lists.list(self.rows.place(cell.coords()))
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.lists.lists().for_each(each);
     }
 
     fn occupied_cells(&self) -> u64 {

@@ -17,6 +17,7 @@ use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
 
@@ -51,11 +52,18 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Choice(&["multiplicative", "constant"]),
         },
         Traversal::PARAM,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
-    also_tested: &["density=20", "load-factor=0.9", "traversal=driving-axis", "mailbox=array"],
+    also_tested: &[
+        "kernel=scalar",
+        "density=20",
+        "load-factor=0.9",
+        "traversal=driving-axis",
+        "mailbox=array",
+    ],
     known_defect: no_defect,
     sampled: false,
 };
@@ -218,6 +226,15 @@ impl CellStorage for HashedCells {
     fn list(&self, cell: &impl CellPosition) -> &[u32] {
         let Some(slot) = self.table.find(cell.index() as u64) else { return &[] };
         self.ids.get(slot.start as usize..(slot.start + slot.len) as usize).unwrap_or(&[])
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.table
+            .slots
+            .iter()
+            .filter(|slot| slot.len > 0)
+            .filter_map(|s| self.ids.get(s.start as usize..(s.start + s.len) as usize))
+            .for_each(each);
     }
 
     fn occupied_cells(&self) -> u64 {

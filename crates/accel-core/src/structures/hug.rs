@@ -24,6 +24,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -68,11 +69,12 @@ pub static INFO: StructureInfo = StructureInfo {
             ..specs::MAX_CELLS
         },
         specs::MAX_REFERENCES,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
-    also_tested: &["size-classes=2", "size-classes=4", "mailbox=primitive"],
+    also_tested: &["kernel=scalar", "size-classes=2", "size-classes=4", "mailbox=primitive"],
     known_defect: no_defect,
     sampled: false,
 };
@@ -107,6 +109,8 @@ struct Plan<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for Hug<S> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let historical = params.text("boxes") == "historical";
         let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
@@ -127,6 +131,10 @@ impl<S: Scalar> Structure<S> for Hug<S> {
     }
 
     /// N_IN is 1 for the root and 1 for every cell that holds a grid; N_V all other cells.
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.grids.lists().for_each(each);
+    }
+
     fn shape(&self) -> Shape {
         let census = self.grids.census();
         Shape {

@@ -25,6 +25,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -81,11 +82,13 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
             ..specs::MAX_REFERENCES
         },
+        kernel::PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
     also_tested: &[
+        "kernel=block",
         "max-leaf=4 traversal-cost=2",
         "empty-bonus=0",
         "exact-below=1024",
@@ -102,6 +105,8 @@ pub struct KdTree<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for KdTree<S> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
         let boxes = BoundsOf::new(prims, BoundsRule::Padded)
@@ -160,6 +165,10 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
                 }
             }
         }
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.cells.lists().for_each(each);
     }
 
     fn shape(&self) -> Shape {

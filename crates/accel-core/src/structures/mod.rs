@@ -27,9 +27,10 @@ pub mod uniform_grid;
 pub mod wide_bvh;
 
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamSpec, Params};
+use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimsRef};
-use crate::query::mailbox::Setting;
+use crate::query::kernel;
+use crate::query::mailbox::{self, Setting};
 use crate::query::tracer::{Bound, BoundInMotion, Tracer};
 use crate::registry::{self, Buildable, Listed};
 use crate::structure::{BuildError, Structure, refuse_unusable};
@@ -100,13 +101,26 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         params: &Params,
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
         let mailbox = mailbox::<S, P>(prims, params)?;
-        Ok(Box::new(Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox)))
+        let bound = Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox);
+        let has_mailbox = params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none");
+        let has_blocks = params.get(kernel::PARAM.name) == Some("block") && !has_mailbox;
+        Ok(Box::new(if has_blocks { bound.with_blocks() } else { bound }))
     }
     fn mailbox<S: Scalar, P: PrimSet<S>>(
         prims: &P,
         params: &Params,
     ) -> Result<Setting, BuildError> {
         refuse_unusable(prims, params)?;
+        if params.changed().any(|setting| setting == (kernel::PARAM.name, "block"))
+            && params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none")
+        {
+            return Err(BuildError::Param(ParamError::Invalid {
+                structure: params.structure(),
+                name: kernel::PARAM.name,
+                value: "block".to_owned(),
+                expected: "scalar where there is a mailbox".to_owned(),
+            }));
+        }
         Ok(Setting::of(params, prims.len(), prims.bytes()))
     }
     if let Some(choice) = Choice::of(params) {

@@ -32,6 +32,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -92,11 +93,13 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
             ..specs::MAX_REFERENCES
         },
+        kernel::PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
     also_tested: &[
+        "kernel=block",
         "subdivision=adaptive",
         "traversal=neighbour",
         "traversal=point-location",
@@ -149,6 +152,8 @@ fn without_thin_axes<S: Scalar>(scene: Aabb<S>) -> Aabb<S> {
 }
 
 impl<S: Scalar> Structure<S> for Octree<S> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
         let historical = params.text("boxes") == "historical";
@@ -190,6 +195,10 @@ impl<S: Scalar> Structure<S> for Octree<S> {
             Traversal::Neighbour if is_near() => self.step_to_neighbours(&planes, t_in, sink),
             _ => self.descend_from_root(&planes, t_in, t_out, sink),
         }
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.cells.lists().for_each(each);
     }
 
     fn shape(&self) -> Shape {

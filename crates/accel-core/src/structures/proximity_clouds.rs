@@ -20,6 +20,7 @@ use crate::grid::voxel_walk::{GridFrame, VoxelWalk};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -50,11 +51,13 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "all",
             kind: ParamKind::Choice(&["all", "octants"]),
         },
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &["density=20"],
     also_tested: &[
+        "kernel=scalar",
         "",
         "metric=city-block density=20",
         "metric=euclidean density=20",
@@ -78,6 +81,8 @@ pub struct ProximityClouds<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for ProximityClouds<S> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
         let frame = contents.frame;
@@ -122,6 +127,10 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
                 return;
             }
         }
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.lists.lists().for_each(each);
     }
 
     fn shape(&self) -> Shape {

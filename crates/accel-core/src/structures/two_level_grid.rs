@@ -25,6 +25,7 @@ use crate::grid::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direct
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -52,11 +53,17 @@ pub static INFO: StructureInfo = StructureInfo {
         },
         ParamSpec { kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 }, ..specs::MAX_CELLS },
         specs::MAX_REFERENCES,
+        kernel::PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
-    also_tested: &["density=0.01 leaf-density=20", "density=2 leaf-density=0.5", "mailbox=hash"],
+    also_tested: &[
+        "kernel=block",
+        "density=0.01 leaf-density=20",
+        "density=2 leaf-density=0.5",
+        "mailbox=hash",
+    ],
     known_defect: no_defect,
     sampled: false,
 };
@@ -70,6 +77,8 @@ pub struct TwoLevelGrid<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
         let rules = LeafRules {
@@ -117,6 +126,10 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
     }
 
     /// N_IN is 1 for the upper grid and 1 for every cell of it that is divided.
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.leaves.lists().lists().for_each(each);
+    }
+
     fn shape(&self) -> Shape {
         let divided = self.cells.iter().filter(|cell| cell.is_divided()).count() as u64;
         let vacant = self.cells.iter().filter(|cell| cell.is_vacant()).count() as u64;

@@ -20,6 +20,7 @@ use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::Params;
 use crate::params::specs;
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::StructureInfo;
 
@@ -38,6 +39,7 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::MAX_REFERENCES,
         Traversal::PARAM_OF_ALL,
         Insertion::PARAM,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
@@ -50,6 +52,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "mailbox=hash",
     ],
     also_tested: &[
+        "kernel=scalar",
         "resolution=woo density=1",
         "resolution=regular density=1",
         "resolution=average-edge",
@@ -81,6 +84,11 @@ pub type UniformGrid<S> = RegularGrid<S, DenseCells>;
 pub struct DenseCells(CellLists);
 
 impl DenseCells {
+    /// All lists.
+    pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.0.lists()
+    }
+
     /// The ids of the cell with that index.
     #[inline(always)]
     pub fn at(&self, index: usize) -> &[u32] {
@@ -106,6 +114,10 @@ impl CellStorage for DenseCells {
     #[inline(always)]
     fn list(&self, cell: &impl CellPosition) -> &[u32] {
         self.0.list(cell.index())
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.0.lists().for_each(each);
     }
 
     fn occupied_cells(&self) -> u64 {

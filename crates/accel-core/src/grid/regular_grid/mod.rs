@@ -37,6 +37,8 @@ pub trait CellStorage: Sized + Send + Sync {
 
     /// The ids of a cell.
     fn list(&self, cell: &impl CellPosition) -> &[u32];
+    /// Calls `each` with every list that holds ids.
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32]));
     /// Cells that hold ids.
     fn occupied_cells(&self) -> u64;
     /// Ids in all cells together.
@@ -219,6 +221,8 @@ impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
 }
 
 impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let (contents, storage) = stored::<S, P, G>(prims, params)?;
         let (frame, from_origin) = (contents.frame, contents.historical);
@@ -253,6 +257,10 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
                 }
             }
         }
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.storage.lists(each);
     }
 
     fn shape(&self) -> Shape {

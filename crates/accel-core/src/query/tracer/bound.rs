@@ -11,6 +11,7 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::{NoCounters, WorkCounters};
+use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
 use crate::structure::{Shape, Structure};
@@ -21,6 +22,8 @@ pub struct Bound<S, H, T> {
     prims: H,
     structure: T,
     mailbox: Setting,
+    /// With `kernel=block`.
+    blocks: Option<ListBlocks<S>>,
     reach: S,
 }
 
@@ -28,12 +31,22 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     /// Joins a structure with the primitives it was built over.
     pub fn new(prims: H, structure: T) -> Self {
         let reach = far_ray::reach(prims.magnitude());
-        Self { prims, structure, mailbox: Setting::None, reach }
+        Self { prims, structure, mailbox: Setting::None, blocks: None, reach }
     }
 
     /// The same with a mailbox.
     pub fn with_mailbox(self, mailbox: Setting) -> Self {
         Self { mailbox, ..self }
+    }
+
+    /// The same with the lists of the structure as blocks, where it has lists and blocks serve the set.
+    pub fn with_blocks(mut self) -> Self {
+        if T::HAS_LISTS && P::HAS_BLOCKS {
+            let mut lists = Vec::new();
+            self.structure.lists(&mut |list| lists.push(list));
+            self.blocks = ListBlocks::of(&*self.prims, &lists);
+        }
+        self
     }
 
     /// True when rays are timed without a mailbox.
@@ -49,6 +62,28 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
             self.structure.walk(ray, &mut sink);
             sink.finish().0
         });
+    }
+
+    #[inline(always)]
+    fn closest_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
+            let query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
+            let mut sink = BlockSink::new(blocks, query);
+            self.structure.walk(ray, &mut sink);
+            sink.into_query().finish().0
+        });
+    }
+
+    #[inline(always)]
+    fn occlusions_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = near(self.reach, ray, false, |ray, _| {
+                let query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
+                let mut sink = BlockSink::new(blocks, query);
+                self.structure.walk(ray, &mut sink);
+                sink.into_query().finish().0
+            });
+        }
     }
 
     /// [`Tracer::count_closest_hits`] with a mailbox of the caller's, in place of that of the
@@ -104,7 +139,8 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
 
     pub(super) fn whole_shape(&self) -> Shape {
         let shape = self.structure.shape();
-        Shape { bytes: shape.bytes + self.mailbox.bytes(), ..shape }
+        let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
+        Shape { bytes: shape.bytes + self.mailbox.bytes() + blocks, ..shape }
     }
 }
 
@@ -116,6 +152,12 @@ where
     T: Structure<S>,
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        if T::HAS_LISTS
+            && P::HAS_BLOCKS
+            && let Some(blocks) = &self.blocks
+        {
+            return self.closest_by_blocks(blocks, rays, hits);
+        }
         if self.has_no_mailbox() {
             let n = rays.len().min(hits.len());
             let (rays, hits) = (&rays[..n], &mut hits[..n]);
@@ -128,6 +170,12 @@ where
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        if T::HAS_LISTS
+            && P::HAS_BLOCKS
+            && let Some(blocks) = &self.blocks
+        {
+            return self.occlusions_by_blocks(blocks, rays, blocked);
+        }
         if self.has_no_mailbox() {
             let n = rays.len().min(blocked.len());
             let (rays, blocked) = (&rays[..n], &mut blocked[..n]);

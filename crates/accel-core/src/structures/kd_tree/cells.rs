@@ -41,3 +41,10 @@ impl<S: Scalar> Node<S> {
         Self { link: self.link + ((by as u32) << 2), ..self }
     }
 }
+
+impl<S> Cells<S> {
+    /// The references of all leaves.
+    pub(super) fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|at| &self.ids[at[0] as usize..at[1] as usize])
+    }
+}

@@ -30,6 +30,11 @@ pub(super) enum Content<'a, S> {
 }
 
 impl<S: Scalar> Cells<S> {
+    /// The references of all leaves.
+    pub(super) fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|at| &self.ids[at[0] as usize..at[1] as usize])
+    }
+
     #[inline(always)]
     pub(super) fn content(&self, cell: u32) -> Content<'_, S> {
         let link = self.links[cell as usize];

@@ -1,0 +1,174 @@
+//! How the triangles of a list are tested: one by one, or eight at a time out of blocks.
+//!
+//! A structure keeps lists of ids and hands them to a sink. With `kernel=block` blocks of triangles
+//! stand beside the ids, and a sink between the traversal and the query finds the blocks of a list by
+//! where the list lies in memory. Traversals are the same for both kernels, and so are counters; answers
+//! are equal to the last bit.
+//!
+//! A structure that has lists says [`Structure::HAS_LISTS`](crate::structure::Structure::HAS_LISTS) and
+//! lists [`PARAM`] among its parameters.
+
+use std::ops::ControlFlow;
+
+use crate::geometry::scalar::Scalar;
+use crate::params::{ParamKind, ParamSpec};
+use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::query::sink::Sink;
+
+/// The setting, for the parameter list of a structure whose lists are short: blocks are slower there.
+pub const PARAM: ParamSpec = ParamSpec {
+    name: "kernel",
+    summary: "triangles of a list: tested one by one, or as blocks of eight (not with a mailbox)",
+    default: "scalar",
+    kind: ParamKind::Choice(&["scalar", "block"]),
+};
+
+/// The same for a structure that blocks make faster on every scene. A mailbox takes precedence.
+pub const BLOCK_PARAM: ParamSpec = ParamSpec { default: "block", ..PARAM };
+
+/// In [`ListBlocks::first`]: no list begins there.
+const NONE: u32 = u32::MAX;
+
+/// The blocks of a structure's lists.
+pub(crate) struct ListBlocks<S> {
+    /// Address of the first id of all lists.
+    base: usize,
+    /// By the place of an id behind `base`: the first block of the list that begins there.
+    first: Vec<u32>,
+    blocks: Vec<TriangleBlock<S>>,
+}
+
+impl<S: Scalar> ListBlocks<S> {
+    /// Of these lists, each named once, parts of one array. `None` where
+    /// blocks do not serve the set or are too many for their numbers, or lists lie too far apart.
+    pub(crate) fn of<P: PrimSet<S>>(prims: &P, lists: &[&[u32]]) -> Option<Self> {
+        let address = |list: &[u32]| list.as_ptr() as usize;
+        let full = || lists.iter().filter(|list| !list.is_empty());
+        let base = full().map(|list| address(list)).min()?;
+        let end = full().map(|list| address(list) + size_of_val(*list)).max()?;
+        let (places, references) = ((end - base) / size_of::<u32>(), total(lists));
+        if !blocks::serve(prims) || places > 2 * references + 1024 {
+            return None;
+        }
+        let number: usize = full().map(|list| blocks::number_of::<S>(list.len())).sum();
+        u32::try_from(number).ok().filter(|&n| n != NONE)?;
+        let (mut first, mut next) = (vec![NONE; places], 0);
+        for list in full() {
+            first[(address(list) - base) / size_of::<u32>()] = next;
+            next += blocks::number_of::<S>(list.len()) as u32;
+        }
+        Some(Self { base, first, blocks: blocks::of_lists(prims, 0, lists) })
+    }
+
+    /// The blocks of a list, and what follows them.
+    #[inline(always)]
+    fn behind(&self, list: &[u32]) -> Option<&[TriangleBlock<S>]> {
+        let place = (list.as_ptr() as usize).wrapping_sub(self.base) / size_of::<u32>();
+        self.blocks.get(*self.first.get(place)? as usize..)
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        (size_of_val(self.first.as_slice()) + size_of_val(self.blocks.as_slice())) as u64
+    }
+}
+
+fn total(lists: &[&[u32]]) -> usize {
+    lists.iter().map(|list| list.len()).sum()
+}
+
+/// A sink that hands the blocks of lists on, and lists that have none as they are.
+pub(crate) struct BlockSink<'b, S, K> {
+    blocks: &'b ListBlocks<S>,
+    query: K,
+}
+
+impl<'b, S, K> BlockSink<'b, S, K> {
+    #[inline(always)]
+    pub(crate) fn new(blocks: &'b ListBlocks<S>, query: K) -> Self {
+        Self { blocks, query }
+    }
+
+    #[inline(always)]
+    pub(crate) fn into_query(self) -> K {
+        self.query
+    }
+}
+
+impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, S, K> {
+    const COUNTING: bool = K::COUNTING;
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.query.t_max()
+    }
+
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        self.query.is_any_hit()
+    }
+
+    #[inline(always)]
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        let Some(blocks) = self.blocks.behind(ids) else { return self.query.test(ids) };
+        for block in blocks {
+            self.query.test_block(block)?;
+            if !block.has_next() {
+                break;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn elementary_step(&mut self, empty: bool) {
+        self.query.elementary_step(empty);
+    }
+
+    #[inline(always)]
+    fn inner_step(&mut self) {
+        self.query.inner_step();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::primitives::{PrimsRef, TriangleSet, Watertight};
+    use crate::structures::find;
+
+    #[test]
+    fn lists_are_found_by_where_they_lie() {
+        let triangle = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x, 1.0, 0.0]];
+        let triangles = (0..30).map(|i| triangle(i as f32)).collect();
+        let set = TriangleSet::<f32, Watertight>::new(triangles, |_| false).unwrap();
+        let ids: Vec<u32> = (0..30).rev().collect();
+        let lists = [&ids[..3], &ids[3..3], &ids[3..20], &ids[20..]];
+        let blocks = ListBlocks::of(&set, &lists).unwrap();
+        for list in lists.iter().filter(|list| !list.is_empty()) {
+            let found = blocks.behind(list).unwrap();
+            let n = found.iter().position(|b| !b.has_next()).unwrap() + 1;
+            let held: Vec<u32> =
+                found[..n].iter().flat_map(|b| b.triangles().map(|(id, _)| id)).collect();
+            assert_eq!(held, **list);
+        }
+        // what is no list has no blocks: within one, behind all, elsewhere
+        assert!(blocks.behind(&ids[1..3]).is_none());
+        assert!(blocks.behind(&[7]).is_none());
+        assert!(ListBlocks::of(&set, &[]).is_none());
+    }
+
+    #[test]
+    fn blocks_and_mailboxes_exclude_each_other() {
+        let triangle = [[0.0f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let set = TriangleSet::<f32, Watertight>::new(vec![triangle; 9], |_| false).unwrap();
+        let entry = find("kd-tree").unwrap();
+        let bytes = |settings: &[(&str, &str)]| {
+            let params = entry.params(settings.iter().copied()).unwrap();
+            entry.build(PrimsRef::Watertight(&set), &params).map(|tracer| tracer.shape().bytes)
+        };
+        let [scalar, block] = ["scalar", "block"].map(|k| bytes(&[("kernel", k)]).unwrap());
+        assert!(block >= scalar + 2 * 320, "{scalar} {block}");
+        let both = bytes(&[("kernel", "block"), ("mailbox", "hash")]).unwrap_err().to_string();
+        assert!(both.contains("kd-tree.kernel = 'block': expected scalar where"), "{both}");
+    }
+}
