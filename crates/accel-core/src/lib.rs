@@ -32,6 +32,7 @@ pub mod driving_axis_walk;
 pub mod far_ray;
 pub mod lanes;
 pub mod mailbox;
+pub mod memory;
 pub mod occluders;
 mod parallel;
 pub mod params;

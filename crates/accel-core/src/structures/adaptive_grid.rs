@@ -18,7 +18,7 @@ use std::collections::VecDeque;
 
 use super::cluster_bvh::{ClusterBvh, Item};
 use super::hug::{Boxes, boxes_of, historical_frame, too_large, useful_frame};
-use super::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
+use super::nested_grids::{Excess, NestedGrids, NoMailbox, REFERENCES, Rules, VOXELS};
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
 use crate::aabb::Aabb;
 use crate::cell_lists::ListOrder;
@@ -152,8 +152,8 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
             rules: Rules {
                 order: if historical { ListOrder::Reverse } else { ListOrder::File },
                 by_division: historical,
-                max_cells: params.integer("max-cells"),
-                max_references: params.integer("max-references"),
+                max_cells: params.most(&VOXELS),
+                max_references: params.most(&REFERENCES),
             },
         };
         let (cluster_count, orphan_count) = (clusters.len() as u64, orphans.len() as u64);

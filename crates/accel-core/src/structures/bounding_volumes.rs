@@ -27,10 +27,11 @@ use self::ball::Ball;
 use self::median_cut::Centres;
 use self::slabs::Slabs;
 use self::volume::{BOX_TEST, ComparedBox, Volume, box_test};
-use super::{BuildError, Shape, Structure, StructureInfo};
+use super::{BuildError, Shape, Structure, StructureInfo, too_many};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::box_test::BoxTest;
+use crate::memory::Counted;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::Ray;
@@ -216,11 +217,10 @@ impl<S: Scalar> BoundingVolumes<S> {
 
 /// Refuses more volumes than [`MAX_CELLS`].
 pub(super) fn check_cells(needed: usize, params: &Params) -> Result<(), BuildError> {
-    let limit = u128::from(params.integer(MAX_CELLS.name));
-    let needed = needed as u128;
-    if needed <= limit {
-        return Ok(());
+    // six slabs of 8 bytes and what they hold
+    const VOLUMES: Counted = Counted::cells("number of volumes", 64);
+    match needed as u64 <= params.most(&VOLUMES) {
+        true => Ok(()),
+        false => Err(too_many(params, &VOLUMES, needed as u64)),
     }
-    let what = "number of volumes";
-    Err(BuildError::TooLarge { structure: params.structure(), what, needed, limit })
 }

@@ -13,8 +13,10 @@
 //! may forget. `boxes=historical` is Havran and Sixta's (1999) HUG as far as their counters tell
 //! (see [`HISTORY`]).
 
-use super::nested_grids::{Excess, Mailbox, NestedGrids, Rules, Visited, references_in};
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
+use super::nested_grids::{
+    Excess, Mailbox, NestedGrids, REFERENCES, Rules, VOXELS, Visited, references_in,
+};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs, too_many};
 use crate::aabb::Aabb;
 use crate::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
 use crate::cell_lists::ListOrder;
@@ -142,16 +144,9 @@ impl<S: Scalar> Structure<S> for Hug<S> {
 
 /// The error for an exceeded limit of nested grids.
 pub(super) fn too_large(params: &Params, excess: Excess) -> BuildError {
-    let (what, needed, limit) = match excess {
-        Excess::Cells(n) => ("number of voxels", n, "max-cells"),
-        Excess::References(n) => ("references in voxels", n, "max-references"),
-    };
-    let limit = params.integer(limit);
-    BuildError::TooLarge {
-        structure: params.structure(),
-        what,
-        needed: u128::from(needed),
-        limit: u128::from(limit),
+    match excess {
+        Excess::Cells(n) => too_many(params, &VOXELS, n),
+        Excess::References(n) => too_many(params, &REFERENCES, n),
     }
 }
 
@@ -286,8 +281,8 @@ fn fill<S: Scalar>(
     let rules = Rules {
         order: if historical { ListOrder::Reverse } else { ListOrder::File },
         by_division: historical,
-        max_cells: params.integer("max-cells"),
-        max_references: params.integer("max-references"),
+        max_cells: params.most(&VOXELS),
+        max_references: params.most(&REFERENCES),
     };
     let mut primitives = vec![Vec::new(); plans.len()];
     for (&owner, id) in owners.iter().zip(0u32..) {

@@ -10,6 +10,7 @@ use crate::block_lists::{DenseRows, block_lists};
 use crate::box_placement::BoxPlacement;
 use crate::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::cell_walk::{CellPosition, CellWalk};
+use crate::memory::Counted;
 use crate::ray::Ray;
 use crate::scalar::Scalar;
 use crate::sink::Sink;
@@ -27,6 +28,11 @@ pub(super) struct Rules {
     /// Upper limit for the references in all cells.
     pub max_references: u64,
 }
+
+/// Voxels of nested grids: where the ids and the grids of each begin.
+pub(super) const VOXELS: Counted = Counted::cells("number of voxels", 8);
+/// Ids in them.
+pub(super) const REFERENCES: Counted = Counted::references("references in voxels");
 
 /// A limit was exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

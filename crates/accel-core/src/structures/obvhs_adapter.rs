@@ -117,6 +117,8 @@ pub(super) fn items<S: Scalar, P: PrimSet<S>>(
     params: &Params,
 ) -> Result<Items<S>, BuildError> {
     let robust = is_robust(params);
+    // a box and an id of each primitive, twice as many nodes
+    params.fits(96 * prims.len() as u128)?;
     let (single, setup) = boxes(prims, params.structure(), robust)?;
     let (boxes, groups) = if robust && centres_coincide(&single) {
         grouped(&single)

@@ -16,7 +16,8 @@ mod levels;
 
 use std::ops::ControlFlow;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
+use super::nested_grids::{REFERENCES, VOXELS};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs, too_many};
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_walk::{CellPosition, CellWalk};
 use crate::mailbox;
@@ -161,15 +162,11 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             narrowest: Division::narrowest_in(bounds.scene())
                 .greater(S::from_f64(bounds.smallest_cell())),
             padding: bounds.padding(),
-            cells: Budget::new("number of voxels", params.integer("max-cells")),
-            references: Budget::new("references in voxels", params.integer("max-references")),
+            cells: Budget::new(&VOXELS, params.most(&VOXELS)),
+            references: Budget::new(&REFERENCES, params.most(&REFERENCES)),
         };
-        let root = division.root(&ids, bounds.scene()).map_err(|e| BuildError::TooLarge {
-            structure,
-            what: e.what,
-            needed: u128::from(e.needed),
-            limit: u128::from(e.limit),
-        })?;
+        let root =
+            division.root(&ids, bounds.scene()).map_err(|e| too_many(params, e.of, e.needed))?;
         if !lazy {
             division.boxes = Vec::new();
         }

@@ -17,6 +17,7 @@ mod leaf_cells;
 
 use std::ops::ControlFlow;
 
+use super::nested_grids::{REFERENCES, VOXELS};
 use super::regular_grid::stored;
 use super::uniform_grid::DenseCells;
 use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
@@ -73,8 +74,8 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
         let rules = LeafRules {
             density: params.real("leaf-density"),
-            max_cells: params.integer("max-cells"),
-            max_references: params.integer("max-references"),
+            max_cells: params.most(&VOXELS),
+            max_references: params.most(&REFERENCES),
         };
         let division = CellDivision::new(&contents.frame, contents.padding());
         let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules)

@@ -29,10 +29,11 @@ mod voxels;
 
 use glam::DVec3;
 
-use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs};
+use super::{BuildError, Shape, Structure, StructureInfo, no_defect, specs, too_many};
 use crate::bounds_rule::{BoundsOf, BoundsRule};
 use crate::cell_overlap;
 use crate::mailbox;
+use crate::memory::Counted;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::ray::{Hit, Ray};
@@ -121,6 +122,8 @@ struct Effort {
     most_neighbours: usize,
 }
 
+const REFERENCES: Counted = Counted::references(cells::REFERENCES);
+
 const FAST: Effort = Effort { longest_list: 64, density: 0.125, most_neighbours: 2 };
 const QUALITY: Effort = Effort { longest_list: 32, density: 0.125, most_neighbours: 24 };
 
@@ -173,11 +176,14 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             } as usize,
             density: effort.density,
             step_cost: params.real("step-cost"),
-            max_references: params.integer("max-references"),
+            max_references: params.most(&REFERENCES),
             max_growth: params.real("max-growth"),
         };
         let mut cells = subdivide(&lattice, &padded, settings).map_err(
-            |TooLarge { what, needed, limit }| too_large(what, needed.into(), limit.into()),
+            |TooLarge { what, needed, limit }| match what == cells::REFERENCES {
+                true => too_many(params, &REFERENCES, needed),
+                false => too_large(what, needed.into(), limit.into()),
+            },
         )?;
         let mut voxels = Voxels::new(&cells, &lattice);
         expand::expand(&mut cells, &voxels, effort.most_neighbours);
