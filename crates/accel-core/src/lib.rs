@@ -18,6 +18,7 @@
 pub mod geometry;
 pub mod grid;
 pub mod historical;
+pub mod memory;
 pub mod occluders;
 mod parallel;
 pub mod params;

@@ -2,6 +2,7 @@
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::memory::{Counted, OutOfMemory};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::sink::Sink;
@@ -114,7 +115,7 @@ pub enum BuildError {
         /// What would be served.
         served: [i32; 2],
     },
-    /// A limit on memory would be exceeded.
+    /// A limit on its size would be exceeded.
     #[error("{structure}: {what} would be {needed}, more than the limit of {limit}")]
     TooLarge {
         /// Structure.
@@ -126,6 +127,9 @@ pub enum BuildError {
         /// The limit.
         limit: u128,
     },
+    /// It needs more memory than there is for it.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
     /// A library that builds the structure refuses to.
     #[error("{structure}: the library reports an error: {message}")]
     Library {
@@ -171,6 +175,8 @@ pub(crate) fn refuse_unusable<S: Scalar, P: PrimSet<S>>(
     if prims.is_empty() {
         return Err(BuildError::NoPrimitives { structure: params.structure() });
     }
+    // an id of each
+    params.fits(4 * prims.len() as u128)?;
     refuse_out_of_scale::<S, S>(prims.magnitude(), params.structure())
 }
 
@@ -188,6 +194,22 @@ pub(crate) fn refuse_out_of_scale<S: Scalar, C: Scalar>(
     // f64 has exponents down to -1074 only; infinity saturates
     let exponent = exponent as i32;
     Err(BuildError::OutOfScale { structure, exponent, precision: C::NAME, served })
+}
+
+/// The error where something is more than [`Params::most`] of it: out of memory, where the setting would
+/// allow it.
+pub(crate) fn too_many(params: &Params, counted: &Counted, needed: u64) -> BuildError {
+    let (structure, limit) = (params.structure(), params.integer(counted.setting));
+    let bytes = u128::from(needed) * u128::from(counted.bytes);
+    match params.fits(bytes) {
+        Err(error) if needed <= limit => error.into(),
+        _ => BuildError::TooLarge {
+            structure,
+            what: counted.what,
+            needed: u128::from(needed),
+            limit: u128::from(limit),
+        },
+    }
 }
 
 /// For [`StructureInfo::known_defect`]: none.

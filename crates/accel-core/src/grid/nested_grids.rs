@@ -13,6 +13,7 @@ use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_walk::{CellPosition, CellWalk};
 use crate::grid::voxel_walk::GridFrame;
+use crate::memory::Counted;
 use crate::query::sink::Sink;
 
 /// Limits and conventions of a build.
@@ -27,6 +28,11 @@ pub(crate) struct Rules {
     /// Upper limit for the references in all cells.
     pub max_references: u64,
 }
+
+/// Voxels of nested grids: where the ids and the grids of each begin.
+pub(crate) const VOXELS: Counted = Counted::cells("number of voxels", 8);
+/// Ids in them.
+pub(crate) const REFERENCES: Counted = Counted::references("references in voxels");
 
 /// A limit was exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

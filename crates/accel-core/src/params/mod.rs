@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::grid::resolution::ResolutionRule;
+use crate::memory::{Counted, MemoryLimit, OutOfMemory};
 
 /// What values a parameter takes.
 #[derive(Debug, Clone, Copy)]
@@ -94,6 +95,7 @@ pub struct Params {
     values: BTreeMap<&'static str, String>,
     /// Names that differ from their default.
     set: Vec<&'static str>,
+    memory: MemoryLimit,
 }
 
 impl Params {
@@ -138,7 +140,26 @@ impl Params {
             values.insert(spec.name, value.to_owned());
         }
         let set = specs().filter(|s| values[s.name] != s.default).map(|s| s.name).collect();
-        Ok(Self { structure, values, set })
+        Ok(Self { structure, values, set, memory: MemoryLimit::NONE })
+    }
+
+    /// The same for a structure that may take so much memory.
+    #[must_use]
+    pub fn within(self, memory: MemoryLimit) -> Self {
+        Self { memory, ..self }
+    }
+
+    /// Whether a part of so many bytes may be taken, and can be had now.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn fits(&self, bytes: u128) -> Result<(), OutOfMemory> {
+        self.memory.fits(self.structure, bytes)
+    }
+
+    /// The most that the setting allows and memory has room for. Panics as [`Params::real`].
+    pub fn most(&self, counted: &Counted) -> u64 {
+        self.integer(counted.setting).min(self.memory.count(counted.bytes))
     }
 
     /// The structure these belong to.

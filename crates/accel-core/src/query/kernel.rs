@@ -60,6 +60,13 @@ impl<S: Scalar> ListBlocks<S> {
         Some(Self { base, first, blocks: blocks::of_lists(prims, 0, lists) })
     }
 
+    /// Bytes that [`ListBlocks::of`] would take at most.
+    pub(crate) fn bytes_for(lists: &[&[u32]]) -> u128 {
+        let number: usize = lists.iter().map(|list| blocks::number_of::<S>(list.len())).sum();
+        let places = 2 * total(lists) + 1024;
+        (number * size_of::<TriangleBlock<S>>() + places * size_of::<u32>()) as u128
+    }
+
     /// The blocks of a list, and what follows them.
     #[inline(always)]
     fn behind(&self, list: &[u32]) -> Option<&[TriangleBlock<S>]> {

@@ -21,6 +21,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
 use crate::grid::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
+use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::voxel_walk::GridFrame;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -163,8 +164,8 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
             rules: Rules {
                 order: if historical { ListOrder::Reverse } else { ListOrder::File },
                 by_division: historical,
-                max_cells: params.integer("max-cells"),
-                max_references: params.integer("max-references"),
+                max_cells: params.most(&VOXELS),
+                max_references: params.most(&REFERENCES),
             },
         };
         let (cluster_count, orphan_count) = (clusters.len() as u64, orphans.len() as u64);

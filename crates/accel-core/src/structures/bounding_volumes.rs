@@ -32,10 +32,12 @@ use crate::geometry::box_test::BoxTest;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::memory::Counted;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::sink::Sink;
+use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 
 /// How many plane directions slabs have.
@@ -228,11 +230,10 @@ impl<S: Scalar> BoundingVolumes<S> {
 
 /// Refuses more volumes than [`MAX_CELLS`].
 pub(super) fn check_cells(needed: usize, params: &Params) -> Result<(), BuildError> {
-    let limit = u128::from(params.integer(MAX_CELLS.name));
-    let needed = needed as u128;
-    if needed <= limit {
-        return Ok(());
+    // six slabs of 8 bytes and what they hold
+    const VOLUMES: Counted = Counted::cells("number of volumes", 64);
+    match needed as u64 <= params.most(&VOLUMES) {
+        true => Ok(()),
+        false => Err(too_many(params, &VOLUMES, needed as u64)),
     }
-    let what = "number of volumes";
-    Err(BuildError::TooLarge { structure: params.structure(), what, needed, limit })
 }

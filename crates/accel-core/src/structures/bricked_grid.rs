@@ -147,6 +147,11 @@ impl BrickedCells {
 }
 
 impl CellStorage for BrickedCells {
+    /// A start, before and after it is laid in blocks.
+    fn cell_bytes(cells: u128) -> u128 {
+        8 * cells
+    }
+
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
         params: &Params,

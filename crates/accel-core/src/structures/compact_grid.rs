@@ -246,6 +246,13 @@ pub struct CompactCells {
 }
 
 impl CellStorage for CompactCells {
+    /// A bit.
+    fn cell_bytes(cells: u128) -> u128 {
+        cells.div_ceil(8)
+    }
+    /// An id, and the place of a cell.
+    const REFERENCE_BYTES: u64 = 8;
+
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
         params: &Params,

@@ -213,6 +213,13 @@ impl HashedCells {
 }
 
 impl CellStorage for HashedCells {
+    /// Only occupied cells take memory: the reference that occupies one counts its slots.
+    fn cell_bytes(_: u128) -> u128 {
+        0
+    }
+    /// An id, and the slots of a table that is half full.
+    const REFERENCE_BYTES: u64 = 4 + 2 * size_of::<Slot>() as u64;
+
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
         params: &Params,

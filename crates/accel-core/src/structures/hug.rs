@@ -18,6 +18,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
 use crate::grid::nested_grids::{Excess, Mailbox, NestedGrids, Rules, Visited, references_in};
+use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_walk::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
@@ -27,6 +28,7 @@ use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
+use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::tree::clustering::box_tree::{BoxTree, Nearness};
 use crate::tree::clustering::components::components;
@@ -151,16 +153,9 @@ impl<S: Scalar> Structure<S> for Hug<S> {
 
 /// The error for an exceeded limit of nested grids.
 pub(super) fn too_large(params: &Params, excess: Excess) -> BuildError {
-    let (what, needed, limit) = match excess {
-        Excess::Cells(n) => ("number of voxels", n, "max-cells"),
-        Excess::References(n) => ("references in voxels", n, "max-references"),
-    };
-    let limit = params.integer(limit);
-    BuildError::TooLarge {
-        structure: params.structure(),
-        what,
-        needed: u128::from(needed),
-        limit: u128::from(limit),
+    match excess {
+        Excess::Cells(n) => too_many(params, &VOXELS, n),
+        Excess::References(n) => too_many(params, &REFERENCES, n),
     }
 }
 
@@ -295,8 +290,8 @@ fn fill<S: Scalar>(
     let rules = Rules {
         order: if historical { ListOrder::Reverse } else { ListOrder::File },
         by_division: historical,
-        max_cells: params.integer("max-cells"),
-        max_references: params.integer("max-references"),
+        max_cells: params.most(&VOXELS),
+        max_references: params.most(&REFERENCES),
     };
     let mut primitives = vec![Vec::new(); plans.len()];
     for (&owner, id) in owners.iter().zip(0u32..) {

@@ -104,7 +104,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         let bound = Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox);
         let has_mailbox = params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none");
         let has_blocks = params.get(kernel::PARAM.name) == Some("block") && !has_mailbox;
-        Ok(Box::new(if has_blocks { bound.with_blocks() } else { bound }))
+        Ok(Box::new(if has_blocks { bound.with_blocks(params)? } else { bound }))
     }
     fn mailbox<S: Scalar, P: PrimSet<S>>(
         prims: &P,

@@ -86,13 +86,16 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
         let frame = contents.frame;
+        let (cells, clouds) =
+            (frame.cells() as u128, if params.text("directions") == "octants" { 8 } else { 1 });
+        // a start, the distances, and while they are found: whether it is occupied, a measure
+        params.fits(cells * (4 + clouds as u128 + 3) + 4 * u128::from(lists.references()))?;
         let occupied: Vec<bool> = (0..frame.cells()).map(|i| !lists.at(i).is_empty()).collect();
         let metric = match params.text("metric") {
             "city-block" => Metric::CityBlock,
             "euclidean" => Metric::Euclidean,
             _ => Metric::Chessboard,
         };
-        let clouds = if params.text("directions") == "octants" { 8 } else { 1 };
         let mut all = vec![0; occupied.len() * clouds];
         for octant in 0..clouds {
             let signs = (clouds == 8).then_some(octant);

@@ -19,6 +19,7 @@ use std::ops::ControlFlow;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::voxel_walk::inverse_direction;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
@@ -26,6 +27,7 @@ use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
+use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use levels::{Budget, Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
 
@@ -162,15 +164,11 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             narrowest: Division::narrowest_in(bounds.scene())
                 .greater(S::from_f64(bounds.smallest_cell())),
             padding: bounds.padding(),
-            cells: Budget::new("number of voxels", params.integer("max-cells")),
-            references: Budget::new("references in voxels", params.integer("max-references")),
+            cells: Budget::new(&VOXELS, params.most(&VOXELS)),
+            references: Budget::new(&REFERENCES, params.most(&REFERENCES)),
         };
-        let root = division.root(&ids, bounds.scene()).map_err(|e| BuildError::TooLarge {
-            structure,
-            what: e.what,
-            needed: u128::from(e.needed),
-            limit: u128::from(e.limit),
-        })?;
+        let root =
+            division.root(&ids, bounds.scene()).map_err(|e| too_many(params, e.of, e.needed))?;
         if !lazy {
             division.boxes = Vec::new();
         }

@@ -20,6 +20,7 @@ use std::ops::ControlFlow;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::regular_grid::stored;
 use crate::grid::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direction};
 use crate::params::specs;
@@ -83,8 +84,8 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
         let rules = LeafRules {
             density: params.real("leaf-density"),
-            max_cells: params.integer("max-cells"),
-            max_references: params.integer("max-references"),
+            max_cells: params.most(&VOXELS),
+            max_references: params.most(&REFERENCES),
         };
         let division = CellDivision::new(&contents.frame, contents.padding());
         let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules)

@@ -7,6 +7,7 @@ mod contributing;
 mod differential;
 mod duplicates;
 mod edge_on;
+mod memory;
 mod motion;
 mod nested_grids;
 mod obvhs;

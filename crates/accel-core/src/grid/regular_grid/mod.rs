@@ -15,14 +15,22 @@ use crate::grid::cell_walk::{CellPosition, CellWalk, Traversal};
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
 use crate::grid::voxel_walk::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::memory::Counted;
 use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::query::sink::Sink;
+use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure};
 use crate::variants::double_walk::DoubleWalk;
 
 /// Where the lists of a grid's cells are kept.
 pub trait CellStorage: Sized + Send + Sync {
+    /// Bytes that so many cells take, about, whether they hold ids or not.
+    fn cell_bytes(cells: u128) -> u128 {
+        4 * cells
+    }
+    /// Bytes that a reference takes, at most.
+    const REFERENCE_BYTES: u64 = 4;
     /// Whether the walks that are there for comparison are compiled for it.
     const COMPARES_WALKS: bool = false;
 
@@ -312,14 +320,20 @@ pub fn stored<'a, S: Scalar, P: PrimSet<S>, G: CellStorage>(
 ) -> Result<(Contents<'a, S, P>, G), BuildError> {
     let mut contents = contents_of(prims, params)?;
     let hard_limit = contents.max_references;
+    let references = Counted { bytes: G::REFERENCE_BYTES, ..REFERENCES };
     let is_given = matches!(params.resolution("resolution"), ResolutionRule::Fixed(_));
     let soft_limit = (REFERENCES_A_PRIMITIVE * prims.len() as u64).max(1 << 20);
     loop {
         let is_final = is_given || contents.frame.cells() == 1;
-        contents.max_references = if is_final { hard_limit } else { hard_limit.min(soft_limit) };
+        let allowed = if is_final { hard_limit } else { hard_limit.min(soft_limit) };
+        contents.max_references = allowed.min(params.most(&references));
+        params.fits(G::cell_bytes(contents.frame.cells() as u128))?;
         match G::build(&contents, params) {
             Ok(storage) => return Ok((contents, storage)),
-            Err(e) if is_final => return Err(too_many_references(e, hard_limit, params)),
+            // memory alone is no reason for another resolution
+            Err(TooManyReferences(n)) if is_final || n <= allowed => {
+                return Err(too_many(params, &references, n));
+            }
             Err(_) => {
                 let halved = contents.frame.resolution().map(|n| n.div_ceil(2));
                 contents.frame = GridFrame::new(contents.frame.bounds(), halved);
@@ -352,14 +366,7 @@ pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
     Ok(Contents { frame, primitives, order, max_references, boxes, historical, insertion })
 }
 
-fn too_many_references(e: TooManyReferences, limit: u64, params: &Params) -> BuildError {
-    BuildError::TooLarge {
-        structure: params.structure(),
-        what: "references in voxels",
-        needed: u128::from(e.0),
-        limit: u128::from(limit),
-    }
-}
+const REFERENCES: Counted = Counted::references("references in voxels");
 
 /// The grid that the settings `resolution`, `density` and `max-cells` ask for.
 fn frame_of<S: Scalar, P: PrimSet<S>>(

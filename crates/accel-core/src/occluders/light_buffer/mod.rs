@@ -167,6 +167,8 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
     let bits = resolution_bits(params);
     let faces = lights.len() as u128 * FACES as u128;
     is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, params.structure())?;
+    // an id of each
+    params.fits(4 * (faces << (2 * bits)))?;
     Ok(Box::new(OnDemand::new(prims, any, lights, &margins, bits)?))
 }
 

@@ -9,6 +9,8 @@ use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::memory::OutOfMemory;
+use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::{BlockSink, ListBlocks};
@@ -40,13 +42,17 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     }
 
     /// The same with the lists of the structure as blocks, where it has lists and blocks serve the set.
-    pub fn with_blocks(mut self) -> Self {
+    ///
+    /// # Errors
+    /// [`OutOfMemory`] where the limit of `params` does not allow them.
+    pub fn with_blocks(mut self, params: &Params) -> Result<Self, OutOfMemory> {
         if T::HAS_LISTS && P::HAS_BLOCKS {
             let mut lists = Vec::new();
             self.structure.lists(&mut |list| lists.push(list));
+            params.fits(ListBlocks::<S>::bytes_for(&lists))?;
             self.blocks = ListBlocks::of(&*self.prims, &lists);
         }
-        self
+        Ok(self)
     }
 
     /// True when rays are timed without a mailbox.

@@ -74,6 +74,9 @@ impl Cells {
     }
 }
 
+/// What a setting limits, in errors.
+pub(super) const REFERENCES: &str = "references in cells";
+
 /// Something would be larger than it may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TooLarge {

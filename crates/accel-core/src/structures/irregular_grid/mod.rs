@@ -34,12 +34,14 @@ use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_overlap;
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::memory::Counted;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
+use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use cells::{FIRST_PART, TooLarge};
 use course::{Course, Place};
@@ -122,6 +124,8 @@ struct Effort {
     most_neighbours: usize,
 }
 
+const REFERENCES: Counted = Counted::references(cells::REFERENCES);
+
 const FAST: Effort = Effort { longest_list: 64, density: 0.125, most_neighbours: 2 };
 const QUALITY: Effort = Effort { longest_list: 32, density: 0.125, most_neighbours: 24 };
 
@@ -174,11 +178,14 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             } as usize,
             density: effort.density,
             step_cost: params.real("step-cost"),
-            max_references: params.integer("max-references"),
+            max_references: params.most(&REFERENCES),
             max_growth: params.real("max-growth"),
         };
         let mut cells = subdivide(&lattice, &padded, settings).map_err(
-            |TooLarge { what, needed, limit }| too_large(what, needed.into(), limit.into()),
+            |TooLarge { what, needed, limit }| match what == cells::REFERENCES {
+                true => too_many(params, &REFERENCES, needed),
+                false => too_large(what, needed.into(), limit.into()),
+            },
         )?;
         let mut voxels = Voxels::new(&cells, &lattice);
         expand::expand(&mut cells, &voxels, effort.most_neighbours);

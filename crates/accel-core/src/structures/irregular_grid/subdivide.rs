@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::structures::irregular_grid::cells::REFERENCES;
 use crate::structures::irregular_grid::cells::{Cell, Cells, DIVIDED, TooLarge};
 use crate::structures::irregular_grid::empty_boxes::EmptyBoxes;
 use crate::structures::irregular_grid::lattice::{Division, Lattice};
@@ -288,7 +289,7 @@ impl<'a> Worker<'a> {
         let list = self.list(ids);
         let limit = self.shared.settings.max_references;
         if stored > limit.min(u64::from(u32::MAX)) {
-            return Err(TooLarge { what: "references in cells", needed: stored, limit });
+            return Err(TooLarge { what: REFERENCES, needed: stored, limit });
         }
         let number = self.cells.cells.len() as u32;
         self.cells.cells.push(Cell {

@@ -3,9 +3,11 @@
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::memory::Counted;
 use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
 use crate::structure::BuildError;
+use crate::structure::too_many;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
 use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
 
@@ -26,8 +28,8 @@ pub(super) fn cells<S: Scalar>(
         max_depth: max_depth.min(DEEPEST),
         max_leaf: params.integer("max-leaf") as usize,
         useless_splits: params.integer("useless-splits"),
-        max_cells: params.integer("max-cells"),
-        max_references: params.integer("max-references"),
+        max_cells: params.most(&CELLS),
+        max_references: params.most(&REFERENCES),
     };
     let root = || Task { ids: (0..boxes.len() as u32).collect(), bounds, depth: 0, useless: 0 };
     match forks() {
@@ -36,6 +38,10 @@ pub(super) fn cells<S: Scalar>(
         forks => rules.forked(root(), forks).or_else(|_| rules.alone(root())),
     }
 }
+
+/// A node, and the start of a list.
+const CELLS: Counted = Counted::cells("number of cells", 16);
+const REFERENCES: Counted = Counted::references("references in cells");
 
 /// What does not change during a build.
 struct Rules<'a, S: Scalar> {
@@ -85,8 +91,8 @@ impl<S: Scalar> Rules<'_, S> {
         };
         let (lower, upper) = rayon::join(|| side(0), || side(1));
         let cells = Cells::joined(&cut, lower?, &upper?);
-        self.limit("number of cells", cells.nodes.len() as u64, self.max_cells)?;
-        self.limit("references in cells", cells.ids.len() as u64, self.max_references)?;
+        self.limit(&CELLS, cells.nodes.len() as u64, self.max_cells)?;
+        self.limit(&REFERENCES, cells.ids.len() as u64, self.max_references)?;
         Ok(cells)
     }
 
@@ -119,12 +125,8 @@ impl<S: Scalar> Rules<'_, S> {
         }
     }
 
-    fn limit(&self, what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
-        if needed <= limit {
-            return Ok(());
-        }
-        let (needed, limit) = (u128::from(needed), u128::from(limit));
-        Err(BuildError::TooLarge { structure: self.params.structure(), what, needed, limit })
+    fn limit(&self, of: &Counted, needed: u64, limit: u64) -> Result<(), BuildError> {
+        if needed <= limit { Ok(()) } else { Err(too_many(self.params, of, needed)) }
     }
 }
 
@@ -183,7 +185,7 @@ impl<S: Scalar> Builder<'_, S> {
         let decided = self.rules.cut(&mut self.heuristic, ids, &bounds, depth, useless);
         let Some((cut, useless)) = decided else { return self.leaf(cell, from) };
         let lower = self.cells.nodes.len();
-        self.rules.limit("number of cells", lower as u64 + 2, self.rules.max_cells)?;
+        self.rules.limit(&CELLS, lower as u64 + 2, self.rules.max_cells)?;
         self.cells.nodes[cell] = Node::inner(cut.axis, cut.plane, lower);
         self.cells.nodes.resize(lower + 2, Node::leaf(0));
         for side in 0..2 {
@@ -202,7 +204,7 @@ impl<S: Scalar> Builder<'_, S> {
     fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
         let references = self.cells.ids.len() + self.waiting.len() - from;
         let limit = self.rules.max_references;
-        self.rules.limit("references in cells", references as u64, limit)?;
+        self.rules.limit(&REFERENCES, references as u64, limit)?;
         self.cells.nodes[cell] = Node::leaf(self.cells.starts.len() - 1);
         self.cells.ids.extend_from_slice(&self.waiting[from..]);
         self.cells.starts.push(references as u32);

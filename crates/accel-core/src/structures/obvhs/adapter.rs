@@ -119,16 +119,18 @@ pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
 ) -> Result<Items<S>, BuildError> {
-    items_of(prims, params.structure(), is_robust(params))
+    items_of(prims, params, is_robust(params))
 }
 
 /// [`items`], the setting given.
 pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
-    structure: &'static str,
+    params: &Params,
     robust: bool,
 ) -> Result<Items<S>, BuildError> {
-    let (single, setup) = boxes(prims, structure, robust)?;
+    // a box and an id of each primitive, twice as many nodes
+    params.fits(96 * prims.len() as u128)?;
+    let (single, setup) = boxes(prims, params.structure(), robust)?;
     let (boxes, groups) = if robust && centres_coincide(&single) {
         grouped(&single)
     } else {

@@ -5,9 +5,11 @@ use rayon::prelude::*;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::memory::Counted;
 use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
 use crate::structure::BuildError;
+use crate::structure::too_many;
 use crate::structures::octree::cells::{Cells, LEAF};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
@@ -28,9 +30,9 @@ pub(super) fn cells<S: Scalar>(
             "historical" => f64::INFINITY,
             _ => params.real("max-growth"),
         },
-        max_cells: params.integer("max-cells"),
-        max_references: params.integer("max-references"),
-        structure: params.structure(),
+        max_cells: params.most(&CELLS),
+        max_references: params.most(&REFERENCES),
+        params,
     };
     let root = || {
         let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
@@ -46,6 +48,10 @@ pub(super) fn cells<S: Scalar>(
     }
 }
 
+/// A link, and the planes of an eighth of a divided cell or the start of a list.
+const CELLS: Counted = Counted::cells("number of cells", 8);
+const REFERENCES: Counted = Counted::references("references in cells");
+
 /// What does not change during a build.
 struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
@@ -59,7 +65,7 @@ struct Rules<'a, S: Scalar> {
     max_growth: f64,
     max_cells: u64,
     max_references: u64,
-    structure: &'static str,
+    params: &'a Params,
 }
 
 /// What the cuts on the way to a cell brought.
@@ -126,7 +132,7 @@ impl<S: Scalar> Builder<'_, S> {
         let divided = self.rules.divided(&self.waiting[from..], &bounds, depth, descent);
         let Some((planes, descent)) = divided else { return self.leaf(cell, from) };
         let inner = self.cells.planes.len();
-        self.rules.limit("number of cells", 8 * inner as u64 + 9, self.rules.max_cells)?;
+        self.rules.limit(&CELLS, 8 * inner as u64 + 9, self.rules.max_cells)?;
         self.cells.links[cell] = inner as u32;
         self.cells.planes.push(planes);
         self.cells.links.resize(9 + 8 * inner, LEAF);
@@ -147,7 +153,7 @@ impl<S: Scalar> Builder<'_, S> {
     fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
         let references = self.cells.ids.len() + self.waiting.len() - from;
         let limit = self.rules.max_references;
-        self.rules.limit("references in cells", references as u64, limit)?;
+        self.rules.limit(&REFERENCES, references as u64, limit)?;
         self.cells.links[cell] = LEAF | (self.cells.starts.len() - 1) as u32;
         self.cells.ids.extend_from_slice(&self.waiting[from..]);
         self.cells.starts.push(references as u32);
@@ -185,8 +191,8 @@ impl<S: Scalar> Rules<'_, S> {
         for (octant, below) in all.into_iter().enumerate() {
             cells.append(octant, &below?);
         }
-        self.limit("number of cells", cells.links.len() as u64, self.max_cells)?;
-        self.limit("references in cells", cells.ids.len() as u64, self.max_references)?;
+        self.limit(&CELLS, cells.links.len() as u64, self.max_cells)?;
+        self.limit(&REFERENCES, cells.ids.len() as u64, self.max_references)?;
         Ok(cells)
     }
 
@@ -212,12 +218,8 @@ impl<S: Scalar> Rules<'_, S> {
         pays.then_some((planes, Descent { useless, growth }))
     }
 
-    fn limit(&self, what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
-        if needed <= limit {
-            return Ok(());
-        }
-        let (needed, limit) = (u128::from(needed), u128::from(limit));
-        Err(BuildError::TooLarge { structure: self.structure, what, needed, limit })
+    fn limit(&self, of: &Counted, needed: u64, limit: u64) -> Result<(), BuildError> {
+        if needed <= limit { Ok(()) } else { Err(too_many(self.params, of, needed)) }
     }
 
     /// The planes that cut a cell.

@@ -10,6 +10,7 @@ use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_walk::GridFrame;
+use crate::memory::Counted;
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -126,24 +127,23 @@ pub(super) enum LevelRule {
 }
 
 /// A limit was exceeded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct OverLimit {
-    pub(super) what: &'static str,
+    pub(super) of: &'static Counted,
     pub(super) needed: u64,
-    pub(super) limit: u64,
 }
 
 /// What is left of a limit; shared by the threads that build.
 #[derive(Debug)]
 pub(super) struct Budget {
-    what: &'static str,
+    of: &'static Counted,
     limit: u64,
     left: AtomicU64,
 }
 
 impl Budget {
-    pub(super) fn new(what: &'static str, limit: u64) -> Self {
-        Self { what, limit, left: AtomicU64::new(limit) }
+    pub(super) fn new(of: &'static Counted, limit: u64) -> Self {
+        Self { of, limit, left: AtomicU64::new(limit) }
     }
 
     fn left(&self) -> u64 {
@@ -152,7 +152,7 @@ impl Budget {
 
     fn exceeded_by(&self, amount: u64) -> OverLimit {
         let needed = (self.limit - self.left().min(self.limit)).saturating_add(amount);
-        OverLimit { what: self.what, needed, limit: self.limit }
+        OverLimit { of: self.of, needed }
     }
 
     fn take(&self, amount: u64) -> Result<(), OverLimit> {

@@ -71,7 +71,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
-        let items = items_of(prims, structure, true)?;
+        let items = items_of(prims, params, true)?;
         let mut bvh = reinserted(&items.boxes, &build_params(params), true);
         limit_levels(&mut bvh, LEVELS);
         let costs = Costs {

@@ -1,0 +1,129 @@
+//! How much memory a structure may take: asked before it is taken, so that what does not fit is an error
+//! and no end of the program.
+//!
+//! A structure asks where its sizes come from settings and scenes: [`Params::fits`](crate::params::Params::fits)
+//! for a list of known length, [`Params::most`](crate::params::Params::most) for one that grows. Both are of the
+//! part in question; what all parts take together is known when they are built.
+
+use std::hint::black_box;
+
+/// Smaller lists are not asked of the system beforehand.
+const SMALL: u128 = 1 << 20;
+
+/// The most bytes of a structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemoryLimit(u64);
+
+impl MemoryLimit {
+    /// No limit but the system's.
+    pub const NONE: Self = Self(u64::MAX);
+
+    /// So many bytes.
+    pub fn new(bytes: u64) -> Self {
+        Self(bytes)
+    }
+
+    /// How many things of so many bytes each fit.
+    pub fn count(self, bytes_each: u64) -> u64 {
+        if self == Self::NONE { u64::MAX } else { self.0 / bytes_each.max(1) }
+    }
+
+    /// Whether so many bytes may be taken.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn allows(self, structure: &'static str, needed: u128) -> Result<(), OutOfMemory> {
+        match needed <= u128::from(self.0) {
+            true => Ok(()),
+            false => Err(OutOfMemory { structure, needed, limit: Some(self.0) }),
+        }
+    }
+
+    /// Whether so many bytes may be taken, and can be had now.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn fits(self, structure: &'static str, needed: u128) -> Result<(), OutOfMemory> {
+        self.allows(structure, needed)?;
+        if needed > SMALL && !can_be_had(needed) {
+            return Err(OutOfMemory { structure, needed, limit: None });
+        }
+        Ok(())
+    }
+}
+
+/// Whether the system grants so many bytes: they are asked for, and given back untouched.
+fn can_be_had(bytes: u128) -> bool {
+    let mut room = Vec::<u8>::new();
+    let granted = usize::try_from(bytes).is_ok_and(|n| room.try_reserve_exact(n).is_ok());
+    // or the compiler leaves out what is not used
+    black_box(&mut room);
+    granted
+}
+
+/// A structure needs more memory than there is for it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{structure}: it would take {} of memory, {}", mebibytes(*.needed), reason(*.limit))]
+pub struct OutOfMemory {
+    /// Structure.
+    pub structure: &'static str,
+    /// Bytes that it needs, at least.
+    pub needed: u128,
+    /// Bytes that it may take; none where the system refuses them.
+    pub limit: Option<u64>,
+}
+
+fn mebibytes(bytes: u128) -> String {
+    format!("{} MiB", bytes.div_ceil(1 << 20))
+}
+
+fn reason(limit: Option<u64>) -> String {
+    match limit {
+        Some(limit) if limit < 1 << 20 => format!("more than the limit of {limit} bytes"),
+        Some(limit) => format!("more than the limit of {} MiB", limit >> 20),
+        None => "which the system refuses".to_owned(),
+    }
+}
+
+/// Something that a structure has many of: what a setting limits, and memory.
+#[derive(Debug, Clone, Copy)]
+pub struct Counted {
+    /// In errors: `number of cells`.
+    pub what: &'static str,
+    /// The setting that limits it.
+    pub setting: &'static str,
+    /// Bytes of each.
+    pub bytes: u64,
+}
+
+impl Counted {
+    /// Cells, under the setting that all structures have for them.
+    pub const fn cells(what: &'static str, bytes: u64) -> Self {
+        Self { what, setting: "max-cells", bytes }
+    }
+
+    /// Ids in cells.
+    pub const fn references(what: &'static str) -> Self {
+        Self { what, setting: "max-references", bytes: 4 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_says_how_much_it_is() {
+        let limit = MemoryLimit::new(8 << 20);
+        assert_eq!((limit.count(4), MemoryLimit::NONE.count(4)), (2 << 20, u64::MAX));
+        assert_eq!(limit.fits("a", 8 << 20), Ok(()));
+        let error = limit.fits("a", (8 << 20) + 1).unwrap_err().to_string();
+        assert_eq!(error, "a: it would take 9 MiB of memory, more than the limit of 8 MiB");
+        // more than any address space has
+        let error = MemoryLimit::NONE.fits("a", 1 << 62).unwrap_err();
+        assert_eq!(error.limit, None);
+        assert!(error.to_string().ends_with("MiB of memory, which the system refuses"), "{error}");
+        let small = MemoryLimit::new(5).fits("a", 6).unwrap_err().to_string();
+        assert!(small.ends_with("more than the limit of 5 bytes"), "{small}");
+    }
+}

@@ -1,0 +1,100 @@
+//! A structure that may take little memory says so, and is never another one for it.
+
+use accel_core::memory::{MemoryLimit, OutOfMemory};
+use accel_core::primitives::PrimsRef;
+use accel_core::primitives::{TriangleSet, Watertight};
+use accel_core::structure::{BuildError, Shape};
+use accel_core::structures::{Entry, REGISTRY, find};
+
+type Set = TriangleSet<f32, Watertight>;
+
+/// A relief of 2 * side * side triangles.
+fn relief(side: u32) -> Set {
+    let point = |x: u32, y: u32| {
+        let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
+        [u, v, (u * 37.0).sin() * (v * 29.0).cos() * 0.1]
+    };
+    let quad = |i: u32| {
+        let (x, y) = (i % side, i / side);
+        let [a, b, c, d] = [point(x, y), point(x + 1, y), point(x, y + 1), point(x + 1, y + 1)];
+        [[a, b, c], [b, d, c]]
+    };
+    Set::new((0..side * side).flat_map(quad).collect(), |_| false).unwrap()
+}
+
+fn built(
+    entry: &Entry,
+    set: &Set,
+    settings: &[(&str, &str)],
+    limit: MemoryLimit,
+) -> Result<Shape, BuildError> {
+    let params = entry.params(settings.iter().copied()).unwrap().within(limit);
+    Ok(entry.build(PrimsRef::Watertight(set), &params)?.shape())
+}
+
+/// The variants of a structure, as settings.
+fn variants(entry: &'static Entry) -> impl Iterator<Item = Vec<(&'static str, &'static str)>> {
+    let settings = entry.info.variants.iter().chain(entry.info.also_tested);
+    settings.map(|v| v.split_whitespace().map(|s| s.split_once('=').unwrap()).collect())
+}
+
+/// What is wrong with a structure that has little memory.
+fn complaint(
+    of: impl Fn(MemoryLimit) -> Result<Shape, BuildError>,
+    smallest: u64,
+) -> Option<String> {
+    let whole = of(MemoryLimit::NONE).unwrap();
+    // more than it takes in the end: no builder needs eight times that
+    if let Err(error) = of(MemoryLimit::new(8 * whole.bytes + (1 << 16))) {
+        return Some(format!("takes {} bytes, and {error}", whole.bytes));
+    }
+    for part in [2, 4, 8, smallest] {
+        match of(MemoryLimit::new(whole.bytes / part)) {
+            Err(BuildError::OutOfMemory(OutOfMemory { needed, limit, .. })) => {
+                if limit.is_none_or(|limit| needed <= u128::from(limit)) {
+                    return Some(format!("needs {needed}, of {limit:?}"));
+                }
+            }
+            Err(error) => return Some(format!("a 1/{part}: {error}")),
+            Ok(shape) if shape != whole => return Some(format!("a 1/{part}: {shape:?}")),
+            Ok(_) if part == smallest => return Some(format!("built in a 1/{part}")),
+            Ok(_) => {}
+        }
+    }
+    None
+}
+
+#[test]
+fn too_little_memory_is_an_error_and_changes_no_structure() {
+    let set = relief(64);
+    for entry in REGISTRY {
+        for settings in variants(entry) {
+            let wrong = complaint(|limit| built(entry, &set, &settings, limit), 64);
+            assert_eq!(wrong, None, "{} {settings:?}", entry.info.name);
+        }
+    }
+}
+
+/// Planted: a structure that does not ask, and one that makes itself smaller.
+#[test]
+fn structures_that_do_not_ask_are_found() {
+    let whole = Shape { bytes: 1 << 20, ..Shape::default() };
+    assert_eq!(complaint(|_| Ok(whole), 64).as_deref(), Some("built in a 1/64"));
+    let smaller = |limit: MemoryLimit| Ok(Shape { cells: limit.count(1 << 20).min(1), ..whole });
+    assert!(complaint(smaller, 64).unwrap().starts_with("a 1/2: Shape"));
+}
+
+/// Grids of any number of voxels are refused before a byte of them is taken.
+#[test]
+fn huge_grids_are_refused_at_once() {
+    let set = relief(4);
+    let limit = MemoryLimit::new(64 << 20);
+    for name in ["uniform-grid", "bricked-grid", "proximity-clouds", "two-level-grid"] {
+        let settings = [("resolution", "1024x1024x1024"), ("max-cells", "2147483648")];
+        let error = built(find(name).unwrap(), &set, &settings, limit).unwrap_err();
+        assert!(matches!(error, BuildError::OutOfMemory(_)), "{name}: {error}");
+    }
+    let settings = [("resolution", "2048x1024x512"), ("max-cells", "1073741824")];
+    let error = built(find("compact-grid").unwrap(), &set, &settings, limit).unwrap_err();
+    assert!(matches!(error, BuildError::OutOfMemory(_)), "{error}");
+}
