@@ -90,13 +90,13 @@ pub static INFO: StructureInfo = StructureInfo {
             ..specs::MAX_CELLS
         },
         specs::MAX_REFERENCES,
-        kernel::BLOCK_PARAM,
+        kernel::PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
     also_tested: &[
-        "kernel=scalar",
+        "kernel=block",
         "exact-clusters=4096",
         "m=0.1",
         "orphan-grid=on m=0.1",

@@ -4,7 +4,7 @@ use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
 use accel_core::{Ray, Vec3, Vector};
-use glam::{DVec3, dvec3};
+use glam::{DQuat, DVec3, dvec3};
 
 /// A small seeded generator (an LCG with the multiplier of D. Knuth, TAOCP 2, 3.3.4).
 pub struct Random(u64);
@@ -26,6 +26,15 @@ impl Random {
 
     pub fn signed(&mut self) -> DVec3 {
         self.point() * 2.0 - 1.0
+    }
+
+    pub fn rotation(&mut self) -> DQuat {
+        let axis = (self.signed() + dvec3(0.0, 0.0, 1e-9)).normalize();
+        DQuat::from_axis_angle(axis, 7.0 * self.unit())
+    }
+
+    pub fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[(self.unit() * choices.len() as f64) as usize]
     }
 }
 

@@ -7,20 +7,9 @@ use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray};
 use glam::{DVec3, dvec3};
 
+use crate::common::Random;
+
 const N: usize = 100_000;
-
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn signed(&mut self) -> DVec3 {
-        dvec3(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-}
 
 fn built(n: usize, mut add: impl FnMut(&mut MixedSetBuilder<f32>)) -> MixedSet<f32> {
     let mut set = MixedSetBuilder::default();
@@ -29,7 +18,7 @@ fn built(n: usize, mut add: impl FnMut(&mut MixedSetBuilder<f32>)) -> MixedSet<f
 }
 
 fn scenes(n: usize) -> [(&'static str, MixedSet<f32>); 4] {
-    let (mut random, mut other) = (Random(7), Random(8));
+    let (mut random, mut other) = (Random::new(7), Random::new(8));
     let one = [dvec3(0.1, 0.2, 0.3), dvec3(1.0, 0.1, 0.2), dvec3(0.3, 0.9, 0.4)];
     [
         ("one triangle", built(n, |set| set.triangle(one).unwrap())),

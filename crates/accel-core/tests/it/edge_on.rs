@@ -8,35 +8,9 @@ use accel_core::registry::Buildable;
 use accel_core::structures::{REGISTRY, find};
 use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
-use glam::{DQuat, DVec3, dvec3};
+use glam::{DVec3, dvec3};
 
-/// A small seeded generator (an LCG with the multiplier of D. Knuth, TAOCP 2, 3.3.4).
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self) -> DVec3 {
-        dvec3(self.unit(), self.unit(), self.unit())
-    }
-
-    fn signed(&mut self) -> DVec3 {
-        self.point() * 2.0 - 1.0
-    }
-
-    fn rotation(&mut self) -> DQuat {
-        let axis = (self.signed() + dvec3(0.0, 0.0, 1e-9)).normalize();
-        DQuat::from_axis_angle(axis, 7.0 * self.unit())
-    }
-
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[(self.unit() * choices.len() as f64) as usize]
-    }
-}
+use crate::common::Random;
 
 fn set<S: Scalar>(triangles: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
     let narrow = |t: &[DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
@@ -173,7 +147,7 @@ fn counted<S: Scalar, P: PrimSet<S>>(
 }
 
 fn no_hit_lies_outside<S: Buildable>() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     // planted fault: a test whose weights are rounding where a triangle is seen edge-on
     let planted = Choice { triangle: TriangleChoice::Fallback, sphere: SphereChoice::Rearranged };
     let mut found = [[0; 2]; 2];
@@ -216,7 +190,7 @@ fn holds(triangle: &[DVec3; 3], o: DVec3) -> bool {
 /// A ray that starts in the plane of a flat scene, and leaves it by a component however small, hits
 /// what is at its origin, and nothing else.
 fn flat_scenes_are_hit_where_they_are_left<S: Buildable>(components: &[f64]) {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let triangles = lattice(10);
     let set = set::<S>(&triangles);
     let mut rays = Vec::new();
@@ -294,7 +268,7 @@ fn extreme_rays(random: &mut Random, sizes: &[f64], tilted: bool) -> Vec<(Ray<f3
 
 /// Triangles about a lattice of points: nothing that a ray nearly misses in one of two precisions.
 fn soup() -> Vec<[DVec3; 3]> {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let all = (0..400).map(|_| {
         let p = random.point() * 10.0;
         [p, p + random.signed() * 2.0, p + random.signed() * 2.0].map(|p| p.as_vec3().as_dvec3())
@@ -306,7 +280,7 @@ fn soup() -> Vec<[DVec3; 3]> {
 fn components_of_any_size_find_what_the_same_ray_finds_in_f64() {
     let triangles = soup();
     let (narrow, wide) = (set::<f32>(&triangles), set::<f64>(&triangles));
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     for sizes in [&[1e30, 1e35, 3e38][..], &[1e-45, 1e-42, 1e-38, 1e-30]] {
         let rays = extreme_rays(&mut random, sizes, sizes[0] > 1.0);
         let (ours, theirs): (Vec<_>, Vec<_>) = rays.into_iter().unzip();

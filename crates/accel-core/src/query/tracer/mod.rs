@@ -3,7 +3,7 @@
 mod bound;
 mod counting;
 mod in_motion;
-mod nearby;
+pub(crate) mod nearby;
 
 pub use bound::Bound;
 pub use in_motion::BoundInMotion;

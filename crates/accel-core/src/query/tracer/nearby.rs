@@ -7,7 +7,7 @@ use crate::query::mailbox::MailboxSource;
 
 /// Calls `query` with the ray, brought near, and what its parameters became.
 #[inline(always)]
-pub(super) fn near<S: Scalar, R>(
+pub(crate) fn near<S: Scalar, R>(
     reach: S,
     ray: &Ray<S>,
     nowhere: R,
@@ -27,7 +27,7 @@ pub(super) fn near<S: Scalar, R>(
 
 /// Closest hits with one kind of mailbox; `one` asks for one of them.
 #[inline(always)]
-pub(super) fn closest<S: Scalar, B: MailboxSource>(
+pub(crate) fn closest<S: Scalar, B: MailboxSource>(
     reach: S,
     rays: &[Ray<S>],
     hits: &mut [Hit<S>],

@@ -307,6 +307,19 @@ impl<S: Scalar> BoxRay<S> {
         Self { ray, scale, lead }
     }
 
+    /// No ray.
+    #[inline(always)]
+    pub(crate) fn idle() -> Self {
+        let ray = ObvhsRay {
+            origin: Vec3A::ZERO,
+            direction: Vec3A::ONE,
+            inv_direction: Vec3A::ONE,
+            tmin: 0.0,
+            tmax: 0.0,
+        };
+        Self { ray, scale: S::ONE, lead: 0.0 }
+    }
+
     #[inline(always)]
     fn as_shipped(ray: &Ray<S>) -> Self {
         let (t_min, t_max) = (ray.t_min.to_f64() as f32, ray.t_max.to_f64() as f32);

@@ -16,18 +16,22 @@ mod stack;
 
 use std::ops::ControlFlow;
 
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
-use crate::structures::obvhs::adapter::{PRESET, RaySetup, build_params, items_of};
+use crate::structures::obvhs::adapter::{BoxRay, PRESET, RaySetup, build_params, items_of};
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
 use collapse::{Collapse, Costs};
 use node::{LEAF, Node, NodeRay};
 use stack::{LEVELS, Stack};
+
+/// Rays of a batch on their way at once.
+const RAYS: usize = 4;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -36,6 +40,12 @@ pub static INFO: StructureInfo = StructureInfo {
     paper: "Ylitie, Karras, Laine 2017; Wald, Benthin, Boulos 2008",
     deviations: "obvhs's builder; exact boxes; children sorted by distance; blocks of triangles",
     params: &[
+        ParamSpec {
+            name: "query",
+            summary: "one ray after the other, or four rays of a batch on their way at once",
+            default: "one",
+            kind: ParamKind::Choice(&["one", "batch"]),
+        },
         PRESET,
         ParamSpec {
             name: "max-leaf",
@@ -51,7 +61,7 @@ pub static INFO: StructureInfo = StructureInfo {
         },
     ],
     variants: &[""],
-    also_tested: &["preset=fastest", "max-leaf=1", "max-leaf=4 node-cost=4"],
+    also_tested: &["query=batch", "preset=fastest", "max-leaf=1", "max-leaf=4 node-cost=4"],
     known_defect: no_defect,
     sampled: false,
 };
@@ -63,6 +73,7 @@ pub struct WideBvh<S: Scalar> {
     root: u32,
     lists: Lists<S>,
     setup: RaySetup<S>,
+    is_batch: bool,
     shape: Shape,
 }
 
@@ -121,38 +132,100 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         }
         shape.inner_cells = nodes.len() as u64;
         shape.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
-        Ok(Self { nodes, root, lists, setup: items.setup, shape })
+        let is_batch = params.text("query") == "batch";
+        Ok(Self { nodes, root, lists, setup: items.setup, is_batch, shape })
     }
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let start = self.setup.ray(ray, false);
-        let ray = NodeRay::of(&start.ray);
-        let mut end = start.bound(sink.t_max());
-        let mut stack = Stack::new();
-        let mut at = self.root;
-        loop {
-            if at & LEAF != 0 {
-                sink.elementary_step(false);
-                if self.lists.test(at & !LEAF, sink) == ControlFlow::Break(()) {
-                    return;
-                }
-                end = start.bound(sink.t_max());
-            } else {
-                sink.inner_step();
-                if let Some(nearest) = stack.descend(&self.nodes[at as usize], &ray, end) {
-                    at = nearest;
-                    continue;
-                }
-            }
-            match stack.pop(end) {
-                Some(next) => at = next,
-                None => return,
-            }
+        in_flight::walk(self, ray, sink);
+    }
+
+    #[inline(always)]
+    fn closest_batch<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        hits: &mut [Hit<S>],
+    ) -> bool {
+        // compiled for triangles alone, as batches of the irregular grid are
+        let serves = P::HAS_BLOCKS && self.is_batch;
+        if serves {
+            in_flight::closest::<S, P, Self, RAYS>(self, prims, rays, reach, hits);
         }
+        serves
+    }
+
+    #[inline(always)]
+    fn occlusion_batch<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        blocked: &mut [bool],
+    ) -> bool {
+        let serves = P::HAS_BLOCKS && self.is_batch;
+        if serves {
+            in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
+        }
+        serves
     }
 
     fn shape(&self) -> Shape {
         self.shape
+    }
+}
+
+/// A ray's way through the tree.
+pub struct State<S: Scalar> {
+    start: BoxRay<S>,
+    ray: NodeRay,
+    /// Where the query ends, on `ray`.
+    end: f32,
+    at: u32,
+    stack: Stack,
+}
+
+impl<S: Scalar> Resumable<S> for WideBvh<S> {
+    type State = State<S>;
+
+    #[inline(always)]
+    fn idle() -> State<S> {
+        let start = BoxRay::idle();
+        let ray = NodeRay::of(&start.ray);
+        State { start, ray, end: 0.0, at: LEAF, stack: Stack::new() }
+    }
+
+    #[inline(always)]
+    fn begin(&self, ray: &Ray<S>, t_max: S, state: &mut State<S>) {
+        state.start = self.setup.ray(ray, false);
+        state.ray = NodeRay::of(&state.start.ray);
+        state.end = state.start.bound(t_max);
+        state.at = self.root;
+        state.stack.clear();
+    }
+
+    #[inline(always)]
+    fn next<K: Sink<S>>(&self, state: &mut State<S>, sink: &mut K) -> ControlFlow<()> {
+        if state.at & LEAF != 0 {
+            sink.elementary_step(false);
+            self.lists.test(state.at & !LEAF, sink)?;
+            state.end = state.start.bound(sink.t_max());
+        } else {
+            sink.inner_step();
+            let node = &self.nodes[state.at as usize];
+            if let Some(nearest) = state.stack.descend(node, &state.ray, state.end) {
+                state.at = nearest;
+                return ControlFlow::Continue(());
+            }
+        }
+        match state.stack.pop(state.end) {
+            Some(next) => {
+                state.at = next;
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
+        }
     }
 }

@@ -28,6 +28,11 @@ impl Stack {
     }
 
     #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.waiting = 0;
+    }
+
+    #[inline(always)]
     fn push(&mut self, entry: Entry) {
         self.entries[self.waiting].write(entry);
         self.waiting += 1;
