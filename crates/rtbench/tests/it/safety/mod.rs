@@ -4,6 +4,7 @@
 mod disks;
 mod journals;
 mod many;
+mod memory;
 mod occupied;
 mod outside;
 mod places;
