@@ -9,6 +9,7 @@ mod occupied;
 mod outside;
 mod places;
 mod printed;
+mod seeds;
 
 use std::ffi::OsString;
 use std::path::Path;
