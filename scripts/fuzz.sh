@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fuzzes the readers of foreign files: 10^7 executions a target unless a number is given, at most
+# Fuzzes the readers of foreign files, and of settings: 10^7 executions a target unless a number is given, at most
 # 1 GiB of memory. Arguments: [EXECUTIONS [TARGET...]]. Needs a nightly toolchain and cargo-fuzz.
 # Seeds are in fuzz/seeds/TARGET; what is found is left in fuzz/artifacts/TARGET: put it beside the
 # seeds once it is fixed, and the tests replay it.
@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 executions=${1:-10000000}
 shift || true
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(obj mtl gltf nff packed polygon scene_file results)
+[ ${#targets[@]} -gt 0 ] || targets=(obj mtl gltf nff packed polygon scene_file effects results records beside settings)
 export CARGO_BUILD_JOBS=${CARGO_BUILD_JOBS:-2}
 # The code is safe Rust: no address sanitizer, which would hide the memory that is really used.
 for target in "${targets[@]}"; do

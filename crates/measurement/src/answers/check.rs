@@ -45,7 +45,7 @@ pub struct Checked {
 /// Builds a row, asks it all rays (or a sample where that takes too long) and compares.
 ///
 /// # Errors
-/// [`BuildError`] when it refuses the scene.
+/// [`BuildError`] when it refuses the scene, or took more memory than it may.
 pub fn check<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     row: &MeasuredRow<'_>,
@@ -86,6 +86,9 @@ pub fn check<S: Buildable>(
             example = example.take().or(timed.example).or(counted.example);
         }
     });
+    let shape = shape(&built);
+    // of what grew nobody knew before
+    scope.plan.memory.allows(row.structure(), shape.memory_bytes.into())?;
     let verdict = match (mismatches, row.known_defect()) {
         (0, _) => Verdict::Ok,
         (_, Some(_)) => Verdict::WrongAsShipped,
@@ -93,7 +96,7 @@ pub fn check<S: Buildable>(
     };
     Ok(Checked {
         verdict,
-        shape: shape(&built),
+        shape,
         query: built.query(),
         work: WorkRecord {
             rays: set.total() as u64,

@@ -51,6 +51,10 @@ pub enum Line {
     Begun(Box<Manifest>),
     /// A scene is begun: its place among the scenes of the manifest.
     Scene(usize),
+    /// The row with that label is begun in the scene: it is built for the first time, and checked.
+    Row(String),
+    /// All rows of the scene are checked.
+    Checked,
     /// All rows of a scene.
     Finished {
         /// Its place among the scenes of the manifest.
@@ -115,6 +119,8 @@ pub struct Recovered {
     pub is_complete: bool,
     /// The scene in which the program ended without a word: killed, or out of memory.
     pub died_in: Option<usize>,
+    /// How often it did so while a row was built for the first time or checked: by scene and label.
+    pub deaths: BTreeMap<(usize, String), usize>,
     /// Bytes of whole lines; what comes behind is torn.
     pub whole: usize,
 }
@@ -151,8 +157,10 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
         finished: BTreeMap::new(),
         is_complete: false,
         died_in: None,
+        deaths: BTreeMap::new(),
         whole,
     };
+    let mut begun: Option<(usize, String)> = None;
     for (i, line) in lines {
         let text = opened(i, line, &found.seal)?;
         let line: Line = serde_json::from_str(&text).map_err(|e| damaged(i, &e))?;
@@ -160,12 +168,32 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
             n if scene < n => Ok(scene),
             n => Err(damaged(i, &format!("scene {scene} of {n}"))),
         };
+        let died = match line {
+            // the run goes on with a scene: what it had begun before it never ended
+            Line::Scene(_) => begun.take(),
+            Line::Row(_) => None,
+            _ => {
+                begun = None;
+                None
+            }
+        };
+        if let Some(row) = died {
+            *found.deaths.entry(row).or_default() += 1;
+        }
         match line {
             Line::Begun(_) => return Err(damaged(i, &"a second manifest")),
             Line::Scene(scene) => {
                 found.died_in = Some(known(scene)?);
                 found.is_complete = false;
             }
+            Line::Row(label) => {
+                let scene = found.died_in.ok_or_else(|| damaged(i, &"a row of no scene"))?;
+                if !found.manifest.rows.contains(&label) {
+                    return Err(damaged(i, &format!("the run has no row {label}")));
+                }
+                begun = Some((scene, label));
+            }
+            Line::Checked => {}
             Line::Finished { scene, record } => {
                 known(scene)?;
                 found.manifest.holds(scene, &record).map_err(|e| damaged(i, &e))?;
@@ -182,6 +210,9 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
             Line::Interrupted(_) => found.died_in = None,
             Line::Complete => found.is_complete = true,
         }
+    }
+    if let Some(row) = begun {
+        *found.deaths.entry(row).or_default() += 1;
     }
     Ok(found)
 }

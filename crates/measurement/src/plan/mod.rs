@@ -12,6 +12,7 @@ pub mod strides;
 
 use std::time::Duration;
 
+use accel_core::memory::MemoryLimit;
 use accel_core::occluders;
 use accel_core::structures::Entry;
 
@@ -25,6 +26,7 @@ use crate::scenes::{KnownScene, SceneSource};
 use crate::settings::shard::PlannedPart;
 use crate::settings::suggest;
 use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings};
+use crate::system::memory_limit;
 use renderer::{RayKind, RaySettings, ShadowRays};
 
 /// The set that runs when no scene is named.
@@ -131,6 +133,8 @@ pub struct Plan<'r> {
     pub part: Option<PlannedPart>,
     /// What a build may take, where each is tried in a process of its own first.
     pub build_limits: Option<BuildLimits>,
+    /// The most memory of a structure; its rows know it.
+    pub memory: MemoryLimit,
 }
 
 impl<'r> Plan<'r> {
@@ -161,7 +165,8 @@ impl<'r> Plan<'r> {
         plan.settings.offset = ray_settings.offset;
         plan.by_kind = args.by_kind;
         if plan.kinds.iter().any(|k| k.is_occlusion()) {
-            plan.rows.extend(occluding.into_iter().map(MeasuredRow::Occluder));
+            let within = |row: Row<'r, _>| Row { params: row.params.within(plan.memory), ..row };
+            plan.rows.extend(occluding.into_iter().map(within).map(MeasuredRow::Occluder));
         } else if let Some(row) = occluding.first()
             && !args.structures.is_empty()
             && !args.structures.iter().any(|s| s == "all")
@@ -183,6 +188,8 @@ impl<'r> Plan<'r> {
         registry: &'r [Entry],
     ) -> Result<Self, PlanError> {
         let kinds = kinds(&args.rays)?;
+        let memory = memory_limit::of(args.max_memory);
+        let within = |row: Row<'r>| Row { params: row.params.within(memory), ..row };
         let at_least = if args.quick { 3 } else { 5 };
         let rounds = match (args.rounds, args.time_budget) {
             (Some(n), _) => Rounds::Fixed(n as usize),
@@ -211,8 +218,8 @@ impl<'r> Plan<'r> {
         }
         Ok(Self {
             scenes,
-            answers: answers(registry)?,
-            rows: rows.into_iter().map(MeasuredRow::from).collect(),
+            answers: answers(registry)?.into_iter().map(within).collect(),
+            rows: rows.into_iter().map(|row| within(row).into()).collect(),
             baseline,
             keeps_baseline: false,
             kinds,
@@ -228,6 +235,7 @@ impl<'r> Plan<'r> {
             strides: FixedStrides::default(),
             part: None,
             build_limits: None,
+            memory,
         })
     }
 }

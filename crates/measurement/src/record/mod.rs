@@ -227,12 +227,15 @@ pub enum Verdict {
     /// It refused to be built over this scene.
     #[serde(rename = "not built")]
     NotBuilt,
-    /// It panicked while it was built, checked or timed.
+    /// It panicked while it was built, checked or timed, or ended the program.
     #[serde(rename = "panicked")]
     Panicked,
     /// Building it takes more time or memory than it may, at this size or at a smaller one.
     #[serde(rename = "over limit")]
     OverLimit,
+    /// It would take more memory than there is for it, by `--max-memory` or by the system.
+    #[serde(rename = "out of memory")]
+    OutOfMemory,
 }
 
 impl Verdict {
@@ -245,7 +248,13 @@ impl Verdict {
             Self::NotBuilt => "not built",
             Self::Panicked => "panicked",
             Self::OverLimit => "over limit",
+            Self::OutOfMemory => "out of memory",
         }
+    }
+
+    /// True when there was something to judge; else `error` says why not.
+    pub fn is_judged(self) -> bool {
+        matches!(self, Self::Ok | Self::Wrong | Self::WrongAsShipped)
     }
 
     /// True when its times may be shown.

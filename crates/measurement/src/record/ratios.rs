@@ -20,8 +20,10 @@ pub fn kind_ratios(row: &RowRecord, kind: &str) -> Vec<f64> {
 
 /// Build time over the reference's of the scene, round by round.
 pub fn build_ratios(scene: &SceneRecord, row: &RowRecord) -> Vec<f64> {
-    let is_old = row.samples.iter().any(|s| s.reference_build_s.is_none());
-    let references = scene.rows.iter().filter(|r| is_old && r.is_reference);
+    if row.samples.iter().all(|s| s.reference_build_s.is_some()) {
+        return ratios_of_builds(row, &[]);
+    }
+    let references = scene.rows.iter().filter(|r| r.is_reference);
     ratios_of_builds(row, &references.flat_map(builds_by_round).collect::<Vec<_>>())
 }
 

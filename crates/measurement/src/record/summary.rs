@@ -72,8 +72,8 @@ fn summarize_row(row: &RowRecord, rows: &[Own<'_>], seed: u64) -> SummaryRow {
     };
     let count = |v: Verdict| verdicts.iter().filter(|x| **x == v).count() as u64;
     let (wrong, shipped) = (count(Verdict::Wrong), count(Verdict::WrongAsShipped));
-    let panicked = count(Verdict::Panicked);
-    let not_built = count(Verdict::NotBuilt) + panicked + count(Verdict::OverLimit);
+    let (panicked, memory) = (count(Verdict::Panicked), count(Verdict::OutOfMemory));
+    let not_built = verdicts.iter().filter(|v| !v.is_judged()).count() as u64;
     SummaryRow {
         structure: row.structure.clone(),
         settings: row.settings.clone(),
@@ -92,6 +92,7 @@ fn summarize_row(row: &RowRecord, rows: &[Own<'_>], seed: u64) -> SummaryRow {
         verdict: match () {
             () if wrong > 0 => Verdict::Wrong,
             () if panicked > 0 => Verdict::Panicked,
+            () if not_built > 0 && memory == not_built => Verdict::OutOfMemory,
             () if not_built > 0 => Verdict::NotBuilt,
             () if shipped > 0 => Verdict::WrongAsShipped,
             () => Verdict::Ok,

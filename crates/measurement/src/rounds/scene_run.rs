@@ -45,6 +45,16 @@ pub struct Equipment<'a> {
     pub progress: &'a Progress,
     /// How the trial build of each row ended; empty where there were none.
     pub trials: &'a [Outcome],
+    /// Told before each row is built for the first time.
+    pub log: &'a dyn RowLog,
+}
+
+/// Who is told how far the rows of a scene are, for the case that one of them ends the program.
+pub trait RowLog {
+    /// The row with that label is begun.
+    fn row_begins(&self, label: &str);
+    /// All rows are checked: each could be built.
+    fn all_checked(&self);
 }
 
 /// Measures all rows of the plan on a scene, in the precision `S`. With a time budget, rounds go
@@ -94,6 +104,7 @@ pub fn run_scene<S: Buildable>(
             continue;
         }
         progress.message(format!("{}: checking {}", scene.name, row.label()));
+        equipment.log.row_begins(&row.label());
         let (known, why) = match caught(|| check(&scope, row)) {
             Ok(Ok(known)) => (Some(known), None),
             Ok(Err(error)) => (None, Some(Refused::Build(error))),
@@ -103,6 +114,7 @@ pub fn run_scene<S: Buildable>(
         refused.push(why);
         progress.step(equipment.clock.now());
     }
+    equipment.log.all_checked();
     progress.message(format!("{}: timing", scene.name));
     let baseline = stand_in::baseline(plan, &checked);
     let timed = measure(&scope, &checked, baseline, deadline);
@@ -187,6 +199,7 @@ impl RowParts<'_, '_> {
         let mut verdict = match (&refused, &checked) {
             (Some(Refused::Panic(_) | Refused::Death(_)), _) => Verdict::Panicked,
             (Some(Refused::Limit(_)), _) => Verdict::OverLimit,
+            (Some(Refused::Build(BuildError::OutOfMemory(_))), _) => Verdict::OutOfMemory,
             (_, Some(checked)) => checked.verdict,
             (_, None) => Verdict::NotBuilt,
         };

@@ -85,6 +85,8 @@ pub struct MeasuringSettings {
     pub precision: Precision,
     /// Width and height of the image; none means that of a full run or of a quick one.
     pub size: Option<u32>,
+    /// Most memory of a structure, bytes; none means [`memory_limit`](crate::system::memory_limit)'s.
+    pub max_memory: Option<u64>,
 }
 
 impl MeasuringSettings {
@@ -109,6 +111,7 @@ impl Default for MeasuringSettings {
             reference: None,
             precision: Precision::default(),
             size: None,
+            max_memory: None,
         }
     }
 }

@@ -7,6 +7,7 @@ pub mod file_limit;
 pub mod files;
 pub mod interrupt;
 pub mod machine;
+pub mod memory_limit;
 pub mod panics;
 pub mod pools;
 pub mod pressure;

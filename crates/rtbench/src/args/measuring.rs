@@ -71,6 +71,7 @@ impl MeasuringArgs {
             reference: self.reference.clone(),
             precision: self.precision,
             size: self.size,
+            max_memory: None,
         }
     }
 }

@@ -9,6 +9,7 @@ mod doctor;
 mod exports;
 mod list;
 mod measuring;
+mod memory;
 mod merge;
 mod parsers;
 mod printed;

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use measurement::settings::RunSettings;
+use measurement::settings::{MeasuringSettings, RunSettings};
 
 use crate::args::exports::ExportArgs;
 use crate::args::measuring::MeasuringArgs;
+use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
 
 /// `rtbench run`.
@@ -25,6 +26,9 @@ pub struct RunArgs {
     /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
+    /// How much memory a structure may take.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Measure one part of the table only: 2/8 is the second of eight; `rtbench merge` joins them
     #[arg(long, value_name = "I/N", value_parser = measurement::settings::shard::Shard::parse)]
     pub shard: Option<measurement::settings::shard::Shard>,
@@ -41,7 +45,7 @@ pub struct RunArgs {
     /// and other files than those in DIR are written where this command line says so
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
           "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
-          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "output", "overwrite"])]
+          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "max_memory", "output", "overwrite"])]
     pub resume: Option<PathBuf>,
 }
 
@@ -52,7 +56,10 @@ impl RunArgs {
             scenes: self.scenes.clone(),
             structures: self.structures.clone(),
             overrides: self.overrides.clone(),
-            measuring: self.measuring.settings(),
+            measuring: MeasuringSettings {
+                max_memory: self.memory.max_memory,
+                ..self.measuring.settings()
+            },
             shard: self.shard,
             by_kind: self.by_kind,
         }

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use measurement::settings::MeasuringSettings;
 use studies::sweep::SweepSettings;
 
 use crate::args::measuring::MeasuringArgs;
+use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
 
 /// `rtbench sweep`.
@@ -53,6 +55,9 @@ pub struct SweepArgs {
     /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
+    /// How much memory a structure may take.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Write one CSV row a scene and value; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
@@ -80,7 +85,10 @@ impl SweepArgs {
             steps: self.steps,
             linear: self.linear,
             settings: self.settings.clone(),
-            measuring: self.measuring.settings(),
+            measuring: MeasuringSettings {
+                max_memory: self.memory.max_memory,
+                ..self.measuring.settings()
+            },
         }
     }
 }

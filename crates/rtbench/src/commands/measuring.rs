@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
+use crate::commands::row_deaths::{RowJournal, skip_deadly};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
@@ -47,6 +48,8 @@ pub struct Kept {
     pub journal: Option<Journal>,
     /// Scenes that are finished already, by their places in the plan.
     pub finished: BTreeMap<usize, SceneRecord>,
+    /// How often each row ended the program: by the scene's place in the plan and the row's label.
+    pub deaths: BTreeMap<(usize, String), usize>,
     /// How many are finished, for whoever watches.
     pub count: Arc<AtomicUsize>,
 }
@@ -119,17 +122,20 @@ pub fn measure_rest(
                 let deadline = budget.deadline(context.clock.now(), left);
                 left -= 1;
                 steps += steps_of(plan, i);
+                let log = RowJournal::new(kept.journal.as_mut());
                 let mut equipment = Equipment {
                     pools: &pools,
                     clock: context.clock,
                     world: context.world,
                     progress: &progress,
                     trials: &[],
+                    log: &log,
                 };
-                let trials = admission::trials(plan, &record.scenes, known.name(), &equipment);
-                equipment.trials = &trials;
                 let own = plan.of_scene(i);
                 let own = own.as_ref().unwrap_or(plan);
+                let mut trials = admission::trials(plan, &record.scenes, known.name(), &equipment);
+                skip_deadly(&mut trials, own, i, &kept.deaths);
+                equipment.trials = &trials;
                 match admission::without_rows(plan, &record, known.name(), &trials) {
                     Some(scene) => Ok(scene),
                     None => measure_one(own, &**known, &equipment, deadline),
@@ -259,6 +265,7 @@ pub fn exit_code(measured: &Measured) -> u8 {
     } else if measured.failures > 0
         || measured.disturbed
         || rows().any(|r| r.verdict == Verdict::Panicked)
+        || rows().any(|r| r.verdict == Verdict::OutOfMemory)
         || rows().any(|r| r.verdict == Verdict::NotBuilt && r.known_defect.is_none())
     {
         FAILURE

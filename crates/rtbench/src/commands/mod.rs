@@ -17,6 +17,7 @@ pub mod render;
 pub mod report;
 pub mod reproduce;
 mod resumable;
+pub mod row_deaths;
 pub mod run;
 mod run_outputs;
 pub mod scale;

@@ -49,7 +49,7 @@ pub fn go_on(
     mut record: RunRecord,
 ) -> Result<(Kept, RunRecord), Error> {
     let Begun { folder, journal, found } = begun;
-    let Recovered { manifest: was, finished, died_in, .. } = found;
+    let Recovered { manifest: was, finished, died_in, deaths, .. } = found;
     let mut differences = was.differences(&manifest(context, plan, &record, Vec::new()));
     let progress = Progress::new(context.shows_progress(), finished.len() as u64, None);
     for (&i, Finished { line, record: scene }) in &finished {
@@ -83,7 +83,7 @@ pub fn go_on(
     (record.command_line, record.started_unix_s) = (was.command_line, was.started_unix_s);
     let count = Arc::new(AtomicUsize::new(finished.len()));
     let finished = finished.into_iter().map(|(i, finished)| (i, finished.record)).collect();
-    Ok((Kept { journal: Some(journal), finished, count }, record))
+    Ok((Kept { journal: Some(journal), finished, deaths, count }, record))
 }
 
 /// From here on a signal marks the run's journal and ends the process.

@@ -71,6 +71,12 @@ fn resume(
     let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
+    for path in run_outputs::left_behind(&args.exports, exports) {
+        context.warn(format_args!(
+            "{} was begun with this run and is not written any more: name it again with its --export option",
+            path.display()
+        ));
+    }
     let outputs = run_outputs::of_run(exports)?;
     watch(&kept, Some(folder), plan.scenes.len())?;
     measure(context, color, &plan, outputs, kept, record)

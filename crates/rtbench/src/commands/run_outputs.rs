@@ -57,6 +57,15 @@ pub fn refuse_occupied(
     Wanted { names: &names, command_line, manifest, overwrite: args.overwrite }.check(folder)
 }
 
+/// The files that a run was begun with and that `now` does not write: what they hold is older than what the
+/// run goes on to find.
+pub fn left_behind<'a>(begun: &'a ExportArgs, now: &ExportArgs) -> Vec<&'a PathBuf> {
+    let is_file = |path: &&PathBuf| path.as_os_str() != "-";
+    let named = EXPORTERS.iter().filter_map(|e| (e.path)(begun)).filter(is_file);
+    let written: Vec<&PathBuf> = EXPORTERS.iter().filter_map(|e| (e.path)(now)).collect();
+    named.filter(|path| !written.contains(path)).collect()
+}
+
 /// Creates the files that the command line of a run names.
 ///
 /// # Errors

@@ -29,14 +29,14 @@ fn outcome(row: &MatchedRow<'_>) -> (Outcome, String) {
             let example = now.example.as_deref().unwrap_or("no example");
             return (Outcome::WrongHits, format!("{wrong} of {rays} rays: {example}"));
         }
-        Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => {
+        v if !v.is_judged() => {
             let why = now.error.as_deref().unwrap_or(now.verdict.name());
             return match base.verdict == now.verdict {
                 true => (Outcome::Unchanged, why.to_owned()),
                 false => (Outcome::Regression, format!("{}: {why}", verdicts())),
             };
         }
-        Verdict::Ok | Verdict::WrongAsShipped => {}
+        _ => {}
     }
     if now.mismatches > base.mismatches && now.checked_rays == base.checked_rays {
         let (was, is) = (base.mismatches.to_string(), now.mismatches.to_string());

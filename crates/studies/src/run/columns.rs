@@ -94,9 +94,7 @@ pub fn columns<'a>() -> [Column<RowOf<'a>>; 32] {
         c(&["secondary_mrays"], "second.", None, |of| of.rate(2)),
         c(&["diffuse_mrays"], "diffuse", None, |of| of.rate(3)),
         c(&["mismatches"], "", None, |of| {
-            use Verdict::{NotBuilt, OverLimit, Panicked};
-            let is_judged = !matches!(of.row.verdict, NotBuilt | Panicked | OverLimit);
-            Value::of(is_judged.then_some(of.row.mismatches), Count)
+            Value::of(of.row.verdict.is_judged().then_some(of.row.mismatches), Count)
         }),
         c(&["verdict"], "verdict", None, |of| Text(of.row.verdict.name().to_owned()))
             .or(|of| Some(verdict_cell(of.row, of.all_rays))),
@@ -124,13 +122,13 @@ fn rates(row: &RowRecord) -> [Option<f64>; 4] {
 fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
     let text = match row.verdict {
-        Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => row.verdict.name().to_owned(),
+        v if !v.is_judged() => v.name().to_owned(),
         Verdict::Ok if row.answers == Answered::ShadowRays => {
             format!("ok on {} shadow rays", row.checked_rays)
         }
         Verdict::Ok if row.checked_rays < all_rays => format!("ok on {} rays", row.checked_rays),
         Verdict::Ok => "ok".to_owned(),
-        Verdict::Wrong | Verdict::WrongAsShipped => {
+        _ => {
             format!("{}: {} of {}", row.verdict.name(), row.mismatches, row.checked_rays)
         }
     };

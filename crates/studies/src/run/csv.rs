@@ -6,7 +6,8 @@ use presentation::csv::written;
 use presentation::format_error::FormatError;
 
 use crate::run::columns::{RowOf, columns};
-use crate::run::{kind_tables, picture_time};
+use crate::run::kind_tables;
+use crate::run::picture_time::PictureTimes;
 
 /// All finished scenes: [`columns`], and behind them those of [`kind_tables::csv_columns`].
 ///
@@ -18,7 +19,7 @@ pub fn to_string(run: &RunRecord) -> Result<String, FormatError> {
         let more = kind_tables::csv_columns(&kinds);
         writer.write_record(keys().map(str::to_owned).chain(more))?;
         for scene in &run.scenes {
-            let times = picture_time::of_scene(scene);
+            let times = PictureTimes::of(scene);
             for row in &scene.rows {
                 let more = kind_tables::csv_fields(&kinds, row, &times, run.settings.seed);
                 writer.write_record(fields(scene, row).into_iter().chain(more))?;

@@ -4,7 +4,9 @@
 //! These tables give rays per second over the reference's, as benchmarks of ray tracers do: above 1 is
 //! faster, the inverse of the ratios of times in the other tables.
 
-use crate::run::picture_time::{self, PictureTime};
+use std::collections::BTreeMap;
+
+use crate::run::picture_time::{self, PictureTime, PictureTimes};
 use crate::run::tables::{left_out, name_in_column};
 use measurement::rays::order::kind_of;
 use measurement::record::metrics::{METRICS, Reading};
@@ -33,15 +35,15 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
     header.extend(&kinds);
     header.extend(["picture ms", "to obvhs [95%]"]);
     let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
-    let times = picture_time::of_scene(scene);
-    let obvhs = picture_time::fastest_obvhs(&times);
+    let times = PictureTimes::of(scene);
+    let obvhs = times.fastest_obvhs();
     let mut previous = "";
     let rows = scene.rows.iter().map(|row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells: Vec<Cell> = vec![name.into(), row.query.name().to_owned().into()];
         cells.extend(kinds.iter().map(|kind| speed(row.ratio_by_kind.get(*kind))));
-        let time = times.iter().find(|time| time.label == row.label());
+        let time = times.of_row(&row.label());
         cells.push(time.map_or_else(dash, |t| numbers::milliseconds(t.seconds).into()));
         cells.push(to_obvhs(time, obvhs, run.settings.seed));
         cells
@@ -63,6 +65,10 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     }
     header.extend(["picture to obvhs [95%]", "most"]);
     let reference = reference::of_means(&run.scenes, &run.settings.reference);
+    let pictures: Vec<PictureTimes<'_>> = run.scenes.iter().map(PictureTimes::of).collect();
+    let of_means = run.scenes.iter().filter(|s| reference::is_over(s, &reference));
+    let of_means: Vec<(&SceneRecord, RowsByName<'_>)> =
+        of_means.map(|scene| (scene, by_name(scene))).collect();
     let mut previous = "";
     let rows = run.summary.iter().map(|row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
@@ -71,18 +77,16 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
         let mut cells: Vec<Cell> = vec![name.into(), query.into(), row.scenes.to_string().into()];
         for kind in &kinds {
             cells.push(speed(row.ratio_by_kind.get(*kind)));
-            let of = |scene: &SceneRecord| {
-                let same =
-                    |r: &&RowRecord| r.structure == row.structure && r.settings == row.settings;
-                let ratio = scene.rows.iter().find(same)?.ratio_by_kind.get(*kind)?;
+            let of = |(scene, rows): &(&SceneRecord, RowsByName<'_>)| {
+                let same = rows.get(&(&*row.structure, &*row.settings))?;
+                let ratio = same.ratio_by_kind.get(*kind)?;
                 Some((scene.name.clone(), ratio.inverse().median))
             };
-            let of_means = run.scenes.iter().filter(|s| reference::is_over(s, &reference));
-            let by_scene = of_means.filter_map(of);
+            let by_scene = of_means.iter().filter_map(of);
             cells.push(named(by_scene.min_by(|a, b| a.1.total_cmp(&b.1))));
         }
         let name = label(&row.structure, &row.settings);
-        match picture_time::over_scenes(&run.scenes, &name, run.settings.seed) {
+        match picture_time::over_scenes(&pictures, &name, run.settings.seed) {
             Some((by_scene, mean)) => {
                 cells.push(numbers::ratio(&mean).into());
                 cells.push(named(by_scene.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))));
@@ -96,14 +100,23 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     Table { title: "All scenes: by kind of ray".into(), header, rows: rows.collect(), notes }
 }
 
+/// The rows of a scene by structure and settings; of equal ones the first.
+type RowsByName<'a> = BTreeMap<(&'a str, &'a str), &'a RowRecord>;
+
+fn by_name(scene: &SceneRecord) -> RowsByName<'_> {
+    let named = scene.rows.iter().map(|row| ((&*row.structure, &*row.settings), row));
+    // the last one stays
+    named.rev().collect()
+}
+
 /// Scene by scene: the first row to a picture, by the way it is asked, against the first of obvhs.
 pub fn picture_table(run: &RunRecord) -> Table {
     let mut rows = Vec::new();
     for scene in &run.scenes {
-        let times = picture_time::of_scene(scene);
-        let obvhs = picture_time::fastest_obvhs(&times);
+        let times = PictureTimes::of(scene);
+        let obvhs = times.fastest_obvhs();
         for query in [Query::OneRay, Query::Batch] {
-            let Some(own) = picture_time::fastest_other(&times, query) else { continue };
+            let Some(own) = times.fastest_other(query) else { continue };
             let ms = |time: &PictureTime| Cell::from(numbers::milliseconds(time.seconds));
             rows.push(vec![
                 scene.name.clone().into(),
@@ -177,7 +190,7 @@ pub fn csv_columns(kinds: &[&str]) -> Vec<String> {
 pub fn csv_fields(
     kinds: &[&str],
     row: &RowRecord,
-    times: &[PictureTime],
+    times: &PictureTimes<'_>,
     seed: u64,
 ) -> Vec<String> {
     let mut fields = vec![row.query.name().to_owned()];
@@ -185,9 +198,9 @@ pub fn csv_fields(
         fields.extend(csv::estimate(row.ratio_by_kind.get(*kind).copied()));
     }
     fields.extend(shuffled(kinds).map(|kind| number(row.mrays.get(kind).copied())));
-    let own = times.iter().find(|time| time.label == row.label());
+    let own = times.of_row(&row.label());
     fields.push(number(own.map(|time| time.seconds)));
-    let ratio = own.zip(picture_time::fastest_obvhs(times));
+    let ratio = own.zip(times.fastest_obvhs());
     let ratio = ratio.and_then(|(own, o)| estimate(&own.quotients(o), seed));
     fields.push(number(ratio.map(|ratio| ratio.median)));
     fields
@@ -276,7 +289,8 @@ mod tests {
         let kinds = kinds(&record);
         assert_eq!(kinds, ["primary", "primary-shuffled"]);
         let columns = csv_columns(&kinds);
-        let fields = csv_fields(&kinds, &record.scenes[0].rows[2], &[], 1);
+        let fields =
+            csv_fields(&kinds, &record.scenes[0].rows[2], &PictureTimes::of(&record.scenes[0]), 1);
         assert_eq!(columns.len(), fields.len());
         assert!(columns.contains(&"ratio_primary_shuffled_low".to_owned()), "{columns:?}");
         assert_eq!((fields[0].as_str(), fields[1].as_str()), ("batch", "0.500000000"));

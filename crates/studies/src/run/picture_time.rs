@@ -37,11 +37,10 @@ pub struct PictureTime {
 impl PictureTime {
     /// Of a row that answers all rays rightly; none where primary and shadow rays were not both
     /// timed in the order of the image.
-    pub fn of(scene: &SceneRecord, row: &RowRecord) -> Option<Self> {
+    fn of(scene: &SceneRecord, row: &RowRecord, reference: Option<&RowRecord>) -> Option<Self> {
         if row.verdict != Verdict::Ok || row.answers != Answered::AllRays {
             return None;
         }
-        let reference = scene.rows.iter().find(|r| r.is_reference && r.verdict.is_timed());
         let of = |sample: &Sample| Some((sample.round, seconds(scene, row, reference, sample)?));
         let rounds: BTreeMap<u32, f64> = row.samples.iter().filter_map(of).collect();
         Some(Self {
@@ -60,42 +59,69 @@ impl PictureTime {
     }
 }
 
-/// All rows of a scene that have one, in its order.
-pub fn of_scene(scene: &SceneRecord) -> Vec<PictureTime> {
-    scene.rows.iter().filter_map(|row| PictureTime::of(scene, row)).collect()
+/// Those of a scene.
+#[derive(Debug)]
+pub struct PictureTimes<'a> {
+    scene: &'a SceneRecord,
+    /// Of all rows that have one, in the scene's order.
+    times: Vec<PictureTime>,
+    /// The first of each label.
+    places: BTreeMap<String, usize>,
+    /// The row of obvhs that is done first.
+    obvhs: Option<usize>,
 }
 
-/// The row of obvhs that is done first.
-pub fn fastest_obvhs(times: &[PictureTime]) -> Option<&PictureTime> {
-    fastest(times, |time| time.is_obvhs)
+impl<'a> PictureTimes<'a> {
+    /// Of all rows of a scene that have one.
+    pub fn of(scene: &'a SceneRecord) -> Self {
+        let reference = scene.rows.iter().find(|r| r.is_reference && r.verdict.is_timed());
+        let times = scene.rows.iter().filter_map(|row| PictureTime::of(scene, row, reference));
+        let times: Vec<PictureTime> = times.collect();
+        let mut places = BTreeMap::new();
+        for (i, time) in times.iter().enumerate() {
+            places.entry(time.label.clone()).or_insert(i);
+        }
+        let obvhs = fastest(&times, |time| time.is_obvhs);
+        Self { scene, times, places, obvhs }
+    }
+
+    /// That of the row with that label.
+    pub fn of_row(&self, label: &str) -> Option<&PictureTime> {
+        self.times.get(*self.places.get(label)?)
+    }
+
+    /// The row of obvhs that is done first.
+    pub fn fastest_obvhs(&self) -> Option<&PictureTime> {
+        self.times.get(self.obvhs?)
+    }
+
+    /// Of all others that are asked so, the one that is done first.
+    pub fn fastest_other(&self, query: Query) -> Option<&PictureTime> {
+        self.times.get(fastest(&self.times, |time| !time.is_obvhs && time.query == query)?)
+    }
 }
 
-/// Of all others that are asked so, the one that is done first.
-pub fn fastest_other(times: &[PictureTime], query: Query) -> Option<&PictureTime> {
-    fastest(times, |time| !time.is_obvhs && time.query == query)
-}
-
-fn fastest(times: &[PictureTime], is_meant: impl Fn(&PictureTime) -> bool) -> Option<&PictureTime> {
-    let meant = times.iter().filter(|time| is_meant(time));
-    meant.min_by(|a, b| a.seconds.total_cmp(&b.seconds))
+fn fastest(times: &[PictureTime], is_meant: impl Fn(&PictureTime) -> bool) -> Option<usize> {
+    let meant = times.iter().enumerate().filter(|(_, time)| is_meant(time));
+    meant.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds)).map(|(i, _)| i)
 }
 
 /// The row's time over that of the fastest row of obvhs, by scene: medians over the rounds by the
 /// name of the scene, and their geometric mean. None where no scene has both.
 pub fn over_scenes(
-    scenes: &[SceneRecord],
+    scenes: &[PictureTimes<'_>],
     label: &str,
     seed: u64,
 ) -> Option<(BTreeMap<String, f64>, Estimate)> {
     let mut by_scene = BTreeMap::new();
     let mut groups = Vec::new();
-    for scene in scenes {
-        let times = of_scene(scene);
-        let own = times.iter().find(|time| time.label == label);
-        let (Some(own), Some(obvhs)) = (own, fastest_obvhs(&times)) else { continue };
+    for times in scenes {
+        let (Some(own), Some(obvhs)) = (times.of_row(label), times.fastest_obvhs()) else {
+            continue;
+        };
         let quotients = own.quotients(obvhs);
         let Some(middle) = estimate(&quotients, seed) else { continue };
-        by_scene.insert(scene.name.clone(), middle.median);
+        by_scene.insert(times.scene.name.clone(), middle.median);
         groups.push(quotients);
     }
     let groups: Vec<&[f64]> = groups.iter().map(Vec::as_slice).collect();
@@ -164,7 +190,7 @@ mod tests {
     #[test]
     fn a_picture_is_the_build_a_million_primary_rays_and_their_shadow_rays() {
         let record = made(&[("obvhs-cwbvh", &[1.0, 1.0, 1.0])]);
-        let times = of_scene(&record.scenes[0]);
+        let times = PictureTimes::of(&record.scenes[0]).times;
         // 0.1 to build; of half a million rays 1 and of their shadow rays 2, both twice
         assert!((times[0].seconds - 6.1).abs() < 1e-12, "{times:?}");
     }
@@ -181,15 +207,16 @@ mod tests {
         record.scenes[0].rows[3].query = Query::Batch;
         // what is wrong is never the fastest
         record.scenes[0].rows[4].verdict = Verdict::WrongAsShipped;
-        let times = of_scene(&record.scenes[0]);
-        assert_eq!(times.len(), 4);
-        assert_eq!(fastest_obvhs(&times).unwrap().label, "obvhs-bvh2 preset=fastest");
-        assert_eq!(fastest_other(&times, Query::OneRay).unwrap().label, "uniform-grid");
-        let batch = fastest_other(&times, Query::Batch).unwrap();
+        let scenes = [PictureTimes::of(&record.scenes[0])];
+        let times = &scenes[0];
+        assert_eq!(times.times.len(), 4);
+        assert_eq!(times.fastest_obvhs().unwrap().label, "obvhs-bvh2 preset=fastest");
+        assert_eq!(times.fastest_other(Query::OneRay).unwrap().label, "uniform-grid");
+        let batch = times.fastest_other(Query::Batch).unwrap();
         assert_eq!(batch.label, "irregular-grid query=batch");
-        let (by_scene, mean) = over_scenes(&record.scenes, &batch.label, 1).unwrap();
+        let (by_scene, mean) = over_scenes(&scenes, &batch.label, 1).unwrap();
         assert!((mean.median - 0.5).abs() < 1e-12 && (by_scene["tetra"] - 0.5).abs() < 1e-12);
-        assert_eq!(over_scenes(&record.scenes, "hug", 1), None);
+        assert_eq!(over_scenes(&scenes, "hug", 1), None);
     }
 
     #[test]
@@ -200,7 +227,7 @@ mod tests {
         row.stride = 8;
         row.rays_by_kind.values_mut().for_each(|n| *n /= 8);
         row.samples[0].reference_by_kind.values_mut().for_each(|s| *s /= 4.0);
-        let times = of_scene(&record.scenes[0]);
+        let times = PictureTimes::of(&record.scenes[0]).times;
         // 20 times the reference's 3 seconds for all rays, twice; 0.5 to build
         assert!((times[1].seconds - (0.5 + 2.0 * (20.0 + 20.0 * 2.0))).abs() < 1e-9, "{times:?}");
     }
@@ -209,6 +236,6 @@ mod tests {
     fn without_shadow_rays_there_is_no_picture() {
         let mut record = made(&[("obvhs-cwbvh", &[1.0])]);
         record.scenes[0].rows[0].samples[0].trace_s.remove("shadow");
-        assert_eq!(of_scene(&record.scenes[0]), []);
+        assert_eq!(PictureTimes::of(&record.scenes[0]).times, []);
     }
 }

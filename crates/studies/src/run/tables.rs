@@ -116,11 +116,11 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
         let reasons = [&row.error, &row.example, &row.known_defect];
         match row.verdict {
             Verdict::Ok => {}
-            Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit => {
+            v if !v.is_judged() => {
                 let reason = row.error.as_deref().unwrap_or(row.verdict.name());
                 notes.push(format!("{name}: {reason}"));
             }
-            Verdict::Wrong | Verdict::WrongAsShipped => {
+            _ => {
                 let said: Vec<&str> = reasons.iter().filter_map(|r| r.as_deref()).collect();
                 notes.push(format!("{name}: {}", said.join("; ")));
             }
@@ -241,9 +241,7 @@ fn summary_verdict(row: &SummaryRow) -> Cell {
             return "ok (shadow rays)".to_owned().into();
         }
         Verdict::Ok => return "ok".to_owned().into(),
-        v @ (Verdict::NotBuilt | Verdict::Panicked | Verdict::OverLimit) => {
-            format!("{} in {} scenes", v.name(), row.not_built_scenes)
-        }
+        v if !v.is_judged() => format!("{} in {} scenes", v.name(), row.not_built_scenes),
         v => format!("{}: {} rays in {} scenes", v.name(), row.mismatches, row.wrong_scenes),
     };
     Cell { text, style: Style::Bad }

@@ -4,10 +4,12 @@
 mod disks;
 mod journals;
 mod many;
+mod memory;
 mod occupied;
 mod outside;
 mod places;
 mod printed;
+mod seeds;
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -1,0 +1,64 @@
+//! Rows that end the program, out of memory say: the journal notes which row is begun, and one that was begun
+//! too often without an end is left out, so that a resumed run gets past it.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+use measurement::journal::Journal;
+use measurement::journal::lines::Line;
+use measurement::plan::Plan;
+use measurement::rounds::scene_run::RowLog;
+use measurement::rounds::trial::Outcome;
+
+/// The journal, as the rows of a scene see it.
+pub struct RowJournal<'a>(RefCell<Option<&'a mut Journal>>);
+
+impl<'a> RowJournal<'a> {
+    /// Over the journal of a run, if it has one.
+    pub fn new(journal: Option<&'a mut Journal>) -> Self {
+        Self(RefCell::new(journal))
+    }
+
+    fn append(&self, line: &Line) {
+        if let Some(journal) = self.0.borrow_mut().as_deref_mut() {
+            // a row that is not noted is tried once more after a death; what is finished is noted with
+            // its errors
+            let _ = journal.append(line);
+        }
+    }
+}
+
+impl RowLog for RowJournal<'_> {
+    fn row_begins(&self, label: &str) {
+        self.append(&Line::Row(label.to_owned()));
+    }
+
+    fn all_checked(&self) {
+        self.append(&Line::Checked);
+    }
+}
+
+/// So often a row may end the program before it is left out.
+const DEATHS: usize = 2;
+
+/// Leaves out the rows of a scene that ended the program too often, as if their trials had.
+pub fn skip_deadly(
+    trials: &mut Vec<Outcome>,
+    plan: &Plan<'_>,
+    scene: usize,
+    deaths: &BTreeMap<(usize, String), usize>,
+) {
+    for (row, i) in plan.rows.iter().zip(0..) {
+        let count = deaths.get(&(scene, row.label())).copied().unwrap_or(0);
+        if count < DEATHS {
+            continue;
+        }
+        trials.resize(plan.rows.len(), Outcome::Ended { peak_bytes: None });
+        if let Some(trial) = trials.get_mut(i) {
+            *trial = Outcome::Died(format!(
+                "skipped: {count} times the program ended without a word while this row was built or \
+                 checked: killed, or out of memory"
+            ));
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The record of a run, `results.json`, and everything that reads one: `compare`, `report`, `merge`, `check`,
+//! the exports.
+#![no_main]
+
+use std::path::{Path, PathBuf};
+
+use measurement::record::merge::{Part, merge};
+use measurement::record::metrics::METRICS;
+use measurement::record::{RunRecord, file};
+use measurement::settings::shard::ShardRecord;
+use measurement::system::progress::Progress;
+use rtbench::comparison::{Choice, Named, compare, csv, tables};
+use rtbench::exports::{bencher, github_action_benchmark};
+use rtbench::gate::thresholds::Thresholds;
+use rtbench::gate::{Evidence, Instructions, Times, judge};
+use rtbench::like::{Narrowed, narrowed};
+use rtbench::report::costs::profiles;
+use rtbench::report::material::{DataFile, Material};
+use rtbench::report::page;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let Ok(record) = file::record(Path::new("results.json"), bytes) else { return };
+    compared(&record);
+    exported(&record);
+    checked(&record);
+    merged(&record);
+    reported(record);
+});
+
+/// With itself, whatever it takes.
+fn compared(record: &RunRecord) {
+    let choice = Choice {
+        metrics: METRICS.iter().collect(),
+        shows_equal: true,
+        filter: None,
+        threshold: None,
+        is_forced: true,
+    };
+    let named = |letter| Named { letter, path: "results.json", run: record };
+    if let Ok(comparison) = compare(named("A"), named("B"), &choice) {
+        let all = [comparison];
+        let _ = csv::to_string(&all);
+        let _ = tables::to_markdown(&all);
+    }
+}
+
+fn exported(record: &RunRecord) {
+    let _ = studies::run::csv::to_string(record);
+    let _ = studies::run::markdown::exported(record);
+    let _ = github_action_benchmark::smaller(record);
+    let _ = github_action_benchmark::bigger(record);
+    let _ = bencher::to_string(record);
+    for scene in &record.scenes {
+        let _ = studies::run::text::write_scene(&mut std::io::sink(), record, scene, true);
+    }
+    let _ = studies::run::text::write_summary(&mut std::io::sink(), record, false);
+}
+
+fn checked(record: &RunRecord) {
+    let Ok(base) = narrowed(record, &Narrowed::default()) else { return };
+    let _ = judge(&Evidence {
+        thresholds: &Thresholds::default(),
+        base: &base,
+        now: record,
+        instructions: Instructions::Missing("fuzzed"),
+        times: Times::InRun { cpu_pressure: None },
+    });
+}
+
+/// As both parts of two, of which one at least is not what it says.
+fn merged(record: &RunRecord) {
+    let part = |index: u32| {
+        let mut record = record.clone();
+        if let Some(ShardRecord { index: own, .. }) = &mut record.shard {
+            *own = own.wrapping_add(index);
+        }
+        Part { record, path: PathBuf::from(format!("{index}.json")) }
+    };
+    let _ = merge(vec![part(0)], true);
+    let _ = merge(vec![part(0), part(1)], false);
+}
+
+fn reported(run: RunRecord) {
+    let material = Material {
+        folder: PathBuf::from("no-such-folder"),
+        data: DataFile { name: file::NAME.into(), bytes: 0, sha256: String::new() },
+        profiles: run.scenes.iter().map(profiles).collect(),
+        accuracy: None,
+        tracers: Vec::new(),
+        heat_maps: Vec::new(),
+        sweeps: Vec::new(),
+        counters: None,
+        lecture: None,
+        run,
+    };
+    let _ = page(&material, true, Progress::new(false, 1, None));
+}
