@@ -10,6 +10,7 @@ mod edge_on;
 mod motion;
 mod nested_grids;
 mod obvhs;
+mod obvhs_direct;
 mod octree_and_kd_tree;
 mod planes_of_cells;
 mod threads;
