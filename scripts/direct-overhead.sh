@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Shows that `adapter=direct` is obvhs as its authors use it: rays per second of the rows over those of
 # a program that uses obvhs without us (crates/renderer/examples/plain_obvhs.rs), on the same rays, in
-# interleaved rounds of seeded random order; medians and quartiles. Fails when the median over all
-# scenes of a kind of ray and a row lies below 0.97.
+# interleaved rounds of seeded random order; medians, quartiles and fastest passes. Fails when the median
+# over all scenes of a kind of ray and a row lies below 0.97.
 # usage: scripts/direct-overhead.sh [SCENE...]
 # SIZE=256 ROUNDS=15 SEED=1: pixels a side, rounds, order. ROWS: other rows beside them, not judged.
 set -euo pipefail
@@ -18,7 +18,7 @@ for scene in "${scenes[@]}"; do
     "$plain" "$scene" --size "${SIZE:-256}" --rounds "${ROUNDS:-15}" --seed "${SEED:-1}" \
         obvhs-cwbvh:adapter=direct obvhs-bvh2:adapter=direct "${others[@]}" | tee -a "$lines"
 done
-# SCENE KIND ROW RATE Mrays/s RATIO [LOW, HIGH]
+# SCENE KIND ROW RATE Mrays/s RATIO [LOW, HIGH] fastest RATIO
 sort -k2,2 -k3,3 -k6,6g "$lines" | awk '
     function show(  middle) {
         if (!n) return
