@@ -57,6 +57,30 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
         false
     }
 
+    /// Answers each ray with the triangles, the test and the traversal of the library that the
+    /// structure is of, and nothing else; false when it does not so for this set. The answers are the
+    /// library's own: see [`StructureInfo::known_defect`].
+    #[inline(always)]
+    fn library_closest_hits<P: PrimSet<S>>(
+        &self,
+        _prims: &P,
+        _rays: &[Ray<S>],
+        _hits: &mut [Hit<S>],
+    ) -> bool {
+        false
+    }
+
+    /// [`Structure::library_closest_hits`] for occlusion by opaque primitives.
+    #[inline(always)]
+    fn library_occlusions<P: PrimSet<S>>(
+        &self,
+        _prims: &P,
+        _rays: &[Ray<S>],
+        _blocked: &mut [bool],
+    ) -> bool {
+        false
+    }
+
     /// What was built; a walk over the structure, not part of the build.
     fn shape(&self) -> Shape;
 }

@@ -15,14 +15,17 @@ use crate::params::{ParamKind, ParamSpec};
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
 
-/// The setting, for the parameter list of a structure. Scalar by default: blocks are faster in grids,
-/// but take 320 bytes for a list however short, more than structures may take by default.
+/// The setting, for the parameter list of a structure whose lists are short, or so many that blocks of
+/// them take too much memory: 320 bytes for a list in f32, however short.
 pub const PARAM: ParamSpec = ParamSpec {
     name: "kernel",
     summary: "triangles of a list: tested one by one, or as blocks of eight (not with a mailbox)",
     default: "scalar",
     kind: ParamKind::Choice(&["scalar", "block"]),
 };
+
+/// The same for a structure that blocks make faster on every scene. A mailbox takes precedence.
+pub const BLOCK_PARAM: ParamSpec = ParamSpec { default: "block", ..PARAM };
 
 /// In [`ListBlocks::first`]: no list begins there.
 const NONE: u32 = u32::MAX;

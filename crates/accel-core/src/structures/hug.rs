@@ -71,12 +71,12 @@ pub static INFO: StructureInfo = StructureInfo {
             ..specs::MAX_CELLS
         },
         specs::MAX_REFERENCES,
-        kernel::PARAM,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
-    also_tested: &["kernel=block", "size-classes=2", "size-classes=4", "mailbox=primitive"],
+    also_tested: &["kernel=scalar", "size-classes=2", "size-classes=4", "mailbox=primitive"],
     known_defect: no_defect,
     sampled: false,
 };

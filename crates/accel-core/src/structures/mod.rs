@@ -102,7 +102,8 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
         let mailbox = mailbox::<S, P>(prims, params)?;
         let bound = Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox);
-        let has_blocks = params.get(kernel::PARAM.name) == Some("block");
+        let has_mailbox = params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none");
+        let has_blocks = params.get(kernel::PARAM.name) == Some("block") && !has_mailbox;
         Ok(Box::new(if has_blocks { bound.with_blocks(params)? } else { bound }))
     }
     fn mailbox<S: Scalar, P: PrimSet<S>>(
@@ -110,7 +111,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         params: &Params,
     ) -> Result<Setting, BuildError> {
         refuse_unusable(prims, params)?;
-        if params.get(kernel::PARAM.name) == Some("block")
+        if params.changed().any(|setting| setting == (kernel::PARAM.name, "block"))
             && params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none")
         {
             return Err(BuildError::Param(ParamError::Invalid {

@@ -39,7 +39,7 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::MAX_REFERENCES,
         Traversal::PARAM_OF_ALL,
         Insertion::PARAM,
-        kernel::PARAM,
+        kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
@@ -52,7 +52,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "mailbox=hash",
     ],
     also_tested: &[
-        "kernel=block",
+        "kernel=scalar",
         "resolution=woo density=1",
         "resolution=regular density=1",
         "resolution=average-edge",

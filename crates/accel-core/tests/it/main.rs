@@ -11,6 +11,7 @@ mod memory;
 mod motion;
 mod nested_grids;
 mod obvhs;
+mod obvhs_direct;
 mod octree_and_kd_tree;
 mod planes_of_cells;
 mod threads;

@@ -79,8 +79,9 @@ pub fn check<S: Buildable>(
             answered.extend(timed_path.bytes());
             let (counted_path, counted) = count(&built, batch);
             work += counted;
-            let timed = compare(scope, set, batch, &timed_path);
-            let counted = compare(scope, set, batch, &counted_path);
+            let by_library = built.tests_by_library();
+            let timed = compare(scope, set, batch, &timed_path, by_library);
+            let counted = compare(scope, set, batch, &counted_path, by_library);
             checked_rays += timed.compared;
             mismatches += timed.wrong.max(counted.wrong);
             example = example.take().or(timed.example).or(counted.example);
@@ -129,12 +130,13 @@ struct Comparison {
 }
 
 /// Compares the answers to a batch: with those of the reference, or with the oracle
-/// where it confirmed no reference.
+/// where it confirmed no reference. `by_library`: they are those of a library's own primitive test.
 fn compare<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     set: &BatchSet<'_, S>,
     batch: &Batch<'_, S>,
     answers: &Answers<S>,
+    by_library: bool,
 ) -> Comparison {
     if !scope.is_confirmed {
         let (stage, plan) = (scope.stage, scope.plan);
@@ -145,12 +147,14 @@ fn compare<S: Buildable>(
         let wrong = tally.wrong.len();
         return Comparison { compared: tally.checked, wrong, example: tally.example };
     }
-    let example = answers.differing(&batch.expected).next().map(|first| {
+    let mut all = batch.wrong(answers, by_library);
+    let first = all.next();
+    let wrong = usize::from(first.is_some()) + all.count();
+    let example = first.map(|first| {
         let (kind, ray) = (batch.name(), first * set.stride);
         let (said, expected) = (answers.describe(first), batch.expected.describe(first));
         format!("{kind} ray {ray}: {said}, expected {expected}")
     });
-    let wrong = answers.differing(&batch.expected).count();
     Comparison { compared: batch.rays.len(), wrong, example }
 }
 

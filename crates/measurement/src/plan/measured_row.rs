@@ -170,6 +170,11 @@ impl<S: Buildable> Built<'_, S> {
         if answers_batches { Query::Batch } else { Query::OneRay }
     }
 
+    /// See [`Tracer::tests_by_library`](accel_core::query::tracer::Tracer::tests_by_library).
+    pub fn tests_by_library(&self) -> bool {
+        matches!(self, Self::Structure(tracer) if tracer.tests_by_library())
+    }
+
     /// What was built.
     pub fn shape(&self) -> Shape {
         match self {

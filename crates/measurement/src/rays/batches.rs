@@ -6,7 +6,7 @@ use std::ops::Range;
 use accel_core::occluders::nearest_light;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar};
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{RayBatches, RayKind};
@@ -125,6 +125,22 @@ fn indices<'a>(differ: impl Iterator<Item = bool> + 'a) -> Box<dyn Iterator<Item
     Box::new(differ.enumerate().filter_map(|(i, d)| d.then_some(i)))
 }
 
+/// What rounding may do to the parameter of a hit, in parts of it and of the distance from the
+/// world's origin to that of the ray: 256 epsilons of f32.
+const ROUNDING: f64 = 1.0 / 65_536.0;
+
+/// Whether two hits of a ray are more than rounding apart, or only one is a hit.
+fn is_apart<S: Scalar>(a: &Hit<S>, b: &Hit<S>, ray: &Ray<S>) -> bool {
+    if !a.is_hit() || !b.is_hit() {
+        return a.is_hit() != b.is_hit();
+    }
+    let largest = |v: Vec3<S>| v.to_dvec3().abs().max_element();
+    let (t, other) = (a.t.to_f64(), b.t.to_f64());
+    let scale = other.abs() + largest(ray.origin) / largest(ray.direction);
+    let distance = (t - other).abs();
+    distance.is_nan() || scale.is_nan() || distance > ROUNDING * scale
+}
+
 /// Rays of one kind and the answers expected.
 #[derive(Debug, Clone)]
 pub struct Batch<'a, S: Scalar> {
@@ -144,6 +160,24 @@ impl<S: Buildable> Batch<'_, S> {
     /// What records call it.
     pub fn name(&self) -> String {
         batch_name(self.kind.name(), self.order)
+    }
+
+    /// Indices of the rays that were answered wrongly: otherwise than expected, to the last bit. Of
+    /// answers that are those of a library's own primitive test (`by_library`) that would be nearly
+    /// all: of these a hit is wrong where none is expected, or one whose parameter differs by more
+    /// than rounding; which of the primitives is named that meet there is not asked.
+    pub fn wrong<'b>(
+        &'b self,
+        answers: &'b Answers<S>,
+        by_library: bool,
+    ) -> Box<dyn Iterator<Item = usize> + 'b> {
+        match (answers, &self.expected) {
+            (Answers::Hits(own), Answers::Hits(expected)) if by_library => {
+                let pairs = own.iter().zip(expected).zip(self.rays.iter());
+                indices(pairs.map(|((own, expected), ray)| is_apart(own, expected, ray)))
+            }
+            (answers, expected) => answers.differing(expected),
+        }
     }
 
     /// The same rays, not copied.
@@ -292,6 +326,33 @@ mod tests {
         let p: Answers<f32> = Answers::Blocked(vec![true, false]);
         let q = Answers::Blocked(vec![true, true]);
         assert_eq!(p.differing(&q).collect::<Vec<_>>(), [1]);
+    }
+
+    #[test]
+    fn of_a_librarys_own_test_rounding_is_no_fault() {
+        let hit = |t: f32, id| Hit { t, id };
+        let expected = vec![hit(1.0, 0), hit(2.0, 1), hit(3.0, 2), Hit::NONE, hit(5.0, 4)];
+        let ray = Ray::new([1.0f32, 0.0, 0.0].into(), [0.0, 0.0, 2.0].into());
+        let batch = Batch {
+            kind: RayKind::Primary,
+            order: RayOrder::Scanline,
+            rays: vec![ray; 5].into(),
+            lights: Vec::new(),
+            expected: Answers::Hits(expected.clone()),
+        };
+        let wrong = |answers: &[Hit<f32>], by_library| {
+            let answers = Answers::Hits(answers.to_vec());
+            batch.wrong(&answers, by_library).collect::<Vec<_>>()
+        };
+        assert!(wrong(&expected, true).is_empty() && wrong(&expected, false).is_empty());
+        // the last bits, and a neighbour at the same place
+        let mut near = expected.clone();
+        near[0].t = 1.00001;
+        near[1] = hit(2.0f32.next_up(), 7);
+        assert_eq!((wrong(&near, true), wrong(&near, false)), (vec![], vec![0, 1]));
+        // planted faults: a hole, an invented hit, one behind, one that nobody wrote
+        let bad = [hit(1.001, 0), Hit::NONE, hit(3.0, 2), hit(9.0, 3), unwritten()];
+        assert_eq!(wrong(&bad, true), [0, 1, 3, 4]);
     }
 
     #[test]

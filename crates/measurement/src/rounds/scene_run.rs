@@ -212,7 +212,8 @@ impl RowParts<'_, '_> {
         let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
         mismatches = mismatches.max(timed.mismatches as u64);
         if verdict == Verdict::Ok && mismatches > 0 {
-            verdict = Verdict::Wrong;
+            let is_known = row.known_defect().is_some();
+            verdict = if is_known { Verdict::WrongAsShipped } else { Verdict::Wrong };
         }
         let samples = if verdict.is_timed() { timed.samples } else { Vec::new() };
         let stride = timed.stride.max(1);

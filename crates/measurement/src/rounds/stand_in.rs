@@ -2,12 +2,13 @@
 //! nothing to compare with.
 
 use crate::answers::check::Checked;
-use crate::plan::{DEFAULT_BASELINE, Plan};
+use crate::plan::{Plan, default_rank};
 
 /// Index of the row, given what is known of each before it is timed. Where the planned one was not
-/// built or is wrong: the default reference, else the first row, of those that are right and answer
-/// all rays; rows with known defects, and those that are measured on a sample only, come last. The
-/// planned one if there is none, and where the plan keeps it.
+/// built or is wrong without being known to be: the default references, the best first, else the first
+/// row, of those that are right and answer all rays; others with known defects, and those that are
+/// measured on a sample only, come last. The planned one if there is none, and where the plan keeps
+/// it.
 pub fn baseline(plan: &Plan<'_>, checked: &[Option<Checked>]) -> usize {
     let serves = |row: usize| {
         let checked = checked.get(row).and_then(Option::as_ref);
@@ -18,8 +19,9 @@ pub fn baseline(plan: &Plan<'_>, checked: &[Option<Checked>]) -> usize {
     }
     let others = plan.rows.iter().enumerate().filter(|(i, row)| serves(*i) && !row.is_occluder());
     let next = others.min_by_key(|(i, row)| {
-        let is_default = row.structure() == DEFAULT_BASELINE && row.settings().is_empty();
-        (row.known_defect().is_some(), row.is_sampled(), !is_default, *i)
+        let rank = default_rank(row.structure(), &row.settings());
+        let is_last = rank.is_none() && row.known_defect().is_some();
+        (is_last, row.is_sampled(), rank.unwrap_or(usize::MAX), *i)
     });
     next.map_or(plan.baseline, |(i, _)| i)
 }

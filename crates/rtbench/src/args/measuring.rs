@@ -43,7 +43,8 @@ pub struct MeasuringArgs {
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The row that ratios are taken to [default: obvhs-cwbvh, or the first row there is]
+    /// The row that ratios are taken to [default: obvhs-cwbvh adapter=direct, else obvhs-cwbvh, else
+    /// the first row there is]
     #[arg(long, value_name = "STRUCTURE")]
     pub reference: Option<String>,
     /// Arithmetic of primitives and rays

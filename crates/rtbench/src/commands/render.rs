@@ -13,7 +13,7 @@ use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 use crate::context::Context;
 use crate::effect_table;
 use crate::error::Error;
-use measurement::plan::DEFAULT_BASELINE;
+use measurement::plan::DEFAULT_TRACER;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
@@ -89,7 +89,7 @@ pub fn structure<'r>(registry: &'r [Entry], named: Option<&str>) -> Result<Row<'
     match named {
         Some(text) => Row::parse(registry, text),
         None => {
-            let default = registry.iter().find(|e| e.info.name == DEFAULT_BASELINE);
+            let default = registry.iter().find(|e| e.info.name == DEFAULT_TRACER);
             Row::defaults(default.or(registry.first()).ok_or(PlanError::NoRows)?)
         }
     }

@@ -52,6 +52,16 @@ static WRONG: &[Entry] = &[
     accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
 ];
 
+static DEFECT: StructureInfo =
+    StructureInfo { known_defect: |_| Some("drops hits on purpose"), ..REFERENCE };
+
+/// It is wrong, and known to be.
+static DEFECTIVE: &[Entry] = &[
+    accel_core::entry!(Dropper, DEFECT),
+    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
+    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+];
+
 const RUN: &str = "run tetra:1 tetra:2 --size 16 --rounds 5 --seed 7 --by-kind \
                    -s uniform-grid,obvhs-bvh2,obvhs-cwbvh";
 
@@ -171,6 +181,44 @@ fn a_wrong_reference_is_none() {
     let markdown = folder.text("results.md");
     assert!(markdown.contains("Ratios to uniform-grid: geometric means over 2 scene(s)."));
     assert!(markdown.contains("Ratios are to uniform-grid, as obvhs-cwbvh is wrong here."));
+}
+
+#[test]
+fn a_reference_whose_defect_is_known_stays_and_judges_nobody() {
+    let folder = results(DEFECTIVE, 0);
+    let record = folder.record();
+    for scene in &record.scenes {
+        assert_eq!(reference(scene), "obvhs-cwbvh");
+        let [grid, bvh, own] = &scene.rows[..] else { panic!() };
+        assert!(own.verdict == Verdict::WrongAsShipped && own.mismatches > 0);
+        // held against one that the oracle confirmed, all others are right
+        assert_eq!(scene.oracle.reference.as_deref(), Some("obvhs-bvh2"));
+        assert!([grid, bvh].iter().all(|row| row.verdict == Verdict::Ok && row.ratio.is_some()));
+    }
+    assert!(!record.warnings.iter().any(|w| matches!(w, Warning::OtherReference { .. })));
+    let markdown = folder.text("results.md");
+    assert!(markdown.contains("Ratios to obvhs-cwbvh: geometric means over 2 scene(s)."));
+    assert!(markdown.contains("wrong (as shipped)") && markdown.contains("drops hits on purpose"));
+}
+
+#[test]
+fn obvhs_as_its_authors_use_it_is_the_reference_where_it_is_among_the_rows() {
+    let of = |rows: &str, options: &str| {
+        let folder = Folder::new();
+        let command = format!("run tetra:2 --size 8 --rounds 1 {options} -s {rows} -o");
+        let ended = run(accel_core::structures::REGISTRY, &format!("{command} {}", folder.path()));
+        assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+        let record = folder.record();
+        assert_eq!(reference(&record.scenes[0]), record.settings.reference);
+        record.settings.reference
+    };
+    let direct = "obvhs-cwbvh:adapter=direct";
+    assert_eq!(of(&format!("hug,obvhs-cwbvh,{direct}"), ""), "obvhs-cwbvh adapter=direct");
+    assert_eq!(of("hug,obvhs-cwbvh", ""), "obvhs-cwbvh");
+    assert_eq!(of("hug,obvhs-bvh2", ""), "hug");
+    assert_eq!(of(&format!("hug,{direct}"), "--reference hug"), "hug");
+    // an occluder is compared with it, too
+    assert_eq!(of("light-buffer", "--rays shadow"), "obvhs-cwbvh adapter=direct");
 }
 
 #[test]

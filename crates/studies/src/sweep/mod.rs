@@ -18,7 +18,7 @@ use accel_core::structures::Entry;
 use crate::sweep::values::Range;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{self, Assignments, Row};
-use measurement::plan::{DEFAULT_BASELINE, Plan, baseline};
+use measurement::plan::{Plan, baseline, default_baseline};
 use measurement::scenes::{LoadError, SceneSource};
 use measurement::settings::MeasuringSettings;
 
@@ -287,16 +287,15 @@ impl<'r> Lines<'r> {
         &mut self.lines[index]
     }
 
-    /// Index of the row that ratios are taken to: the one named, else the default of
-    /// [`DEFAULT_BASELINE`], else the first.
+    /// Index of the row that ratios are taken to: the one named, else [`default_baseline`], else the
+    /// first.
     fn baseline(
         &mut self,
         registry: &'r [Entry],
         reference: Option<&str>,
     ) -> Result<usize, PlanError> {
-        let default = registry.iter().find(|e| e.info.name == DEFAULT_BASELINE);
-        let index = match (reference, default) {
-            (None, Some(entry)) => self.index(Row::defaults(entry)?),
+        let index = match (reference, default_baseline(registry)) {
+            (None, Ok(row)) => self.index(row),
             _ => baseline(registry, &mut self.rows, reference)?,
         };
         self.lines.resize_with(self.rows.len(), Line::default);

@@ -167,6 +167,9 @@ where
         if self.has_no_mailbox() {
             let n = rays.len().min(hits.len());
             let (rays, hits) = (&rays[..n], &mut hits[..n]);
+            if self.structure.library_closest_hits(&*self.prims, rays, hits) {
+                return;
+            }
             if !self.structure.closest_batch(&*self.prims, rays, self.reach, hits) {
                 self.timed_closest(rays, hits, NoMailbox);
             }
@@ -185,6 +188,9 @@ where
         if self.has_no_mailbox() {
             let n = rays.len().min(blocked.len());
             let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
+            if self.structure.library_occlusions(&*self.prims, rays, blocked) {
+                return;
+            }
             if !self.structure.occlusion_batch(&*self.prims, rays, self.reach, blocked) {
                 self.timed_occlusions(rays, blocked, NoMailbox);
             }
@@ -208,6 +214,11 @@ where
 
     fn shape(&self) -> Shape {
         self.whole_shape()
+    }
+
+    fn tests_by_library(&self) -> bool {
+        // asked of no rays
+        self.has_no_mailbox() && self.structure.library_closest_hits(&*self.prims, &[], &mut [])
     }
 
     fn answers_batches(&self) -> bool {

@@ -54,6 +54,11 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     ) -> WorkCounters;
     /// What was built.
     fn shape(&self) -> Shape;
+    /// Whether the answers that are not counted are those of a library's own primitive test: they
+    /// differ from those of the set's test by its rounding, and by its defects.
+    fn tests_by_library(&self) -> bool {
+        false
+    }
     /// Whether a batch is answered in a way of its own, with several rays on their way at once.
     /// Otherwise each ray of it is walked to its end before the next one begins.
     fn answers_batches(&self) -> bool {

@@ -6,7 +6,7 @@
 //! tree a list. Its traversals have stacks for 96 levels (binary) and 32 (eight-wide), and lose
 //! what does not fit.
 //!
-//! Deviations, none with `adapter=as-shipped`: where a sample of the boxes needs many passes
+//! Deviations, none with `adapter=as-shipped` and `adapter=direct`: where a sample of the boxes needs many passes
 //! ([`is_nested`]), all are halved at the medians of their centres instead, before the preset's
 //! other steps; subtrees that would reach below the levels a stack has room for are halved
 //! likewise, as far down as there is room for it ([`limit_levels`]). Trees of other scenes are
@@ -42,14 +42,22 @@ pub(crate) struct TooDeep {
 
 /// The binary tree of a preset.
 pub(crate) fn binary(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
-    let mut bvh = reinserted(boxes, params, robust);
+    collapsed(agglomerated(boxes, params, robust), params, robust)
+}
+
+/// The other steps of [`binary`].
+pub(crate) fn collapsed(mut bvh: Bvh2, params: &BvhBuildParams, robust: bool) -> Bvh2 {
     let mut reinsertion = ReinsertionOptimizer::default();
+    reinsertion.run(&mut bvh, params.reinsertion_batch_ratio, None);
     collapse(&mut bvh, params.max_prims_per_leaf.clamp(1, 255), params.collapse_traversal_cost);
     let again = params.post_collapse_reinsertion_batch_ratio_multiplier;
     reinsertion.run(&mut bvh, params.reinsertion_batch_ratio * again, None);
     // reinsertion deepens trees, and does not say so
     if robust && params.reinsertion_batch_ratio > 0.0 {
         limit_levels(&mut bvh, LEVELS);
+    } else if bvh.max_depth > LEVELS as usize {
+        // a stack of so many entries, on the heap, panics when it is full
+        bvh.max_depth = bvh.max_depth.max(levels(&bvh) as usize);
     }
     bvh
 }
@@ -63,7 +71,19 @@ pub(crate) fn eight_wide(
     params: &BvhBuildParams,
     robust: bool,
 ) -> Result<CwBvh, TooDeep> {
-    let mut bvh = reinserted(boxes, params, robust);
+    widened(agglomerated(boxes, params, robust), params, robust)
+}
+
+/// The other steps of [`eight_wide`].
+///
+/// # Errors
+/// [`TooDeep`], as there.
+pub(crate) fn widened(
+    mut bvh: Bvh2,
+    params: &BvhBuildParams,
+    robust: bool,
+) -> Result<CwBvh, TooDeep> {
+    ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
     let binary_levels = if bvh.max_depth > LEVELS as usize { levels(&bvh) } else { 0 };
     if binary_levels > CONVERTED_LEVELS {
         return Err(TooDeep { needed: binary_levels, limit: CONVERTED_LEVELS });

@@ -12,7 +12,7 @@ use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::fast_stack;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::PrimSet;
@@ -23,6 +23,8 @@ use crate::structures::obvhs::adapter::{
     known_defect,
 };
 use crate::structures::obvhs::builder;
+use crate::structures::obvhs::direct::{self, Direct, is_direct};
+use crate::structures::obvhs::direct_builder;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -42,16 +44,25 @@ pub struct ObvhsBvh2<S: Scalar> {
     bvh: Bvh2,
     groups: Groups,
     setup: RaySetup<S>,
+    /// With `adapter=direct`, where it serves the set.
+    direct: Option<Direct>,
 }
 
 impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     const DUPLICATES: bool = false;
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        if is_direct(params)
+            && let Some(triangles) = direct::triangles(prims)
+        {
+            let bvh = direct_builder::binary(&triangles, &build_params(params));
+            let direct = Some(Direct::new(prims, &bvh, &triangles));
+            return Ok(Self { bvh, groups: Groups::Single, setup: RaySetup::AsShipped, direct });
+        }
         let items = items(prims, params)?;
         let (preset, robust) = (build_params(params), items.setup.is_robust());
         let bvh = builder::binary(&items.boxes, &preset, robust);
-        Ok(Self { bvh, groups: items.groups, setup: items.setup })
+        Ok(Self { bvh, groups: items.groups, setup: items.setup, direct: None })
     }
 
     #[inline(always)]
@@ -73,6 +84,26 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         });
     }
 
+    #[inline(always)]
+    fn library_closest_hits<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+    ) -> bool {
+        self.direct.as_ref().is_some_and(|own| own.closest_hits(&self.bvh, prims, rays, hits))
+    }
+
+    #[inline(always)]
+    fn library_occlusions<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        blocked: &mut [bool],
+    ) -> bool {
+        self.direct.as_ref().is_some_and(|own| own.occlusions(&self.bvh, prims, rays, blocked))
+    }
+
     fn shape(&self) -> Shape {
         let leaves = self.bvh.nodes.iter().filter(|n| n.is_leaf());
         let cells = leaves.clone().count() as u64;
@@ -88,7 +119,8 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
             resolution: None,
             bytes: (size_of_val(self.bvh.nodes.as_slice())
                 + size_of_val(self.bvh.primitive_indices.as_slice())) as u64
-                + self.groups.bytes(),
+                + self.groups.bytes()
+                + self.direct.as_ref().map_or(0, Direct::bytes),
             ..Shape::default()
         }
     }

@@ -8,7 +8,7 @@
 use glam::UVec2;
 use obvhs::cwbvh::CwBvh;
 
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::PrimSet;
@@ -18,6 +18,8 @@ use crate::structures::obvhs::adapter::{
     ALSO_TESTED, DEVIATIONS, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
 };
 use crate::structures::obvhs::builder::{TooDeep, eight_wide};
+use crate::structures::obvhs::direct::{self, Direct, is_direct};
+use crate::structures::obvhs::direct_builder;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -37,24 +39,31 @@ pub struct ObvhsCwBvh<S: Scalar> {
     bvh: CwBvh,
     groups: Groups,
     setup: RaySetup<S>,
+    /// With `adapter=direct`, where it serves the set.
+    direct: Option<Direct>,
 }
 
 impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
     const DUPLICATES: bool = false;
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let too_deep = |TooDeep { needed, limit }| BuildError::TooLarge {
+            structure: params.structure(),
+            what: "depth of obvhs's CwBvh",
+            needed: u128::from(needed),
+            limit: u128::from(limit),
+        };
+        let preset = build_params(params);
+        if is_direct(params)
+            && let Some(triangles) = direct::triangles(prims)
+        {
+            let bvh = direct_builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
+            let direct = Some(Direct::new(prims, &bvh, &triangles));
+            return Ok(Self { bvh, groups: Groups::Single, setup: RaySetup::AsShipped, direct });
+        }
         let items = items(prims, params)?;
-        let (preset, robust) = (build_params(params), items.setup.is_robust());
-        let bvh =
-            eight_wide(&items.boxes, &preset, robust).map_err(|TooDeep { needed, limit }| {
-                BuildError::TooLarge {
-                    structure: params.structure(),
-                    what: "depth of obvhs's CwBvh",
-                    needed: u128::from(needed),
-                    limit: u128::from(limit),
-                }
-            })?;
-        Ok(Self { bvh, groups: items.groups, setup: items.setup })
+        let bvh = eight_wide(&items.boxes, &preset, items.setup.is_robust()).map_err(too_deep)?;
+        Ok(Self { bvh, groups: items.groups, setup: items.setup, direct: None })
     }
 
     #[inline(always)]
@@ -87,6 +96,26 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         }
     }
 
+    #[inline(always)]
+    fn library_closest_hits<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+    ) -> bool {
+        self.direct.as_ref().is_some_and(|own| own.closest_hits(&self.bvh, prims, rays, hits))
+    }
+
+    #[inline(always)]
+    fn library_occlusions<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        blocked: &mut [bool],
+    ) -> bool {
+        self.direct.as_ref().is_some_and(|own| own.occlusions(&self.bvh, prims, rays, blocked))
+    }
+
     fn shape(&self) -> Shape {
         let cells = self
             .bvh
@@ -103,7 +132,8 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             references: indices.iter().map(|i| self.groups.ids(i).len() as u64).sum(),
             resolution: None,
             bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(indices)) as u64
-                + self.groups.bytes(),
+                + self.groups.bytes()
+                + self.direct.as_ref().map_or(0, Direct::bytes),
             ..Shape::default()
         }
     }

@@ -4,3 +4,5 @@ pub(crate) mod adapter;
 pub(crate) mod builder;
 pub mod bvh2;
 pub mod cwbvh;
+mod direct;
+mod direct_builder;

@@ -1,0 +1,188 @@
+//! obvhs as its authors use it: `adapter=direct`.
+//!
+//! Its own triangles ([`RtTriangle`], Moeller and Trumbore) in the order of its leaves, its own rays,
+//! `ray_traverse` for closest hits, `ray_traverse_miss` for occlusion; nothing of ours but that the
+//! answer is written. So its defects are its own as well. It serves triangles in f32; of other sets
+//! the primitives are tested by ours in its callback, as with `adapter=as-shipped`. What is counted is
+//! that, too: the library's nodes, our sink.
+
+use obvhs::bvh2::Bvh2;
+use obvhs::cwbvh::CwBvh;
+use obvhs::ray::{Ray as ObvhsRay, RayHit, safe_inverse};
+use obvhs::rt_triangle::RtTriangle;
+use obvhs::triangle::Triangle;
+
+use glam::Vec3A;
+
+use crate::geometry::ray::{Hit, MISS, Ray};
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::params::Params;
+use crate::primitives::PrimSet;
+
+/// What both trees of obvhs answer.
+pub(crate) trait Tree {
+    /// The triangle of each place among its leaves.
+    fn ids(&self) -> &[u32];
+    /// `ray_traverse`.
+    fn hits(
+        &self,
+        ray: ObvhsRay,
+        hit: &mut RayHit,
+        test: impl FnMut(&ObvhsRay, usize) -> f32,
+    ) -> bool;
+    /// `ray_traverse_miss`.
+    fn misses(&self, ray: ObvhsRay, test: impl FnMut(&ObvhsRay, usize) -> f32) -> bool;
+}
+
+macro_rules! tree {
+    ($tree:ty) => {
+        impl Tree for $tree {
+            #[inline(always)]
+            fn ids(&self) -> &[u32] {
+                &self.primitive_indices
+            }
+
+            #[inline(always)]
+            fn hits(
+                &self,
+                ray: ObvhsRay,
+                hit: &mut RayHit,
+                test: impl FnMut(&ObvhsRay, usize) -> f32,
+            ) -> bool {
+                self.ray_traverse(ray, hit, test)
+            }
+
+            #[inline(always)]
+            fn misses(&self, ray: ObvhsRay, test: impl FnMut(&ObvhsRay, usize) -> f32) -> bool {
+                self.ray_traverse_miss(ray, test)
+            }
+        }
+    };
+}
+
+tree!(Bvh2);
+tree!(CwBvh);
+
+pub(crate) fn is_direct(params: &Params) -> bool {
+    params.text("adapter") == "direct"
+}
+
+/// The set as obvhs's triangles; none unless all are triangles at rest in f32, under the test of
+/// triangles that is the default.
+pub(crate) fn triangles<S: Scalar, P: PrimSet<S>>(prims: &P) -> Option<Vec<Triangle>> {
+    if !is_served::<S, P>(prims) {
+        return None;
+    }
+    let triangle = |id| {
+        let [v0, v1, v2] = prims.corners(id)?.map(to_obvhs::<S>);
+        Some(Triangle { v0, v1, v2 })
+    };
+    (0..prims.len() as u32).map(triangle).collect()
+}
+
+fn is_served<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
+    S::NAME == <f32 as Scalar>::NAME && prims.is_watertight()
+}
+
+/// In f32 nothing is converted.
+#[inline(always)]
+fn to_obvhs<S: Scalar>(v: crate::Vec3<S>) -> Vec3A {
+    Vec3A::from_array(v.to_array().map(|x| x.to_f64() as f32))
+}
+
+/// What is asked beside a tree.
+pub(crate) struct Direct {
+    /// In the order of its leaves.
+    triangles: Vec<RtTriangle>,
+    /// Which of them let shadow rays pass; empty where none does.
+    transmissive: Vec<bool>,
+}
+
+impl Direct {
+    /// Lays out the triangles, which are all of the set.
+    pub(crate) fn new<S: Scalar, P: PrimSet<S>>(
+        prims: &P,
+        tree: &impl Tree,
+        triangles: &[Triangle],
+    ) -> Self {
+        let ids = tree.ids().iter();
+        let laid_out = ids.clone().map(|id| RtTriangle::from(&triangles[*id as usize]));
+        let is_opaque = (0..prims.len() as u32).all(|id| prims.is_opaque(id));
+        let transmissive = ids.filter(|_| !is_opaque).map(|id| !prims.is_opaque(*id));
+        Self { triangles: laid_out.collect(), transmissive: transmissive.collect() }
+    }
+
+    /// See [`crate::structure::Structure::library_closest_hits`].
+    #[inline(always)]
+    pub(crate) fn closest_hits<S: Scalar, P: PrimSet<S>>(
+        &self,
+        tree: &impl Tree,
+        prims: &P,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+    ) -> bool {
+        // a set under another test may be asked, too
+        if !is_served::<S, P>(prims) {
+            return false;
+        }
+        for (ray, hit) in rays.iter().zip(hits) {
+            let mut found = RayHit::none();
+            let is_hit =
+                tree.hits(own(ray), &mut found, |ray, at| self.triangles[at].intersect(ray));
+            *hit = if is_hit {
+                Hit {
+                    t: S::from_f64(f64::from(found.t)),
+                    id: tree.ids()[found.primitive_id as usize],
+                }
+            } else {
+                Hit { t: ray.t_max, id: MISS }
+            };
+        }
+        true
+    }
+
+    /// See [`crate::structure::Structure::library_occlusions`].
+    #[inline(always)]
+    pub(crate) fn occlusions<S: Scalar, P: PrimSet<S>>(
+        &self,
+        tree: &impl Tree,
+        prims: &P,
+        rays: &[Ray<S>],
+        blocked: &mut [bool],
+    ) -> bool {
+        if !is_served::<S, P>(prims) {
+            return false;
+        }
+        let test = |ray: &ObvhsRay, at: usize| self.triangles[at].intersect(ray);
+        if self.transmissive.is_empty() {
+            for (ray, blocked) in rays.iter().zip(blocked) {
+                *blocked = !tree.misses(own(ray), test);
+            }
+            return true;
+        }
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = !tree.misses(own(ray), |ray, at| match test(ray, at) {
+                t if t < ray.tmax && self.transmissive[at] => f32::INFINITY,
+                t => t,
+            });
+        }
+        true
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        (size_of_val(self.triangles.as_slice()) + self.transmissive.len()) as u64
+    }
+}
+
+/// As `obvhs::ray::Ray::new` makes it, which in debug builds panics where a ray is not finite.
+#[inline(always)]
+fn own<S: Scalar>(ray: &Ray<S>) -> ObvhsRay {
+    let direction = to_obvhs::<S>(ray.direction);
+    ObvhsRay {
+        origin: to_obvhs::<S>(ray.origin),
+        direction,
+        inv_direction: Vec3A::from_array(direction.to_array().map(safe_inverse)),
+        tmin: ray.t_min.to_f64() as f32,
+        tmax: ray.t_max.to_f64() as f32,
+    }
+}

@@ -1,0 +1,163 @@
+//! The trees of `adapter=direct`: obvhs's own over its own triangles, as `build_bvh2_from_tris` and
+//! `build_cwbvh_from_tris` make them, presplitting included.
+//!
+//! These functions are not called but their steps taken, for one reason: their conversion to
+//! eight-wide trees recurses, and ends the process where a binary tree is a list. So its levels are
+//! looked at between the steps where they can be too many, and those of the tree that came of it,
+//! which obvhs's stack has no room for and its traversal does not check: [`TooDeep`]. A binary tree
+//! whose stack is on the heap is told its true depth, as it would panic. The trees are equal, node by
+//! node.
+
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::cwbvh::CwBvh;
+use obvhs::ploc::PlocBuilder;
+use obvhs::splits::split_aabbs_preset;
+use obvhs::triangle::Triangle;
+
+use crate::structures::obvhs::builder::{TooDeep, collapsed, widened};
+
+/// The tree of `build_bvh2_from_tris`.
+pub(crate) fn binary(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
+    collapsed(agglomerated(triangles, params), params, false)
+}
+
+/// The tree of `build_cwbvh_from_tris`.
+///
+/// # Errors
+/// [`TooDeep`].
+pub(crate) fn eight_wide(
+    triangles: &[Triangle],
+    params: &BvhBuildParams,
+) -> Result<CwBvh, TooDeep> {
+    widened(agglomerated(triangles, params), params, false)
+}
+
+/// A binary tree with one box a leaf: that of a triangle, or of a part of it.
+fn agglomerated(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
+    let ids = (0..triangles.len() as u32).collect();
+    let mut bvh = if params.pre_split {
+        let (boxes, ids) = split(triangles, ids);
+        PlocBuilder::with_capacity(boxes.len()).build(
+            params.ploc_search_distance,
+            &boxes,
+            ids,
+            params.sort_precision,
+            params.search_depth_threshold,
+        )
+    } else {
+        PlocBuilder::with_capacity(triangles.len()).build(
+            params.ploc_search_distance,
+            triangles,
+            ids,
+            params.sort_precision,
+            params.search_depth_threshold,
+        )
+    };
+    bvh.uses_spatial_splits = params.pre_split;
+    bvh
+}
+
+/// The boxes of all triangles, those of large ones in parts, and whose each is.
+fn split(triangles: &[Triangle], mut ids: Vec<u32>) -> (Vec<Aabb>, Vec<u32>) {
+    let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
+    let (mut sum, mut largest) = (0.0, 0.0f32);
+    for area in boxes.iter().map(Aabb::half_area) {
+        largest = area.max(largest);
+        sum += area;
+    }
+    let average = sum / triangles.len() as f32;
+    split_aabbs_preset(&mut boxes, &mut ids, triangles, average, largest);
+    (boxes, ids)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use glam::Vec3A;
+    use obvhs::bvh2::builder::build_bvh2_from_tris;
+    use obvhs::bvh2::node::Bvh2Node;
+    use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+
+    use super::*;
+    use crate::structures::find;
+    use crate::structures::obvhs::adapter::{PRESETS, build_params};
+    use crate::structures::obvhs::builder::WIDE_LEVELS;
+
+    /// Triangles at places without order, every tenth large.
+    fn scattered(n: usize) -> Vec<Triangle> {
+        let part = |i: usize, by: f64| (i as f64 * by).fract() as f32;
+        let at = |i| Vec3A::new(part(i, 0.754_877), part(i, 0.569_84), part(i, 0.438_28));
+        let triangle = |i: usize| {
+            let (v0, size) = (at(3 * i), if i.is_multiple_of(10) { 0.5 } else { 0.02 });
+            Triangle { v0, v1: v0 + at(3 * i + 1) * size, v2: v0 + at(3 * i + 2) * size }
+        };
+        (0..n).map(triangle).collect()
+    }
+
+    fn presets() -> impl Iterator<Item = (&'static str, BvhBuildParams)> {
+        let entry = find("obvhs-cwbvh").unwrap();
+        PRESETS
+            .iter()
+            .map(|preset| (*preset, build_params(&entry.params([("preset", *preset)]).unwrap())))
+    }
+
+    fn equal(a: &Bvh2, b: &Bvh2) -> bool {
+        let same = |(a, b): (&Bvh2Node, &Bvh2Node)| {
+            a.aabb() == b.aabb() && a.first_index == b.first_index && a.prim_count == b.prim_count
+        };
+        a.primitive_indices == b.primitive_indices
+            && a.max_depth == b.max_depth
+            && a.nodes.len() == b.nodes.len()
+            && a.nodes.iter().zip(&b.nodes).all(same)
+    }
+
+    #[test]
+    fn trees_are_those_of_obvhs() {
+        let mut split = 0;
+        for n in [1, 2, 5, 6000] {
+            let triangles = scattered(n);
+            for (preset, params) in presets() {
+                let time = &mut Duration::default();
+                let theirs = build_bvh2_from_tris(&triangles, params, time);
+                assert!(equal(&binary(&triangles, &params), &theirs), "{n} {preset}");
+                split += usize::from(theirs.primitive_indices.len() > n);
+                let theirs = build_cwbvh_from_tris(&triangles, params, time);
+                assert!(eight_wide(&triangles, &params).unwrap() == theirs, "{n} {preset}");
+            }
+        }
+        assert_eq!(split, 2, "the two slow presets split");
+    }
+
+    #[test]
+    fn another_tree_is_seen() {
+        // planted fault: the boxes without presplitting, and one node moved
+        let triangles = scattered(6000);
+        let (_, slow) = presets().find(|(preset, _)| *preset == "slow").unwrap();
+        let theirs = build_bvh2_from_tris(&triangles, slow, &mut Duration::default());
+        let unsplit = BvhBuildParams { pre_split: false, ..slow };
+        assert!(!equal(&binary(&triangles, &unsplit), &theirs));
+        let mut moved = theirs.clone();
+        moved.nodes[7].set_aabb(Aabb::new(Vec3A::ZERO, Vec3A::ZERO));
+        assert!(equal(&theirs, &theirs) && !equal(&moved, &theirs));
+    }
+
+    #[test]
+    fn what_would_end_the_process_is_refused() {
+        // triangles in one another, whose tree is a list
+        let corner = |i: usize| 1.0 + i as f32 / 6000.0;
+        let nested = |i| Triangle {
+            v0: Vec3A::ZERO,
+            v1: Vec3A::X * corner(i),
+            v2: (Vec3A::Y + Vec3A::Z) * corner(i),
+        };
+        let triangles: Vec<_> = (0..6000).map(nested).collect();
+        let refused = eight_wide(&triangles, &BvhBuildParams::fastest_build()).unwrap_err();
+        assert!(refused.needed > refused.limit && refused.limit > WIDE_LEVELS, "{refused:?}");
+        let refused = eight_wide(&triangles[..1500], &BvhBuildParams::fastest_build()).unwrap_err();
+        assert_eq!(refused.limit, WIDE_LEVELS);
+        assert_eq!(binary(&triangles, &BvhBuildParams::fastest_build()).nodes.len(), 2 * 6000 - 1);
+    }
+}
