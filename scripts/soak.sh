@@ -49,8 +49,8 @@ while kill -0 "$child" 2> /dev/null; do
         # two lines more than these are of the run itself
         done=$(grep -c '"finished"' "$work/long/run.jsonl" || true)
         held=$(awk '/^VmRSS|^Threads/ { printf "%s ", $2 }' "/proc/$child/status" 2> /dev/null || true)
-        open=$(ls "/proc/$child/fd" 2> /dev/null | wc -l)
-        [ -z "$held" ] || echo "$done $held $open" >> "$work/held"
+        open=$(ls "/proc/$child/fd" 2> /dev/null | wc -l || true)
+        [ -z "$held" ] || [ "$open" = 0 ] || echo "$done $held $open" >> "$work/held"
     fi
     sleep 0.1
 done
