@@ -25,7 +25,8 @@ fn resealed(bytes: &[u8]) -> Vec<u8> {
     let (mut seal, mut out) = (Seal::default(), String::new());
     for (i, line) in text.split_inclusive('\n').enumerate() {
         // as text of a sealed line begins and ends
-        let inner = line.trim_end().split_once("\",\"line\":").and_then(|(_, l)| l.strip_suffix('}'));
+        let inner =
+            line.trim_end().split_once("\",\"line\":").and_then(|(_, l)| l.strip_suffix('}'));
         let inner = inner.unwrap_or(line.trim_end());
         out.push_str(&seal.sealed(inner));
         if line.ends_with('\n') {
