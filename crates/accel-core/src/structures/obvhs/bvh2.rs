@@ -15,16 +15,16 @@ use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, BoxRay, DEVIATIONS, Groups, PARAMS, RaySetup, VARIANTS, build_params, items,
-    known_defect,
+    ALSO_TESTED, BoxRay, DEVIATIONS, Groups, Items, PARAMS, RaySetup, VARIANTS, build_params,
+    items, known_defect,
 };
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
-use crate::structures::obvhs::direct_builder;
+use crate::structures::obvhs::{direct_builder, leaf_blocks};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -43,6 +43,8 @@ pub static INFO: StructureInfo = StructureInfo {
 pub struct ObvhsBvh2<S: Scalar> {
     bvh: Bvh2,
     groups: Groups,
+    /// In place of ids, where the triangles are in blocks: leaves then begin at the number of one.
+    blocks: Option<Vec<TriangleBlock<S>>>,
     setup: RaySetup<S>,
     /// With `adapter=direct`, where it serves the set.
     direct: Option<Direct>,
@@ -57,12 +59,16 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         {
             let bvh = direct_builder::binary(&triangles, &build_params(params));
             let direct = Some(Direct::new(prims, &bvh, &triangles));
-            return Ok(Self { bvh, groups: Groups::Single, setup: RaySetup::AsShipped, direct });
+            let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
+            return Ok(Self { bvh, groups, blocks: None, setup, direct });
         }
         let items = items(prims, params)?;
         let (preset, robust) = (build_params(params), items.setup.is_robust());
-        let bvh = builder::binary(&items.boxes, &preset, robust);
-        Ok(Self { bvh, groups: items.groups, setup: items.setup, direct: None })
+        let mut bvh = builder::binary(&items.boxes, &preset, robust);
+        let Items { groups, setup, .. } = items;
+        let is_block = leaf_blocks::serve(prims, &groups, params);
+        let blocks = is_block.then(|| leaf_blocks::of_binary(&mut bvh, prims));
+        Ok(Self { bvh, groups, blocks, setup, direct: None })
     }
 
     #[inline(always)]
@@ -105,12 +111,13 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     }
 
     fn shape(&self) -> Shape {
-        let leaves = self.bvh.nodes.iter().filter(|n| n.is_leaf());
-        let cells = leaves.clone().count() as u64;
-        let items = leaves.flat_map(|n| n.first_index..n.first_index + n.prim_count);
-        let references = items
-            .map(|i| self.groups.ids(&self.bvh.primitive_indices[i as usize]).len() as u64)
-            .sum();
+        let cells = self.bvh.nodes.iter().filter(|n| n.is_leaf()).count() as u64;
+        let ids = self.bvh.primitive_indices.iter();
+        let references = match &self.blocks {
+            Some(blocks) => leaf_blocks::references(blocks),
+            None => ids.map(|i| self.groups.ids(i).len() as u64).sum(),
+        };
+        let blocks = self.blocks.as_deref().map_or(0, size_of_val) as u64;
         Shape {
             inner_cells: self.bvh.nodes.len() as u64 - cells,
             cells,
@@ -120,6 +127,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
             bytes: (size_of_val(self.bvh.nodes.as_slice())
                 + size_of_val(self.bvh.primitive_indices.as_slice())) as u64
                 + self.groups.bytes()
+                + blocks
                 + self.direct.as_ref().map_or(0, Direct::bytes),
             ..Shape::default()
         }
@@ -141,6 +149,20 @@ impl<S: Scalar> ObvhsBvh2<S> {
             return true;
         };
         sink.elementary_step(false);
+        if let Some(blocks) = &self.blocks {
+            let mut at = node.first_index as usize;
+            loop {
+                let block = &blocks[at];
+                if sink.test_block(block).is_break() {
+                    return false;
+                }
+                if !block.has_next() {
+                    ray.tmax = start.bound(sink.t_max());
+                    return true;
+                }
+                at += 1;
+            }
+        }
         let items = node.first_index as usize..(node.first_index + node.prim_count) as usize;
         for item in &self.bvh.primitive_indices[items] {
             if sink.test(self.groups.ids(item)) == ControlFlow::Break(()) {

@@ -5,21 +5,24 @@
 //! traversal are used; primitives are tested by our own sets. See `obvhs_adapter.rs`, and
 //! `obvhs_builder.rs` for scenes that the builder does not serve.
 
+use std::ops::ControlFlow;
+
 use glam::UVec2;
-use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::{CwBvh, Traversal};
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, DEVIATIONS, Groups, PARAMS, RaySetup, VARIANTS, build_params, items, known_defect,
+    ALSO_TESTED, DEVIATIONS, Groups, Items, PARAMS, RaySetup, VARIANTS, build_params, items,
+    known_defect,
 };
 use crate::structures::obvhs::builder::{TooDeep, eight_wide};
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
-use crate::structures::obvhs::direct_builder;
+use crate::structures::obvhs::{direct_builder, leaf_blocks};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -38,6 +41,8 @@ pub static INFO: StructureInfo = StructureInfo {
 pub struct ObvhsCwBvh<S: Scalar> {
     bvh: CwBvh,
     groups: Groups,
+    /// In place of ids, where the triangles are in blocks: a node's then begin at the number of one.
+    blocks: Option<Vec<TriangleBlock<S>>>,
     setup: RaySetup<S>,
     /// With `adapter=direct`, where it serves the set.
     direct: Option<Direct>,
@@ -59,40 +64,30 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         {
             let bvh = direct_builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
             let direct = Some(Direct::new(prims, &bvh, &triangles));
-            return Ok(Self { bvh, groups: Groups::Single, setup: RaySetup::AsShipped, direct });
+            let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
+            return Ok(Self { bvh, groups, blocks: None, setup, direct });
         }
         let items = items(prims, params)?;
-        let bvh = eight_wide(&items.boxes, &preset, items.setup.is_robust()).map_err(too_deep)?;
-        Ok(Self { bvh, groups: items.groups, setup: items.setup, direct: None })
+        let Items { boxes, groups, setup } = items;
+        let mut bvh = eight_wide(&boxes, &preset, setup.is_robust()).map_err(too_deep)?;
+        let is_block = leaf_blocks::serve(prims, &groups, params);
+        let blocks = is_block.then(|| leaf_blocks::of_wide(&mut bvh, prims));
+        Ok(Self { bvh, groups, blocks, setup, direct: None })
     }
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let mut start = self.setup.ray(ray, true);
-        if self.setup.is_robust() {
-            start.ray.tmax = start.bound(sink.t_max());
-        }
-        let mut ray = start.ray;
-        let mut state = self.bvh.new_traversal(ray.direction);
-        let mut node;
-        'walk: {
-            obvhs::traverse!(
-                self.bvh,
-                node,
-                state,
-                {
-                    sink.inner_step();
-                    node.intersect_ray(&ray, state.oct_inv4)
-                },
-                {
-                    sink.elementary_step(false);
-                    let item = &self.bvh.primitive_indices[state.primitive_id as usize];
-                    if sink.test(self.groups.ids(item)).is_break() {
-                        break 'walk;
-                    }
-                    ray.tmax = start.bound(sink.t_max());
-                }
-            );
+        match &self.blocks {
+            Some(blocks) => self.walk_with(ray, sink, |state, sink| {
+                let first = state.primitive_group.x;
+                let (block, bits) = leaf_blocks::block_of(state.primitive_id, first);
+                state.primitive_group.y &= !bits;
+                sink.test_block(&blocks[block])
+            }),
+            None => self.walk_with(ray, sink, |state, sink| {
+                let item = &self.bvh.primitive_indices[state.primitive_id as usize];
+                sink.test(self.groups.ids(item))
+            }),
         }
     }
 
@@ -129,12 +124,53 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             inner_cells: self.bvh.nodes.len() as u64,
             cells: cells as u64,
             empty_cells: 0,
-            references: indices.iter().map(|i| self.groups.ids(i).len() as u64).sum(),
+            references: match &self.blocks {
+                Some(blocks) => leaf_blocks::references(blocks),
+                None => indices.iter().map(|i| self.groups.ids(i).len() as u64).sum(),
+            },
             resolution: None,
             bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(indices)) as u64
                 + self.groups.bytes()
+                + self.blocks.as_deref().map_or(0, size_of_val) as u64
                 + self.direct.as_ref().map_or(0, Direct::bytes),
             ..Shape::default()
+        }
+    }
+}
+
+impl<S: Scalar> ObvhsCwBvh<S> {
+    /// [`Structure::walk`]; `test` tests the primitive at which the traversal is.
+    #[inline(always)]
+    fn walk_with<K: Sink<S>>(
+        &self,
+        ray: &Ray<S>,
+        sink: &mut K,
+        test: impl Fn(&mut Traversal, &mut K) -> ControlFlow<()>,
+    ) {
+        let mut start = self.setup.ray(ray, true);
+        if self.setup.is_robust() {
+            start.ray.tmax = start.bound(sink.t_max());
+        }
+        let mut ray = start.ray;
+        let mut state = self.bvh.new_traversal(ray.direction);
+        let mut node;
+        'walk: {
+            obvhs::traverse!(
+                self.bvh,
+                node,
+                state,
+                {
+                    sink.inner_step();
+                    node.intersect_ray(&ray, state.oct_inv4)
+                },
+                {
+                    sink.elementary_step(false);
+                    if test(&mut state, sink).is_break() {
+                        break 'walk;
+                    }
+                    ray.tmax = start.bound(sink.t_max());
+                }
+            );
         }
     }
 }

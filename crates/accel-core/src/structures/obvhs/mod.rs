@@ -6,3 +6,4 @@ pub mod bvh2;
 pub mod cwbvh;
 mod direct;
 mod direct_builder;
+mod leaf_blocks;
