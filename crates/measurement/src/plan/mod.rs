@@ -271,9 +271,10 @@ pub fn baseline<'r>(
 ) -> Result<usize, PlanError> {
     let Some(name) = reference else {
         let rank = |row: &Row<'_>| default_rank(row.structure(), &row.settings());
-        let ranked = (0..rows.len()).filter(|i| rank(&rows[*i]).is_some());
+        let ranked = rows.iter().enumerate().filter_map(|(i, row)| Some((rank(row)?, i)));
         let default = ranked
-            .min_by_key(|i| rank(&rows[*i]))
+            .min()
+            .map(|(_, i)| i)
             .or_else(|| rows.iter().position(|r| !r.is_sampled() && r.known_defect().is_none()));
         return if rows.is_empty() { Err(PlanError::NoRows) } else { Ok(default.unwrap_or(0)) };
     };

@@ -137,8 +137,8 @@ fn is_apart<S: Scalar>(a: &Hit<S>, b: &Hit<S>, ray: &Ray<S>) -> bool {
     let largest = |v: Vec3<S>| v.to_dvec3().abs().max_element();
     let (t, other) = (a.t.to_f64(), b.t.to_f64());
     let scale = other.abs() + largest(ray.origin) / largest(ray.direction);
-    // NaN is apart from everything
-    !((t - other).abs() <= ROUNDING * scale)
+    // NaN, which is what nobody wrote, is apart from everything
+    t.is_nan() || (t - other).abs() > ROUNDING * scale
 }
 
 /// Rays of one kind and the answers expected.
