@@ -131,7 +131,7 @@ fn all_structures_pass_a_fast_subset() {
     );
     let table = ended.out.lines().take(40).collect::<Vec<_>>().join("\n");
     assert_eq!(ended.code, 0, "{table}\n{}", ended.err);
-    assert!(ended.out.contains("obvhs-cwbvh adapter=as-shipped"), "{table}");
+    assert!(ended.out.contains("obvhs-cwbvh adapter=direct"), "{table}");
     for subject in ["t-next-walk", "hashed-grid hash=constant", "chessboard cloud"] {
         assert!(ended.out.lines().any(|l| l.starts_with(subject)), "{subject}: {table}");
     }
