@@ -170,7 +170,7 @@ impl<S: Buildable> Built<'_, S> {
         if answers_batches { Query::Batch } else { Query::OneRay }
     }
 
-    /// See [`Tracer::tests_by_library`](accel_core::query::tracer::Tracer::tests_by_library).
+    /// See [`Tracer::tests_by_library`].
     pub fn tests_by_library(&self) -> bool {
         matches!(self, Self::Structure(tracer) if tracer.tests_by_library())
     }
