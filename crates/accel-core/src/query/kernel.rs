@@ -117,14 +117,10 @@ impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, S, K> {
 
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
-        let Some(blocks) = self.blocks.behind(ids) else { return self.query.test(ids) };
-        for block in blocks {
-            self.query.test_block(block)?;
-            if !block.has_next() {
-                break;
-            }
+        match self.blocks.behind(ids) {
+            Some(blocks) => self.query.test_blocks(blocks),
+            None => self.query.test(ids),
         }
-        ControlFlow::Continue(())
     }
 
     #[inline(always)]

@@ -102,9 +102,12 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
         let mailbox = mailbox::<S, P>(prims, params)?;
         let bound = Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox);
-        let has_mailbox = params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none");
-        let has_blocks = params.get(kernel::PARAM.name) == Some("block") && !has_mailbox;
+        let has_blocks =
+            params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params);
         Ok(Box::new(if has_blocks { bound.with_blocks(params)? } else { bound }))
+    }
+    fn asks_for_mailbox(params: &Params) -> bool {
+        params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none")
     }
     fn mailbox<S: Scalar, P: PrimSet<S>>(
         prims: &P,
@@ -112,7 +115,7 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
     ) -> Result<Setting, BuildError> {
         refuse_unusable(prims, params)?;
         if params.changed().any(|setting| setting == (kernel::PARAM.name, "block"))
-            && params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none")
+            && asks_for_mailbox(params)
         {
             return Err(BuildError::Param(ParamError::Invalid {
                 structure: params.structure(),

@@ -27,6 +27,17 @@ pub trait Sink<S: Scalar> {
         let (ids, n) = block.ids();
         self.test(&ids[..n])
     }
+    /// Tests the blocks of a list, which begins with the first of these; others may follow it.
+    #[inline(always)]
+    fn test_blocks(&mut self, blocks: &[TriangleBlock<S>]) -> ControlFlow<()> {
+        for block in blocks {
+            self.test_block(block)?;
+            if !block.has_next() {
+                break;
+            }
+        }
+        ControlFlow::Continue(())
+    }
     /// [`Sink::test`] for a query that treats hits up to the cell's exit differently from farther
     /// ones; `t_exit` is the parameter at which the ray leaves the cell of these candidates.
     #[inline(always)]

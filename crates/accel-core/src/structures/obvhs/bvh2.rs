@@ -6,8 +6,6 @@
 //! primitives are tested by our own sets. See `obvhs_adapter.rs` for the robust adapter, and
 //! `obvhs_builder.rs` for scenes that the builder does not serve.
 
-use std::ops::ControlFlow;
-
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::fast_stack;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
@@ -149,25 +147,15 @@ impl<S: Scalar> ObvhsBvh2<S> {
             return true;
         };
         sink.elementary_step(false);
-        if let Some(blocks) = &self.blocks {
-            let mut at = node.first_index as usize;
-            loop {
-                let block = &blocks[at];
-                if sink.test_block(block).is_break() {
-                    return false;
-                }
-                if !block.has_next() {
-                    ray.tmax = start.bound(sink.t_max());
-                    return true;
-                }
-                at += 1;
-            }
-        }
-        let items = node.first_index as usize..(node.first_index + node.prim_count) as usize;
-        for item in &self.bvh.primitive_indices[items] {
-            if sink.test(self.groups.ids(item)) == ControlFlow::Break(()) {
-                return false;
-            }
+        let first = node.first_index as usize;
+        let tested = match &self.blocks {
+            Some(blocks) => sink.test_blocks(&blocks[first..]),
+            None => self.bvh.primitive_indices[first..first + node.prim_count as usize]
+                .iter()
+                .try_for_each(|item| sink.test(self.groups.ids(item))),
+        };
+        if tested.is_break() {
+            return false;
         }
         ray.tmax = start.bound(sink.t_max());
         true
