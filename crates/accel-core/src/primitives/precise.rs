@@ -1,6 +1,6 @@
 //! The watertight triangle test where its scalar does not tell enough: rare, and so out of line.
 //!
-//! Two cases. **A triangle seen nearly edge-on.** The signs of edge functions are exact (see
+//! Three cases. **A triangle seen nearly edge-on.** The signs of edge functions are exact (see
 //! `triangle.rs`), but where products cancel, what is left of their difference is rounding: weights
 //! of nothing, and `t` any parameter between those of the corners, wherever the ray is then. With
 //! weights off by `e` each, the ray at `t` passes the triangle's point of these weights at up to
@@ -8,6 +8,12 @@
 //! `epsilon m^2`. [`weights_suffice`] admits 12 epsilons of the scene's largest coordinate; the
 //! padding of boxes (`bounds_rule.rs`) has room for that, and no structure loses the hit. Beyond it,
 //! the weights are computed here, off by no more than a few ulps of their own.
+//! **A hit so near the origin** that it may lie behind it: with weights off by 2 epsilons of `m^2` each,
+//! and a sum of three terms off by 1.5 epsilons of the largest depth, depth times `det` is off by 18
+//! epsilons of the largest depth and of `m^2` (`det` is 4 `m^2` at most); nearer than 20, the depth is
+//! computed here, and its sign is that of the rounded corners' plane. So a box of a triangle that ends
+//! behind the origin holds no hit, were it padded for the rounding of corners alone
+//! (`wide_bvh/node.rs`).
 //! **A ray with a component so small** that sheared corners are subnormal numbers of few digits:
 //! everything is computed in f64, from the corners on.
 //!

@@ -16,6 +16,9 @@ pub struct Shear<S: Scalar> {
     pub(super) shear: [S; 3],
     /// Four times the scene's largest coordinate; see `precise.rs`.
     pub(super) fine: S,
+    /// 20 epsilons of the largest depth of a corner: what bounds the rounding of a hit's; see
+    /// `precise.rs`.
+    pub(super) near: S,
 }
 
 /// The longest axis by `x > y`, `x > z`, `y > z`, the first of these the lowest bit; z in doubt.
@@ -28,24 +31,22 @@ impl<S: Scalar> Shear<S> {
     /// coordinate is larger than `magnitude`.
     #[inline(always)]
     pub fn of(ray: &Ray<S>, magnitude: S) -> Self {
-        let mut this = Self::of_any(ray, magnitude);
+        let this = Self::of_any(ray, magnitude);
+        let [x, y, z] = this.shear;
         let is_small = |slope: S| slope.abs() < S::LEAST_SLOPE;
-        if is_small(this.shear[0]) || is_small(this.shear[1]) {
-            this.refuse_small(ray);
-        }
-        this
+        // the scalar alone: a shear that is changed in memory is waited for
+        let x = if is_small(x) || is_small(y) { this.refused_small(ray) } else { x };
+        Self { shear: [x, y, z], ..this }
     }
 
-    /// Marks the shear of a ray with a component that is too small, but not zero.
+    /// The first factor, or NaN where a component is too small, but not zero.
     #[cold]
     #[inline(never)]
-    fn refuse_small(&mut self, ray: &Ray<S>) {
+    fn refused_small(self, ray: &Ray<S>) -> S {
         let d = ray.direction.to_array();
         let is_too_small =
             |i: usize| d[self.axes[i]] != S::ZERO && self.shear[i].abs() < S::LEAST_SLOPE;
-        if is_too_small(0) || is_too_small(1) {
-            self.shear[0] = S::from_f64(f64::NAN);
-        }
+        if is_too_small(0) || is_too_small(1) { S::from_f64(f64::NAN) } else { self.shear[0] }
     }
 
     /// Whether a component is too small.
@@ -70,6 +71,7 @@ impl<S: Scalar> Shear<S> {
             origin: [o[kx], o[ky], o[kz]],
             shear: [d[kx] * inv, d[ky] * inv, inv],
             fine: S::from_i32(4) * magnitude,
+            near: S::from_i32(20) * S::EPSILON * (magnitude + o[kz].abs()),
         }
     }
 

@@ -139,23 +139,27 @@ impl<S: Scalar> TriangleBlock<S> {
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
         let zero = splat(S::ZERO);
-        let doubtful = u.equal(zero) | v.equal(zero) | w.equal(zero);
-        // the highest bits are the signs
-        let mixed = (u ^ v) | (u ^ w);
-        let (doubts, alike) = (doubtful.high_bits(), !mixed.high_bits() & self.filled());
-        if doubts | alike == 0 {
+        let (least, most) = (u.lesser(v).lesser(w), u.greater(v).greater(w));
+        // missed where two of them have different signs, whatever the sign of one that rounds to zero
+        let missed = least.below(zero) & zero.below(most);
+        let alike = !missed.high_bits() & self.filled();
+        if alike == 0 {
             return None;
         }
+        let doubtful = least.equal(zero) | most.equal(zero);
         let det = u + v + w;
         let x = a[0].absolute().greater(b[0].absolute()).greater(c[0].absolute());
         let y = a[1].absolute().greater(b[1].absolute()).greater(c[1].absolute());
         let largest = x.greater(y);
-        let suffice = (largest * largest * largest).below(splat(shear.fine) * det.absolute());
-        let t = (u * a[2] + v * b[2] + w * c[2]) * splat(shear.depth_scale()) / det;
+        let square = largest * largest;
+        let suffice = (square * largest).below(splat(shear.fine) * det.absolute());
+        let depth = u * a[2] + v * b[2] + w * c[2];
+        let t = depth * splat(shear.depth_scale()) / det;
         // NaN fails both comparisons with the interval
         let within = splat(ray.t_min).at_most(t) & t.at_most(splat(t_max));
-        let doubts = doubts | alike & !suffice.high_bits();
-        Some((within.high_bits() & alike & !doubts, doubts, t.to_array()))
+        let near = depth.absolute().below(splat(shear.near) * square);
+        let doubts = (doubtful | within & near).high_bits() | !suffice.high_bits();
+        Some((within.high_bits() & alike & !doubts, doubts & alike, t.to_array()))
     }
 
     /// The scalar test for some lanes: those that are hit, their parameters written to `t`.

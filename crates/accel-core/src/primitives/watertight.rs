@@ -40,11 +40,16 @@ pub(crate) fn intersect<S: Scalar>(
         return None;
     }
     let det = u + v + w;
-    // also where it is zero, or NaN
-    if !weights_suffice(largest(&[a, b, c]), det, shear.fine) {
+    let depth = u * a[2] + v * b[2] + w * c[2];
+    let t = depth * shear.shear[2] / det;
+    let largest = largest(&[a, b, c]);
+    // NaN fails both comparisons
+    let is_within = t >= ray.t_min && t <= t_max;
+    // also where the determinant is zero, or NaN
+    if !weights_suffice(largest, det, shear.fine)
+        || is_within && depth.abs() < shear.near * (largest * largest)
+    {
         return precise::intersect(tri, ray, shear, t_max);
     }
-    let t = (u * a[2] + v * b[2] + w * c[2]) * shear.shear[2] / det;
-    // NaN fails both comparisons
-    (t >= ray.t_min && t <= t_max).then_some(t)
+    is_within.then_some(t)
 }

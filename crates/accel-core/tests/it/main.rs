@@ -7,6 +7,7 @@ mod contributing;
 mod differential;
 mod duplicates;
 mod edge_on;
+mod leaving_faces;
 mod memory;
 mod motion;
 mod nested_grids;

@@ -28,7 +28,7 @@ use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo};
-use crate::structures::obvhs::adapter::boxes;
+use crate::structures::obvhs::adapter::{Padding, boxes};
 use library::{Input, Library};
 use scene::Scene;
 
@@ -79,7 +79,7 @@ impl<S: Scalar> Structure<S> for Embree<S> {
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
         let is_native = params.text("primitives") == "native";
-        let (boxes, setup) = boxes(prims, structure, true)?;
+        let (boxes, setup) = boxes(prims, structure, Padding::OfScene)?;
         let is_triangle =
             |id: &u32| is_native && prims.kind(*id) == PrimitiveKind::Triangle && !prims.moves(*id);
         let (triangle_ids, boxed_ids): (Vec<u32>, Vec<u32>) =

@@ -8,11 +8,11 @@ use super::scene::Scene;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::query::sink::Sink;
-use crate::structures::obvhs::adapter::BoxRay;
+use crate::structures::obvhs::adapter::{BoxParameters, Length};
 
 struct Query<'q, S: Scalar, K> {
     structure: &'q Scene<S>,
-    start: &'q BoxRay<S>,
+    start: &'q BoxParameters<S>,
     sink: &'q mut K,
 }
 
@@ -41,15 +41,15 @@ unsafe fn test<S: Scalar, K: Sink<S>>(query: *mut (), candidate: Candidate) -> f
 /// Asks the library for the candidates of a ray and the sink for the answers.
 #[inline(always)]
 pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, sink: &mut K) {
-    let start = structure.setup.ray(ray, false);
-    let t_near = if structure.is_native { start.start(ray.t_min) } else { 0.0 };
+    let start = structure.setup.ray(ray, Length::Unit);
+    let t_near = if structure.is_native { start.parameters.start(ray.t_min) } else { 0.0 };
     let mut asked = ffi::RayHit {
         ray: ffi::Ray {
             origin: start.ray.origin.to_array(),
             t_near,
             direction: start.ray.direction.to_array(),
             time: 0.0,
-            t_far: start.bound(sink.t_max()),
+            t_far: start.parameters.bound(sink.t_max()),
             mask: u32::MAX,
             id: 0,
             flags: 0,
@@ -63,7 +63,7 @@ pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, si
         },
     };
     let is_any_hit = sink.is_any_hit();
-    let mut query = Query { structure, start: &start, sink };
+    let mut query = Query { structure, start: &start.parameters, sink };
     let mut context = QueryContext {
         context: Context { flags: 0, filter: std::ptr::null(), instance: ffi::INVALID },
         query: std::ptr::from_mut(&mut query).cast(),

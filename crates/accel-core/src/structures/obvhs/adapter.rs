@@ -15,6 +15,7 @@ use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::ray::Ray as ObvhsRay;
 
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
@@ -146,19 +147,35 @@ pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
 ) -> Result<Items<S>, BuildError> {
-    items_of(prims, params, is_robust(params))
+    items_of(prims, params, if is_robust(params) { Padding::OfScene } else { Padding::None })
 }
 
-/// [`items`], the setting given.
+/// By how much the box of a primitive grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Padding {
+    /// Not at all, and coordinates are kept as they are: boxes for obvhs as shipped.
+    None,
+    /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
+    OfScene,
+    /// By [`CORNER_EPSILONS`] of its own extent.
+    OfExtent,
+}
+
+/// A ray hits a triangle of which no corner is off by more than 4 epsilons of its distance on any axis
+/// from the ray's origin (7 half epsilons in the sheared space, `primitives/shear.rs`, and a half in
+/// depth); that is at most its extent and the hit's distance.
+pub(crate) const CORNER_EPSILONS: f64 = 5.0;
+
+/// [`items`], the padding given.
 pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
-    robust: bool,
+    padding: Padding,
 ) -> Result<Items<S>, BuildError> {
     // a box and an id of each primitive, twice as many nodes
     params.fits(96 * prims.len() as u128)?;
-    let (single, setup) = boxes(prims, params.structure(), robust)?;
-    let (boxes, groups) = if robust && centres_coincide(&single) {
+    let (single, setup) = boxes(prims, params.structure(), padding)?;
+    let (boxes, groups) = if padding != Padding::None && centres_coincide(&single) {
         grouped(&single)
     } else {
         (single, Groups::Single)
@@ -166,29 +183,32 @@ pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
     Ok(Items { boxes, groups, setup })
 }
 
-/// The boxes of all primitives in f32, by id, checked; if `robust`, padded and in units of the
-/// scene's size.
+/// The boxes of all primitives in f32, by id, checked; if padded, in units of the scene's size.
 pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     structure: &'static str,
-    robust: bool,
+    padding: Padding,
 ) -> Result<(Vec<ObvhsAabb>, RaySetup<S>), BuildError> {
-    if !robust {
+    if padding == Padding::None {
         // obvhs knows f32 alone
         refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
     }
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
     // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
-    let f32_padding = f64::from(f32::EPSILON) * PADDING_ULPS * boxes.scene().magnitude().to_f64();
-    let margin = S::from_f64(f32_padding);
-    let setup =
-        if robust { RaySetup::robust(boxes.scene().magnitude()) } else { RaySetup::AsShipped };
-    let unit = setup.unit();
-    let single = (0..prims.len() as u32)
-        .map(|id| prims.bounds(id))
-        .map(|tight| outward(&if robust { tight.expanded(margin) } else { tight }, unit))
-        .collect();
+    let magnitude = boxes.scene().magnitude();
+    let setup = match padding {
+        Padding::None => RaySetup::AsShipped,
+        Padding::OfScene | Padding::OfExtent => RaySetup::robust(magnitude),
+    };
+    let epsilon = f64::from(f32::EPSILON);
+    let margin = |tight: &Aabb<S>| match padding {
+        Padding::None => 0.0,
+        Padding::OfScene => epsilon * PADDING_ULPS * magnitude.to_f64(),
+        Padding::OfExtent => epsilon * CORNER_EPSILONS * tight.size().to_dvec3().max_element(),
+    };
+    let padded = |tight: Aabb<S>| outward(&tight, margin(&tight), setup.unit());
+    let single = (0..prims.len() as u32).map(|id| padded(prims.bounds(id))).collect();
     Ok((single, setup))
 }
 
@@ -196,16 +216,16 @@ pub(crate) fn is_robust(params: &Params) -> bool {
     params.text("adapter") == "robust"
 }
 
-/// In f32 and in the unit given (its reciprocal in world units), rounded outwards.
+/// Grown by a margin, in f32 and in the unit given (its reciprocal in world units), rounded outwards.
 #[inline(always)]
-fn outward<S: Scalar>(b: &crate::geometry::aabb::Aabb<S>, unit: f64) -> ObvhsAabb {
+fn outward<S: Scalar>(b: &Aabb<S>, margin: f64, unit: f64) -> ObvhsAabb {
     let lo = b.min.to_array().map(|x| {
-        let exact = x.to_f64() * unit;
+        let exact = (x.to_f64() - margin) * unit;
         let y = exact as f32;
         if f64::from(y) > exact { y.next_down() } else { y }
     });
     let hi = b.max.to_array().map(|x| {
-        let exact = x.to_f64() * unit;
+        let exact = (x.to_f64() + margin) * unit;
         let y = exact as f32;
         if f64::from(y) < exact { y.next_up() } else { y }
     });
@@ -269,12 +289,12 @@ impl<S: Scalar> RaySetup<S> {
         }
     }
 
-    /// The ray for obvhs; `lead`: it is to start a little before the origin.
+    /// The ray for obvhs.
     #[inline(always)]
-    pub(crate) fn ray(&self, ray: &Ray<S>, lead: bool) -> BoxRay<S> {
+    pub(crate) fn ray(&self, ray: &Ray<S>, length: Length) -> BoxRay<S> {
         match *self {
             Self::AsShipped => BoxRay::as_shipped(ray),
-            Self::Robust { unit } => BoxRay::robust(ray, unit, lead),
+            Self::Robust { unit } => BoxRay::robust(ray, unit, length),
         }
     }
 
@@ -285,20 +305,38 @@ impl<S: Scalar> RaySetup<S> {
     }
 }
 
-/// A ray for obvhs's box tests.
+/// What the direction of a ray for boxes is as long as.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Length {
+    /// The ray's own in f32, its largest component in [1, 2) in f64 or where it starts earlier.
+    Own,
+    /// Its largest component lies in [1, 2).
+    Unit,
+    /// [`BRIEF`] times that.
+    Brief,
+}
+
+/// A ray for box tests.
 pub(crate) struct BoxRay<S: Scalar> {
     pub(crate) ray: ObvhsRay,
-    /// Its parameters are so many times ours.
+    pub(crate) parameters: BoxParameters<S>,
+}
+
+/// What our parameters are on a [`BoxRay`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BoxParameters<S> {
+    /// So many times ours.
     scale: S,
-    /// How far it starts before the true origin, or a little more: our `t` is at most
-    /// `t * scale + lead` on it.
+    /// Our `t` is at most `t * scale + lead`: how far the ray starts before the true origin, or a little
+    /// more.
     lead: f32,
 }
 
-/// CwBvh ignores boxes that end before t = 1e-4; a little more than that is a safe start, as boxes are
-/// padded by what rounding does to their ends. In units of the scene's size, as the largest
-/// component of the direction is in [1, 2).
+/// CwBvh ignores boxes that begin or end before t = 1e-4. A ray that starts this much before its origin
+/// finds them, in units of the scene's size if the largest component of its direction is in [1, 2).
 const LEAD: f32 = 1.0625e-4;
+/// Of a direction this much shorter, 1e-4 is a tenth of an ulp: no padded box ends before it.
+const BRIEF: f32 = f32::from_bits((127 - 14) << 23);
 
 /// Half the side of a cube around the origin that holds the scene, in units of its size.
 const CUBE: f64 = 3.0;
@@ -309,18 +347,25 @@ const LEAD_SLACK: f32 = 32.0 * f32::EPSILON;
 
 impl<S: Scalar> BoxRay<S> {
     #[inline(always)]
-    fn robust(ray: &Ray<S>, unit: S, lead: bool) -> Self {
-        let [x, y, z] = ray.direction.to_array();
-        let longest = x.abs().greater(y.abs()).greater(z.abs());
-        let shorter = longest.to_unit_size();
+    fn robust(ray: &Ray<S>, unit: S, length: Length) -> Self {
+        let starts_earlier = ray.t_min < S::ZERO;
+        let is_own = length == Length::Own && size_of::<S>() == size_of::<f32>();
+        let mut shorter = S::ONE;
+        if !is_own || starts_earlier {
+            let [x, y, z] = ray.direction.to_array();
+            shorter = x.abs().greater(y.abs()).greater(z.abs()).to_unit_size();
+        }
+        let mut origin = Vec3A::from(to_f32::<S>(ray.origin * unit));
+        let mut lead = 0.0;
+        if starts_earlier {
+            let (start, by) = earlier_start(ray, unit, shorter);
+            (origin, lead) = (start.into(), by);
+        } else if length == Length::Brief {
+            shorter = shorter * S::from_f64(f64::from(BRIEF));
+            lead = LEAD;
+        }
         let direction = Vec3A::from(to_f32::<S>(ray.direction * shorter)) + Vec3A::ZERO;
         let scale = unit / shorter;
-        let mut lead = if lead { LEAD } else { 0.0 };
-        let mut origin = Vec3A::from(to_f32::<S>(ray.origin * unit)) - direction * lead;
-        if ray.t_min < S::ZERO {
-            let (start, by) = earlier_start(ray, unit, shorter, scale);
-            (origin, lead) = (start.into(), by);
-        }
         // all axes at once
         let is_small = direction.abs().cmplt(Vec3A::splat(1e-30));
         let large = Vec3A::splat(f32::from_bits(0x7180_0000)).copysign(direction);
@@ -331,27 +376,28 @@ impl<S: Scalar> BoxRay<S> {
             tmin: 0.0,
             tmax: f32::INFINITY,
         };
-        Self { ray, scale, lead }
-    }
-
-    /// No ray.
-    #[inline(always)]
-    pub(crate) fn idle() -> Self {
-        let ray = ObvhsRay {
-            origin: Vec3A::ZERO,
-            direction: Vec3A::ONE,
-            inv_direction: Vec3A::ONE,
-            tmin: 0.0,
-            tmax: 0.0,
-        };
-        Self { ray, scale: S::ONE, lead: 0.0 }
+        Self { ray, parameters: BoxParameters { scale, lead } }
     }
 
     #[inline(always)]
     fn as_shipped(ray: &Ray<S>) -> Self {
         let (t_min, t_max) = (ray.t_min.to_f64() as f32, ray.t_max.to_f64() as f32);
         let (o, d) = (to_f32::<S>(ray.origin), to_f32::<S>(ray.direction));
-        Self { ray: ObvhsRay::new(o.into(), d.into(), t_min, t_max), scale: S::ONE, lead: 0.0 }
+        Self {
+            ray: ObvhsRay::new(o.into(), d.into(), t_min, t_max),
+            parameters: BoxParameters::SAME,
+        }
+    }
+}
+
+impl<S: Scalar> BoxParameters<S> {
+    /// Ours.
+    pub(crate) const SAME: Self = Self { scale: S::ONE, lead: 0.0 };
+
+    /// Whether its origin is not the true one.
+    #[inline(always)]
+    pub(crate) fn starts_earlier(&self) -> bool {
+        self.lead > 0.0
     }
 
     /// Where hits from `t_min` on may begin; no rounding makes it too large. A ray whose interval
@@ -375,11 +421,11 @@ impl<S: Scalar> BoxRay<S> {
 /// interval, or where the ray enters the cube around the scene if that is later.
 #[cold]
 #[inline(never)]
-fn earlier_start<S: Scalar>(ray: &Ray<S>, unit: S, shorter: S, scale: S) -> (Vec3, f32) {
+fn earlier_start<S: Scalar>(ray: &Ray<S>, unit: S, shorter: S) -> (Vec3, f32) {
     let origin = ray.origin.to_dvec3() * unit.to_f64();
     let direction = ray.direction.to_dvec3() * shorter.to_f64();
     let (o, d) = (origin.to_array(), direction.to_array());
-    let mut start = ray.t_min.to_f64() * scale.to_f64();
+    let mut start = ray.t_min.to_f64() * (unit / shorter).to_f64();
     for k in 0..3 {
         if d[k] != 0.0 {
             start = start.max((-CUBE.copysign(d[k]) - o[k]) / d[k]);

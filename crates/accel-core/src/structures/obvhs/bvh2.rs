@@ -17,8 +17,8 @@ use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, BoxRay, DEVIATIONS, Groups, Items, PARAMS, RaySetup, VARIANTS, build_params,
-    items, known_defect,
+    ALSO_TESTED, BoxRay, DEVIATIONS, Groups, Items, Length, PARAMS, RaySetup, VARIANTS,
+    build_params, items, known_defect,
 };
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
@@ -71,9 +71,9 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let mut start = self.setup.ray(ray, false);
+        let mut start = self.setup.ray(ray, Length::Unit);
         if self.setup.is_robust() {
-            start.ray.tmax = start.bound(sink.t_max());
+            start.ray.tmax = start.parameters.bound(sink.t_max());
         }
         if K::COUNTING {
             count_nodes(&self.bvh, start.ray, |node, r| self.leaf(node, r, &start, sink));
@@ -157,7 +157,7 @@ impl<S: Scalar> ObvhsBvh2<S> {
         if tested.is_break() {
             return false;
         }
-        ray.tmax = start.bound(sink.t_max());
+        ray.tmax = start.parameters.bound(sink.t_max());
         true
     }
 }

@@ -17,8 +17,8 @@ use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, DEVIATIONS, Groups, Items, PARAMS, RaySetup, VARIANTS, build_params, items,
-    known_defect,
+    ALSO_TESTED, DEVIATIONS, Groups, Items, Length, PARAMS, RaySetup, VARIANTS, build_params,
+    items, known_defect,
 };
 use crate::structures::obvhs::builder::{TooDeep, eight_wide};
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
@@ -147,9 +147,9 @@ impl<S: Scalar> ObvhsCwBvh<S> {
         sink: &mut K,
         test: impl Fn(&mut Traversal, &mut K) -> ControlFlow<()>,
     ) {
-        let mut start = self.setup.ray(ray, true);
+        let mut start = self.setup.ray(ray, Length::Brief);
         if self.setup.is_robust() {
-            start.ray.tmax = start.bound(sink.t_max());
+            start.ray.tmax = start.parameters.bound(sink.t_max());
         }
         let mut ray = start.ray;
         let mut state = self.bvh.new_traversal(ray.direction);
@@ -168,7 +168,7 @@ impl<S: Scalar> ObvhsCwBvh<S> {
                     if test(&mut state, sink).is_break() {
                         break 'walk;
                     }
-                    ray.tmax = start.bound(sink.t_max());
+                    ray.tmax = start.parameters.bound(sink.t_max());
                 }
             );
         }

@@ -16,6 +16,8 @@ mod stack;
 
 use std::ops::ControlFlow;
 
+use glam::Vec3A;
+
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -24,7 +26,9 @@ use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
-use crate::structures::obvhs::adapter::{BoxRay, PRESET, RaySetup, build_params, items_of};
+use crate::structures::obvhs::adapter::{
+    BoxParameters, BoxRay, Length, PRESET, Padding, RaySetup, build_params, items_of,
+};
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
 use collapse::{Collapse, Costs};
 use node::{LEAF, Node, NodeRay};
@@ -74,6 +78,8 @@ pub struct WideBvh<S: Scalar> {
     lists: Lists<S>,
     setup: RaySetup<S>,
     is_batch: bool,
+    /// Whether a primitive that ends behind a ray's origin is not hit: see [`NodeRay`].
+    is_exact: bool,
     shape: Shape,
 }
 
@@ -82,7 +88,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
-        let items = items_of(prims, params, true)?;
+        let items = items_of(prims, params, Padding::OfExtent)?;
         let mut bvh = reinserted(&items.boxes, &build_params(params), true);
         limit_levels(&mut bvh, LEVELS);
         let costs = Costs {
@@ -133,7 +139,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         shape.inner_cells = nodes.len() as u64;
         shape.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
         let is_batch = params.text("query") == "batch";
-        Ok(Self { nodes, root, lists, setup: items.setup, is_batch, shape })
+        let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
+        Ok(Self { nodes, root, lists, setup: items.setup, is_batch, is_exact, shape })
     }
 
     #[inline(always)]
@@ -179,7 +186,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
 /// A ray's way through the tree.
 pub struct State<S: Scalar> {
-    start: BoxRay<S>,
+    parameters: BoxParameters<S>,
     ray: NodeRay,
     /// Where the query ends, on `ray`.
     end: f32,
@@ -192,16 +199,17 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
 
     #[inline(always)]
     fn idle() -> State<S> {
-        let start = BoxRay::idle();
-        let ray = NodeRay::of(&start.ray);
-        State { start, ray, end: 0.0, at: LEAF, stack: Stack::new() }
+        let ray = NodeRay::of(Vec3A::ZERO, Vec3A::ONE, false);
+        State { parameters: BoxParameters::SAME, ray, end: 0.0, at: LEAF, stack: Stack::new() }
     }
 
     #[inline(always)]
     fn begin(&self, ray: &Ray<S>, t_max: S, state: &mut State<S>) {
-        state.start = self.setup.ray(ray, false);
-        state.ray = NodeRay::of(&state.start.ray);
-        state.end = state.start.bound(t_max);
+        let BoxRay { ray, parameters } = self.setup.ray(ray, Length::Own);
+        let is_exact = self.is_exact && !parameters.starts_earlier();
+        state.ray = NodeRay::of(ray.origin, ray.direction, is_exact);
+        state.parameters = parameters;
+        state.end = parameters.bound(t_max);
         state.at = self.root;
         state.stack.clear();
     }
@@ -211,7 +219,7 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
         if state.at & LEAF != 0 {
             sink.elementary_step(false);
             self.lists.test(state.at & !LEAF, sink)?;
-            state.end = state.start.bound(sink.t_max());
+            state.end = state.parameters.bound(sink.t_max());
         } else {
             sink.inner_step();
             let node = &self.nodes[state.at as usize];

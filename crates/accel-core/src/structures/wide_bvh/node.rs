@@ -1,10 +1,10 @@
 //! A node of eight boxes, which a ray is tested against at once.
 
+use glam::{BVec3A, Vec3A};
 use wide::f32x8;
 
 use super::collapse::WIDTH;
 use crate::geometry::lanes::{Eight, Lanes};
-use obvhs::ray::Ray;
 
 /// Set in the child of a node that is a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
@@ -35,24 +35,55 @@ impl Node {
 }
 
 /// A ray as nodes are tested with it.
+///
+/// Boxes are padded for the rounding of a triangle's corners at its own extent
+/// (`Padding::OfExtent`). What is missing, is added to the ray, so that boxes are found that hold a hit:
+/// * Where it enters: all that a hit's point may lie outside of its triangle's box
+///   (`primitives/precise.rs`), as a shift of the origin.
+/// * Where it leaves: the rounding of corners at the hit's distance, as a factor (an angle); on axes
+///   along which the ray hardly runs, as a shift. No more, so that a ray which leaves a face is not
+///   within the boxes of that face. A triangle whose box ends behind the origin is not hit: that holds of
+///   the watertight test in f32; for other primitives both ends are shifted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NodeRay {
-    origin: [f32x8; 3],
-    inverse: [f32x8; 3],
-    /// Numbers of the planes that the ray meets first, by axis.
+    /// Of planes where boxes are entered, and of those where they are left.
+    origin: [[f32x8; 3]; 2],
+    inverse: [[f32x8; 3]; 2],
+    /// Numbers of the planes that the ray meets first, by axis; below 6.
     near: [usize; 3],
-    start: f32x8,
 }
 
+/// Components of a direction that are a smaller part of the largest one make too large a factor.
+const LEAST_PART: f32 = 1.0 / 512.0;
+/// More than the reciprocal of any component that counts, and less than overflows in a scene of unit
+/// size.
+const LARGE: f32 = 1e37;
+
 impl NodeRay {
+    /// Of a ray in a scene of unit size, its direction neither longer than 1e18 nor shorter than 1e-18, no
+    /// component -0. `is_exact`: a triangle that ends behind the origin is not hit.
     #[inline(always)]
-    pub(super) fn of(ray: &Ray) -> Self {
-        let (origin, inverse) = (ray.origin.to_array(), ray.inv_direction.to_array());
+    pub(super) fn of(o: Vec3A, d: Vec3A, is_exact: bool) -> Self {
+        const EPSILON: f32 = f32::EPSILON;
+        let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
+        // 24 epsilons of the largest coordinate, below 2, for weights; 5 of distances for corners; 4 for
+        // the slab; the rounding of the origin in f64
+        let shift = Vec3A::splat((64.0 + 9.0 * o.abs().max_element()) * EPSILON).copysign(d);
+        let longest = d.abs().max_element();
+        let is_shifted = match is_exact {
+            true => d.abs().cmplt(Vec3A::splat(longest * LEAST_PART)),
+            false => BVec3A::TRUE,
+        };
+        // a corner is off by 5 epsilons of the distance; 3 for the slab
+        let angle = inverse.abs() * (longest * (5.0 * EPSILON)) + (1.0 + 3.0 * EPSILON);
+        let longer = Vec3A::select(is_shifted, Vec3A::splat(1.0 + 4.0 * EPSILON), angle);
+        let leave = o - Vec3A::select(is_shifted, shift, Vec3A::ZERO);
+        let splat = |v: Vec3A| v.to_array().map(f32x8::splat);
+        let negative = inverse.is_negative_bitmask() as usize;
         Self {
-            origin: origin.map(f32x8::splat),
-            inverse: inverse.map(f32x8::splat),
-            near: std::array::from_fn(|k| if inverse[k] < 0.0 { k + 3 } else { k }),
-            start: f32x8::splat(ray.tmin),
+            origin: [splat(o + shift), splat(leave)],
+            inverse: [splat(inverse), splat(inverse * longer)],
+            near: std::array::from_fn(|k| k + 3 * (negative >> k & 1)),
         }
     }
 
@@ -60,13 +91,17 @@ impl NodeRay {
     #[inline(always)]
     pub(super) fn test(&self, node: &Node, end: f32) -> (u32, f32x8) {
         // axis k has planes k and k + 3
-        let plane =
-            |k: usize, at: usize| (node.planes[at.min(5)] - self.origin[k]) * self.inverse[k];
-        let far = |k: usize| 2 * k + 3 - self.near[k];
-        let enter = plane(0, self.near[0]).greater(plane(1, self.near[1]));
-        let enter = enter.greater(plane(2, self.near[2]).greater(self.start));
-        let leave = plane(0, far(0)).lesser(plane(1, far(1)));
-        let leave = leave.lesser(plane(2, far(2)).lesser(f32x8::splat(end)));
+        let plane = |k: usize, side: usize| {
+            let number = if side == 0 { self.near[k] } else { 2 * k + 3 - self.near[k] };
+            debug_assert!(number < 6);
+            // SAFETY: `near` is only ever set by `of`, to k or k + 3
+            let plane = unsafe { *node.planes.get_unchecked(number) };
+            (plane - self.origin[side][k]) * self.inverse[side][k]
+        };
+        let enter = plane(0, 0).greater(plane(1, 0));
+        let enter = enter.greater(plane(2, 0).greater(f32x8::ZERO));
+        let leave = plane(0, 1).lesser(plane(1, 1));
+        let leave = leave.lesser(plane(2, 1).lesser(f32x8::splat(end)));
         (enter.at_most(leave).high_bits(), enter)
     }
 }

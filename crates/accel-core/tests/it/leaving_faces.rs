@@ -1,0 +1,120 @@
+//! Rays that start on a face, or a few ulps beside it: `wide-bvh` leaves out boxes that end behind a
+//! ray's origin, and does not pad them for what rounding may do to a hit elsewhere. Its answers must
+//! be those of brute force all the same.
+
+use accel_core::primitives::{PrimsRef, TriangleSet, Watertight};
+use accel_core::registry::Buildable;
+use accel_core::structures::{REGISTRY, find};
+use accel_core::{Hit, Ray, Vec3, Vector};
+use glam::DVec3;
+
+use crate::common::Random;
+
+/// One of these powers of ten, evenly by logarithm.
+fn power(random: &mut Random, low: f64, high: f64) -> f64 {
+    10f64.powf(low + (high - low) * random.unit())
+}
+
+/// Triangles of sizes 1e-4 to 1, some of them flat on an axis, some up to 10^4 times as long as wide.
+fn faces(random: &mut Random, count: usize) -> Vec<[DVec3; 3]> {
+    let mut face = || {
+        let a = random.signed();
+        let size = power(random, -4.0, 0.0);
+        let wide = if random.unit() < 0.3 { power(random, -4.0, 0.0) } else { 1.0 };
+        let mut edges = [random.signed() * size, random.signed() * size * wide];
+        let axis = (random.unit() * 6.0) as usize;
+        if axis < 3 {
+            edges.iter_mut().for_each(|e| e[axis] = 0.0);
+        }
+        [a, a + edges[0], a + edges[1]].map(|p| p.as_vec3().as_dvec3())
+    };
+    (0..count).map(|_| face()).collect()
+}
+
+/// From a face, up to 64 ulps to either side, in any direction, or nearly along the face, or along an
+/// axis but for tiny components.
+fn rays<S: Buildable>(random: &mut Random, faces: &[[DVec3; 3]], count: usize) -> Vec<Ray<S>> {
+    let mut ray = || {
+        let [a, b, c] = faces[(random.unit() * faces.len() as f64) as usize];
+        let [u, v] = [random.unit(), random.unit()].map(|x| if x < 0.1 { 0.0 } else { x });
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let normal = (b - a).cross(c - a).normalize_or(DVec3::X);
+        let side = random.unit() - 0.5;
+        let off = side.signum() * 2.0 * side.abs() * power(random, -7.0, -5.2);
+        let mut d = random.signed();
+        match (random.unit() * 4.0) as u32 {
+            0 => d = d.reject_from(normal) + normal * power(random, -7.0, -1.0) * side,
+            1 => {
+                let axis = (random.unit() * 3.0) as usize;
+                let long = d[axis].signum();
+                d *= power(random, -30.0, -2.0);
+                d[axis] = long;
+            }
+            _ => {}
+        }
+        if random.unit() < 0.1 {
+            d *= power(random, -15.0, 15.0);
+        }
+        let o = a + (b - a) * u + (c - a) * v + normal * off;
+        let far =
+            if random.unit() < 0.1 { d.normalize_or(DVec3::X) * 9.0 * side } else { DVec3::ZERO };
+        let mut ray = Ray::<S>::new(Vec3::<S>::from_dvec3(o + far), Vec3::<S>::from_dvec3(d));
+        if random.unit() < 0.1 {
+            ray.t_min = S::from_f64(side * 1e-5);
+        }
+        ray
+    };
+    (0..count).map(|_| ray()).collect()
+}
+
+/// Rays by how they are answered: hits, and hits within 2^-16.
+fn agrees<S: Buildable>(rounds: u64) -> [usize; 2] {
+    let rows = [
+        ("wide-bvh", ""),
+        ("wide-bvh", "query=batch"),
+        ("wide-bvh", "max-leaf=1"),
+        ("obvhs-cwbvh", ""),
+        ("obvhs-bvh2", ""),
+    ];
+    let mut counts = [0; 2];
+    for round in 0..rounds {
+        let mut random = Random::new(round + 1);
+        let faces = faces(&mut random, 200);
+        let narrow = |t: &[DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
+        let set = TriangleSet::<S, Watertight>::new(faces.iter().map(narrow).collect(), |_| false);
+        let set = set.unwrap();
+        let rays = rays::<S>(&mut random, &faces, 20_000);
+        let answers = |name: &str, settings: &str| {
+            let entry = find(name).unwrap();
+            let pairs = settings.split_whitespace().map(|s| s.split_once('=').unwrap());
+            let params = entry.params(pairs).unwrap();
+            let tracer = entry.build(PrimsRef::Watertight(&set), &params).unwrap();
+            let unwritten = Hit { t: S::from_f64(f64::NAN), id: 7 };
+            let (mut hits, mut blocked) = (vec![unwritten; rays.len()], vec![false; rays.len()]);
+            tracer.closest_hits(&rays, &mut hits);
+            tracer.occlusions(&rays, &mut blocked);
+            (hits, blocked)
+        };
+        let expected = answers(REGISTRY[0].info.name, "");
+        counts[0] += expected.0.iter().filter(|h| h.is_hit()).count();
+        let near = |hit: &&Hit<S>| hit.is_hit() && hit.t.abs().to_f64() < 2f64.powi(-16);
+        counts[1] += expected.0.iter().filter(near).count();
+        for (name, settings) in rows {
+            let found = answers(name, settings);
+            for (i, ray) in rays.iter().enumerate() {
+                let both = [&found, &expected].map(|(hits, blocked)| (hits[i], blocked[i]));
+                assert_eq!(both[0], both[1], "{name} {settings}, round {round}, {i}: {ray:?}");
+            }
+        }
+    }
+    counts
+}
+
+#[test]
+fn rays_from_faces_are_answered_as_by_brute_force() {
+    assert_eq!(REGISTRY[0].info.name, "brute-force");
+    let single = agrees::<f32>(10);
+    let double = agrees::<f64>(3);
+    assert!(single[0] > 60_000 && single[1] > 30_000, "{single:?}");
+    assert!(double[0] > 15_000 && double[1] > 5_000, "{double:?}");
+}
