@@ -6,9 +6,9 @@
 //! (one ray against all boxes of a node). The binary tree is obvhs's: agglomeration and reinsertion
 //! (see `obvhs/bvh2.rs`).
 //!
-//! Deviations: boxes are not compressed; they are padded, in units of the scene's size, and rays are
-//! set up as for obvhs's robust adapter (`obvhs/adapter.rs`), so that no hit is lost; the children that
-//! a ray meets are sorted by where it enters them, but for occlusion, where any hit will do.
+//! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays are
+//! padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013,
+//! pads the slabs' rounding alone; the children that a ray meets are sorted by where it enters them.
 
 mod collapse;
 mod node;
@@ -35,7 +35,7 @@ use node::{LEAF, Node, NodeRay};
 use stack::{LEVELS, Stack};
 
 /// Rays of a batch on their way at once.
-const RAYS: usize = 4;
+const RAYS: usize = 2;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -46,7 +46,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec {
             name: "query",
-            summary: "one ray after the other, or four rays of a batch on their way at once",
+            summary: "one ray after the other, or two rays of a batch on their way at once",
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),
         },
