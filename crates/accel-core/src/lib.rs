@@ -9,7 +9,7 @@
 //!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. Lists of
 //!   triangles may be kept as [`primitives::TriangleBlock`]s, which a sink tests at once and counts
 //!   as the triangles they are. The irregular grid has one more traversal, for batches of rays with
-//!   several on their way at once ([`structure::Structure::closest_batch`]).
+//!   several on their way at once ([`structure::Batches`]).
 //! * [`query::tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
 //! * [`query::region::Gatherer`] answers the other question, which primitives a beam or cone may meet.

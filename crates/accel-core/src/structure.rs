@@ -31,9 +31,14 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// one array. Lists that it leaves out are tested primitive by primitive.
     fn lists<'a>(&'a self, _each: &mut dyn FnMut(&'a [u32])) {}
 
-    /// Answers the rays of a batch with several of them on their way at once, with the answers of
-    /// [`Structure::walk`]; false when it has no such way for this set, and rays are walked one after
-    /// the other. Rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
+    /// How a batch of rays is answered.
+    #[inline(always)]
+    fn batches<P: PrimSet<S>>(&self, _prims: &P) -> Batches {
+        Batches::RayByRay
+    }
+
+    /// Answers the rays of a batch, where [`Structure::batches`] says that they are not walked ray by ray.
+    /// With [`Batches::InFlight`] rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
     #[inline(always)]
     fn closest_batch<P: PrimSet<S>>(
         &self,
@@ -41,8 +46,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
         _rays: &[Ray<S>],
         _reach: S,
         _hits: &mut [Hit<S>],
-    ) -> bool {
-        false
+    ) {
     }
 
     /// [`Structure::closest_batch`] for occlusion by opaque primitives.
@@ -53,36 +57,23 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
         _rays: &[Ray<S>],
         _reach: S,
         _blocked: &mut [bool],
-    ) -> bool {
-        false
-    }
-
-    /// Answers each ray with the triangles, the test and the traversal of the library that the
-    /// structure is of, and nothing else; false when it does not so for this set. The answers are the
-    /// library's own: see [`StructureInfo::known_defect`].
-    #[inline(always)]
-    fn library_closest_hits<P: PrimSet<S>>(
-        &self,
-        _prims: &P,
-        _rays: &[Ray<S>],
-        _hits: &mut [Hit<S>],
-    ) -> bool {
-        false
-    }
-
-    /// [`Structure::library_closest_hits`] for occlusion by opaque primitives.
-    #[inline(always)]
-    fn library_occlusions<P: PrimSet<S>>(
-        &self,
-        _prims: &P,
-        _rays: &[Ray<S>],
-        _blocked: &mut [bool],
-    ) -> bool {
-        false
+    ) {
     }
 
     /// What was built; a walk over the structure, not part of the build.
     fn shape(&self) -> Shape;
+}
+
+/// How a structure answers a batch of rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Batches {
+    /// Each is walked ([`Structure::walk`]) to its end before the next one begins.
+    RayByRay,
+    /// Several are on their way at once, with the answers of [`Structure::walk`].
+    InFlight,
+    /// With the triangles, the test and the traversal of the library that the structure is of, and
+    /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].
+    Library,
 }
 
 /// What a structure consists of, in the symbols of Havran and Sixta (1999).

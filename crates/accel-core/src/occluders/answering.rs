@@ -23,11 +23,6 @@ pub trait Occluder<S: Scalar>: Send + Sync {
     ) -> WorkCounters;
     /// What was built, over all lights.
     fn shape(&self) -> Shape;
-    /// Whether several rays of a batch are on their way at once, as in
-    /// [`Tracer::answers_batches`](crate::query::tracer::Tracer::answers_batches).
-    fn answers_batches(&self) -> bool {
-        false
-    }
 }
 
 /// A boxed occluder over a set of primitives.

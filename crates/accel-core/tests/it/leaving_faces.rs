@@ -15,9 +15,26 @@ fn power(random: &mut Random, low: f64, high: f64) -> f64 {
     10f64.powf(low + (high - low) * random.unit())
 }
 
+/// A triangle of two edges along axes, the longer of which passes a point that may be close to the
+/// origin of coordinates: there a ray starts so near the edge that no corner tells it from one that
+/// starts on the edge.
+fn square_face(random: &mut Random) -> [DVec3; 3] {
+    let mut axes = [0, 1, 2];
+    axes.rotate_left((random.unit() * 3.0) as usize);
+    let a = random.signed() * power(random, -8.0, 0.0);
+    let (mut along, mut across) = (DVec3::ZERO, DVec3::ZERO);
+    along[axes[0]] = power(random, -2.0, 0.0);
+    across[axes[1]] = random.signed().x;
+    let part = random.unit();
+    [a - along * part, a + along * (1.0 - part), a + across]
+}
+
 /// Triangles of sizes 1e-4 to 1, some of them flat on an axis, some up to 10^4 times as long as wide.
 fn faces(random: &mut Random, count: usize) -> Vec<[DVec3; 3]> {
     let mut face = || {
+        if random.unit() < 0.3 {
+            return square_face(random).map(|p| p.as_vec3().as_dvec3());
+        }
         let a = random.signed();
         let size = power(random, -4.0, 0.0);
         let wide = if random.unit() < 0.3 { power(random, -4.0, 0.0) } else { 1.0 };
@@ -31,7 +48,7 @@ fn faces(random: &mut Random, count: usize) -> Vec<[DVec3; 3]> {
     (0..count).map(|_| face()).collect()
 }
 
-/// From a face, up to 64 ulps to either side, in any direction, or nearly along the face, or along an
+/// From a face, or up to 64 ulps beside it, in any direction, or nearly along the face, or along an
 /// axis but for tiny components.
 fn rays<S: Buildable>(random: &mut Random, faces: &[[DVec3; 3]], count: usize) -> Vec<Ray<S>> {
     let mut ray = || {
@@ -55,7 +72,11 @@ fn rays<S: Buildable>(random: &mut Random, faces: &[[DVec3; 3]], count: usize) -
         if random.unit() < 0.1 {
             d *= power(random, -15.0, 15.0);
         }
-        let o = a + (b - a) * u + (c - a) * v + normal * off;
+        let beside = match random.unit() < 0.5 {
+            true => normal * off,
+            false => random.signed() * power(random, -10.0, -6.0),
+        };
+        let o = a + (b - a) * u + (c - a) * v + beside;
         let far =
             if random.unit() < 0.1 { d.normalize_or(DVec3::X) * 9.0 * side } else { DVec3::ZERO };
         let mut ray = Ray::<S>::new(Vec3::<S>::from_dvec3(o + far), Vec3::<S>::from_dvec3(d));

@@ -5,7 +5,7 @@ use std::time::Duration;
 use accel_core::primitives::{MixedSetBuilder, PrimsRef, TriangleSet, Watertight};
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::structure::BuildError;
+use accel_core::structure::{Batches, BuildError};
 use accel_core::structures::find;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::{DVec3, Vec3A};
@@ -128,7 +128,7 @@ fn answers_are_those_of_obvhs_without_us() {
         for (preset, theirs) in presets {
             let settings = format!("adapter=direct preset={preset}");
             let tracer = tracer(name, &settings, PrimsRef::Watertight(&set)).unwrap();
-            assert!(tracer.tests_by_library() && !tracer.answers_batches());
+            assert_eq!(tracer.batches(), Batches::Library);
             let (hits, blocked) = asked(&*tracer, &rays);
             let number = hits.iter().filter(|hit| hit.is_hit()).count();
             assert!(number > 300 && blocked.contains(&true) && blocked.contains(&false));
@@ -147,7 +147,7 @@ fn other_answers_are_seen() {
     let expected = without_us(&set, true, Preset::medium_build(), &rays);
     let shipped = tracer("obvhs-cwbvh", "adapter=as-shipped", PrimsRef::Watertight(&set)).unwrap();
     let (hits, _) = asked(&*shipped, &rays);
-    assert!(!shipped.tests_by_library());
+    assert_eq!(shipped.batches(), Batches::RayByRay);
     let differ = |(a, b): (&Hit<f32>, &(f32, u32))| a.t.to_bits() != b.0.to_bits();
     assert!(hits.iter().zip(&expected.0).filter(|pair| differ(*pair)).count() > 100);
     let opaque = TriangleSet::new(set.triangles().to_vec(), |_| false).unwrap();
@@ -170,7 +170,7 @@ fn of_other_sets_the_primitives_are_tested_by_ours() {
         for name in ROWS {
             let direct = tracer(name, &format!("adapter=direct {settings}"), prims).unwrap();
             let shipped = tracer(name, &format!("adapter=as-shipped {settings}"), prims).unwrap();
-            assert!(!direct.tests_by_library());
+            assert_eq!(direct.batches(), Batches::RayByRay);
             let (direct, shipped) = (asked(&*direct, &rays), asked(&*shipped, &rays));
             assert!(direct.0.iter().filter(|hit| hit.is_hit()).count() > 100);
             assert!(direct == shipped, "{name} {settings} {}", S::NAME);

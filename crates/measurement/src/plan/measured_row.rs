@@ -6,7 +6,7 @@ use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, Shape};
+use accel_core::structure::{Batches, BuildError, Shape};
 use accel_core::structures::Entry;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -163,16 +163,22 @@ impl<S: Buildable> Built<'_, S> {
 
     /// How it answers the rays of a batch.
     pub fn query(&self) -> Query {
-        let answers_batches = match self {
-            Self::Structure(tracer) => tracer.answers_batches(),
-            Self::Occluder(occluder) => occluder.answers_batches(),
-        };
-        if answers_batches { Query::Batch } else { Query::OneRay }
+        match self.batches() {
+            Batches::InFlight => Query::Batch,
+            Batches::RayByRay | Batches::Library => Query::OneRay,
+        }
     }
 
-    /// See [`Tracer::tests_by_library`].
+    fn batches(&self) -> Batches {
+        match self {
+            Self::Structure(tracer) => tracer.batches(),
+            Self::Occluder(_) => Batches::RayByRay,
+        }
+    }
+
+    /// Whether answers are those of a library's own primitive test.
     pub fn tests_by_library(&self) -> bool {
-        matches!(self, Self::Structure(tracer) if tracer.tests_by_library())
+        self.batches() == Batches::Library
     }
 
     /// What was built.

@@ -3,11 +3,12 @@
 
 use std::time::Duration;
 
+use accel_core::geometry::far_ray::{Parameters, Place, place};
 use accel_core::occluders;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo, no_defect};
 use accel_core::structures::{Entry, brute_force, obvhs, uniform_grid};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
@@ -39,6 +40,36 @@ impl<S: Scalar> Structure<S> for Dropper<S> {
     }
 }
 
+/// Closest hits of a batch, one ray and primitive after the other.
+pub fn by_brute_force<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    rays: &[Ray<S>],
+    reach: S,
+    hits: &mut [Hit<S>],
+) {
+    for (ray, hit) in rays.iter().zip(hits) {
+        let miss = Hit { t: ray.t_max, ..Hit::NONE };
+        let (near, parameters) = match place(ray, reach) {
+            Place::Near => (*ray, Parameters::SAME),
+            Place::Moved(near, parameters) => (near, parameters),
+            Place::Nowhere => {
+                *hit = miss;
+                continue;
+            }
+        };
+        let setup = prims.setup(&near);
+        let mut best = Hit { t: near.t_max, ..Hit::NONE };
+        for id in 0..prims.len() as u32 {
+            if let Some(t) = prims.intersect(id, &near, &setup, best.t)
+                && (t < best.t || id < best.id)
+            {
+                best = Hit { t, id };
+            }
+        }
+        *hit = if best.is_hit() { Hit { t: parameters.restored(best.t), ..best } } else { miss };
+    }
+}
+
 /// Brute force whose batches of shadow rays say that they are answered, and are not; with `ALL` those
 /// of closest hits, too.
 pub struct Silent<S, const ALL: bool> {
@@ -66,12 +97,20 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
         let _ = sink.test(&self.ids);
     }
 
-    fn closest_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [Hit<S>]) -> bool {
-        ALL
+    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+        Batches::InFlight
     }
 
-    fn occlusion_batch<P: PrimSet<S>>(&self, _: &P, _: &[Ray<S>], _: S, _: &mut [bool]) -> bool {
-        true
+    fn closest_batch<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        hits: &mut [Hit<S>],
+    ) {
+        if !ALL {
+            by_brute_force(prims, rays, reach, hits);
+        }
     }
 
     fn shape(&self) -> Shape {

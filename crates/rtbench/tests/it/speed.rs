@@ -3,11 +3,11 @@
 
 use std::time::Duration;
 
-use crate::common::{Ended, Folder, planted, row, run_with};
+use crate::common::{Ended, Folder, by_brute_force, planted, row, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Hit, Ray, Scalar, Vector};
 use measurement::record::query::Query;
@@ -184,13 +184,17 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
         let _ = sink.test(&self.ids);
     }
 
+    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+        Batches::InFlight
+    }
+
     fn closest_batch<P: PrimSet<S>>(
         &self,
-        _: &P,
+        prims: &P,
         rays: &[Ray<S>],
-        _: S,
+        reach: S,
         hits: &mut [Hit<S>],
-    ) -> bool {
+    ) {
         let from_the_eye = rays.windows(2).all(|pair| pair[0].origin == pair[1].origin);
         // 16 pixels a line: the first two are neighbours
         let apart = match rays {
@@ -203,8 +207,22 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
         };
         if apart {
             hits.fill(Hit::NONE);
+        } else {
+            by_brute_force(prims, rays, reach, hits);
         }
-        apart
+    }
+
+    fn occlusion_batch<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        blocked: &mut [bool],
+    ) {
+        // all primitives of the scene are opaque
+        let mut hits = vec![Hit::NONE; rays.len()];
+        by_brute_force(prims, rays, reach, &mut hits);
+        blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
     }
 
     fn shape(&self) -> Shape {

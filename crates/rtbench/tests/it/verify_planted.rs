@@ -4,12 +4,13 @@
 use std::time::Duration;
 
 use crate::common::{
-    Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, planted, run_with,
+    Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, by_brute_force, planted,
+    run_with,
 };
 use accel_core::params::Params;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
 use measurement::scenes::Installed;
@@ -168,17 +169,34 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
         let _ = sink.test(&self.ids);
     }
 
+    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+        Batches::InFlight
+    }
+
     fn closest_batch<P: PrimSet<S>>(
         &self,
-        _: &P,
+        prims: &P,
         rays: &[Ray<S>],
-        _: S,
+        reach: S,
         hits: &mut [Hit<S>],
-    ) -> bool {
-        if let ([ray], [hit]) = (rays, hits) {
-            *hit = Hit { t: ray.t_max, ..Hit::NONE };
+    ) {
+        match (rays, &mut *hits) {
+            ([ray], [hit]) => *hit = Hit { t: ray.t_max, ..Hit::NONE },
+            _ => by_brute_force(prims, rays, reach, hits),
         }
-        rays.len() <= 1
+    }
+
+    fn occlusion_batch<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        blocked: &mut [bool],
+    ) {
+        // all primitives of the cases are opaque
+        let mut hits = vec![Hit::NONE; rays.len()];
+        by_brute_force(prims, rays, reach, &mut hits);
+        blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
     }
 
     fn shape(&self) -> Shape {

@@ -16,7 +16,7 @@ use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
-use crate::structure::{Shape, Structure};
+use crate::structure::{Batches, Shape, Structure};
 
 /// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
 /// view that nobody else keeps.
@@ -167,11 +167,11 @@ where
         if self.has_no_mailbox() {
             let n = rays.len().min(hits.len());
             let (rays, hits) = (&rays[..n], &mut hits[..n]);
-            if self.structure.library_closest_hits(&*self.prims, rays, hits) {
-                return;
-            }
-            if !self.structure.closest_batch(&*self.prims, rays, self.reach, hits) {
-                self.timed_closest(rays, hits, NoMailbox);
+            match self.structure.batches(&*self.prims) {
+                Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
+                Batches::InFlight | Batches::Library => {
+                    self.structure.closest_batch(&*self.prims, rays, self.reach, hits);
+                }
             }
             return;
         }
@@ -188,11 +188,11 @@ where
         if self.has_no_mailbox() {
             let n = rays.len().min(blocked.len());
             let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
-            if self.structure.library_occlusions(&*self.prims, rays, blocked) {
-                return;
-            }
-            if !self.structure.occlusion_batch(&*self.prims, rays, self.reach, blocked) {
-                self.timed_occlusions(rays, blocked, NoMailbox);
+            match self.structure.batches(&*self.prims) {
+                Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
+                Batches::InFlight | Batches::Library => {
+                    self.structure.occlusion_batch(&*self.prims, rays, self.reach, blocked);
+                }
             }
             return;
         }
@@ -216,16 +216,11 @@ where
         self.whole_shape()
     }
 
-    fn tests_by_library(&self) -> bool {
-        // asked of no rays
-        self.has_no_mailbox() && self.structure.library_closest_hits(&*self.prims, &[], &mut [])
-    }
-
-    fn answers_batches(&self) -> bool {
-        // whether they serve is the question that a timed pass asks, here of no rays
-        self.has_no_mailbox()
-            && (self.structure.closest_batch(&*self.prims, &[], self.reach, &mut [])
-                || self.structure.occlusion_batch(&*self.prims, &[], self.reach, &mut []))
+    fn batches(&self) -> Batches {
+        match self.has_no_mailbox() {
+            true => self.structure.batches(&*self.prims),
+            false => Batches::RayByRay,
+        }
     }
 }
 

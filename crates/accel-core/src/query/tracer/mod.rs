@@ -11,7 +11,7 @@ pub use in_motion::BoundInMotion;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::counters::WorkCounters;
-use crate::structure::Shape;
+use crate::structure::{Batches, Shape};
 
 /// What a shadow ray of the counting pass does; the historical rules are explained in
 /// `results/published/README.md`.
@@ -54,14 +54,9 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     ) -> WorkCounters;
     /// What was built.
     fn shape(&self) -> Shape;
-    /// Whether the answers that are not counted are those of a library's own primitive test: they
-    /// differ from those of the set's test by its rounding, and by its defects.
-    fn tests_by_library(&self) -> bool {
-        false
-    }
-    /// Whether a batch is answered in a way of its own, with several rays on their way at once.
-    /// Otherwise each ray of it is walked to its end before the next one begins.
-    fn answers_batches(&self) -> bool {
-        false
+    /// How a batch is answered while nothing is counted. A library's own primitive test differs from
+    /// that of the set by its rounding, and by its defects.
+    fn batches(&self) -> Batches {
+        Batches::RayByRay
     }
 }

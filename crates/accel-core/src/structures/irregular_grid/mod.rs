@@ -42,7 +42,7 @@ use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::too_many;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo, no_defect};
 use cells::{FIRST_PART, TooLarge};
 use course::{Course, Place};
 use lattice::Lattice;
@@ -226,18 +226,23 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         }
     }
 
+    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+        match (&self.lists, self.is_batch) {
+            (Lists::Blocks(_), true) => Batches::InFlight,
+            _ => Batches::RayByRay,
+        }
+    }
+
     fn closest_batch<P: PrimSet<S>>(
         &self,
         _prims: &P,
         rays: &[Ray<S>],
         reach: S,
         hits: &mut [Hit<S>],
-    ) -> bool {
-        if let (Lists::Blocks(blocks), true) = (&self.lists, self.is_batch) {
+    ) {
+        if let Lists::Blocks(blocks) = &self.lists {
             self.trace_closest(blocks, rays, reach, hits);
-            return true;
         }
-        false
     }
 
     fn occlusion_batch<P: PrimSet<S>>(
@@ -246,12 +251,10 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         rays: &[Ray<S>],
         reach: S,
         blocked: &mut [bool],
-    ) -> bool {
-        if let (Lists::Blocks(blocks), true) = (&self.lists, self.is_batch) {
+    ) {
+        if let Lists::Blocks(blocks) = &self.lists {
             self.trace_occlusions(blocks, prims, rays, reach, blocked);
-            return true;
         }
-        false
     }
 
     fn shape(&self) -> Shape {

@@ -15,7 +15,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo};
+use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
     ALSO_TESTED, BoxRay, DEVIATIONS, Groups, Items, Length, PARAMS, RaySetup, VARIANTS,
     build_params, items, known_defect,
@@ -89,23 +89,22 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     }
 
     #[inline(always)]
-    fn library_closest_hits<P: PrimSet<S>>(
-        &self,
-        prims: &P,
-        rays: &[Ray<S>],
-        hits: &mut [Hit<S>],
-    ) -> bool {
-        self.direct.as_ref().is_some_and(|own| own.closest_hits(&self.bvh, prims, rays, hits))
+    fn batches<P: PrimSet<S>>(&self, prims: &P) -> Batches {
+        Direct::batches::<S, P>(self.direct.as_ref(), prims)
     }
 
     #[inline(always)]
-    fn library_occlusions<P: PrimSet<S>>(
-        &self,
-        prims: &P,
-        rays: &[Ray<S>],
-        blocked: &mut [bool],
-    ) -> bool {
-        self.direct.as_ref().is_some_and(|own| own.occlusions(&self.bvh, prims, rays, blocked))
+    fn closest_batch<P: PrimSet<S>>(&self, _: &P, rays: &[Ray<S>], _: S, hits: &mut [Hit<S>]) {
+        if let Some(own) = &self.direct {
+            own.closest_hits(&self.bvh, rays, hits);
+        }
+    }
+
+    #[inline(always)]
+    fn occlusion_batch<P: PrimSet<S>>(&self, _: &P, rays: &[Ray<S>], _: S, blocked: &mut [bool]) {
+        if let Some(own) = &self.direct {
+            own.occlusions(&self.bvh, rays, blocked);
+        }
     }
 
     fn shape(&self) -> Shape {

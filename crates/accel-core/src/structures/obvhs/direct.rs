@@ -18,6 +18,7 @@ use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::params::Params;
 use crate::primitives::PrimSet;
+use crate::structure::Batches;
 
 /// What both trees of obvhs answer.
 pub(crate) trait Tree {
@@ -112,19 +113,25 @@ impl Direct {
         Self { triangles: laid_out.collect(), transmissive: transmissive.collect() }
     }
 
-    /// See [`crate::structure::Structure::library_closest_hits`].
+    /// See [`crate::structure::Structure::batches`].
     #[inline(always)]
-    pub(crate) fn closest_hits<S: Scalar, P: PrimSet<S>>(
+    pub(crate) fn batches<S: Scalar, P: PrimSet<S>>(this: Option<&Self>, prims: &P) -> Batches {
+        // a set under another test may be asked, too
+        if this.is_some() && is_served::<S, P>(prims) {
+            Batches::Library
+        } else {
+            Batches::RayByRay
+        }
+    }
+
+    /// See [`crate::structure::Structure::closest_batch`].
+    #[inline(always)]
+    pub(crate) fn closest_hits<S: Scalar>(
         &self,
         tree: &impl Tree,
-        prims: &P,
         rays: &[Ray<S>],
         hits: &mut [Hit<S>],
-    ) -> bool {
-        // a set under another test may be asked, too
-        if !is_served::<S, P>(prims) {
-            return false;
-        }
+    ) {
         for (ray, hit) in rays.iter().zip(hits) {
             let mut found = RayHit::none();
             let is_hit =
@@ -138,27 +145,22 @@ impl Direct {
                 Hit { t: ray.t_max, id: MISS }
             };
         }
-        true
     }
 
-    /// See [`crate::structure::Structure::library_occlusions`].
+    /// See [`crate::structure::Structure::occlusion_batch`].
     #[inline(always)]
-    pub(crate) fn occlusions<S: Scalar, P: PrimSet<S>>(
+    pub(crate) fn occlusions<S: Scalar>(
         &self,
         tree: &impl Tree,
-        prims: &P,
         rays: &[Ray<S>],
         blocked: &mut [bool],
-    ) -> bool {
-        if !is_served::<S, P>(prims) {
-            return false;
-        }
+    ) {
         let test = |ray: &ObvhsRay, at: usize| self.triangles[at].intersect(ray);
         if self.transmissive.is_empty() {
             for (ray, blocked) in rays.iter().zip(blocked) {
                 *blocked = !tree.misses(own(ray), test);
             }
-            return true;
+            return;
         }
         for (ray, blocked) in rays.iter().zip(blocked) {
             *blocked = !tree.misses(own(ray), |ray, at| match test(ray, at) {
@@ -166,7 +168,6 @@ impl Direct {
                 t => t,
             });
         }
-        true
     }
 
     pub(crate) fn bytes(&self) -> u64 {

@@ -25,7 +25,7 @@ use crate::primitives::PrimSet;
 use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::structures::obvhs::adapter::{
     BoxParameters, BoxRay, Length, PRESET, Padding, RaySetup, build_params, items_of,
 };
@@ -149,19 +149,22 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
     }
 
     #[inline(always)]
+    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+        if P::HAS_BLOCKS && self.is_batch { Batches::InFlight } else { Batches::RayByRay }
+    }
+
+    #[inline(always)]
     fn closest_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
         rays: &[Ray<S>],
         reach: S,
         hits: &mut [Hit<S>],
-    ) -> bool {
+    ) {
         // compiled for triangles alone, as batches of the irregular grid are
-        let serves = P::HAS_BLOCKS && self.is_batch;
-        if serves {
+        if P::HAS_BLOCKS {
             in_flight::closest::<S, P, Self, RAYS>(self, prims, rays, reach, hits);
         }
-        serves
     }
 
     #[inline(always)]
@@ -171,12 +174,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         rays: &[Ray<S>],
         reach: S,
         blocked: &mut [bool],
-    ) -> bool {
-        let serves = P::HAS_BLOCKS && self.is_batch;
-        if serves {
+    ) {
+        if P::HAS_BLOCKS {
             in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
         }
-        serves
     }
 
     fn shape(&self) -> Shape {
