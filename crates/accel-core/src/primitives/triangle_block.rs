@@ -155,10 +155,11 @@ impl<S: Scalar> TriangleBlock<S> {
         let suffice = (square * largest).below(splat(shear.fine) * det.absolute());
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * splat(shear.depth_scale()) / det;
-        // NaN fails both comparisons with the interval
-        let within = splat(ray.t_min).at_most(t) & t.at_most(splat(t_max));
+        // NaN fails all comparisons
+        let begun = splat(ray.t_min).at_most(t);
         let near = depth.absolute().below(splat(shear.near) * square);
-        let doubts = (doubtful | within & near).high_bits() | !suffice.high_bits();
+        let doubts = (doubtful | begun & near).high_bits() | !suffice.high_bits();
+        let within = begun & t.at_most(splat(t_max));
         Some((within.high_bits() & alike & !doubts, doubts & alike, t.to_array()))
     }
 

@@ -43,13 +43,13 @@ pub(crate) fn intersect<S: Scalar>(
     let depth = u * a[2] + v * b[2] + w * c[2];
     let t = depth * shear.shear[2] / det;
     let largest = largest(&[a, b, c]);
-    // NaN fails both comparisons
-    let is_within = t >= ray.t_min && t <= t_max;
-    // also where the determinant is zero, or NaN
+    // NaN fails all comparisons
+    let is_begun = t >= ray.t_min;
+    // also where the determinant is zero, or NaN; whatever was hit before, lest answers depend on order
     if !weights_suffice(largest, det, shear.fine)
-        || is_within && depth.abs() < shear.near * (largest * largest)
+        || is_begun && depth.abs() < shear.near * (largest * largest)
     {
         return precise::intersect(tri, ray, shear, t_max);
     }
-    is_within.then_some(t)
+    (is_begun && t <= t_max).then_some(t)
 }
