@@ -25,7 +25,7 @@ pub use effects::{Effect, EffectPlan, Gating, RayCounts, RenderSettings, Samples
 pub use film::{Image, ImageError, ImageFormat, heat_map};
 pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};
-pub use shading::{foot, leaving, surface};
+pub use shading::{ray_offset, refined_hit, surface};
 pub use tracers::generate_rays;
 pub use tracers::whitted::{Rendered, render, render_plan};
 pub use tracers::work;

@@ -3,7 +3,7 @@
 use accel_core::Ray;
 use accel_core::registry::Buildable;
 
-use crate::shading::leaving::OffsetRule;
+use crate::shading::ray_offset::OffsetRule;
 
 /// What a ray is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

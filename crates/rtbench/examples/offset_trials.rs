@@ -8,7 +8,7 @@
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Vector};
 use measurement::plan::ray_overrides::RULES;
-use renderer::leaving::OffsetRule;
+use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
 use studies::verify::cases::secondary::{Draw, draws};
 use studies::verify::model::Model;

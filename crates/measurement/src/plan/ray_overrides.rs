@@ -1,7 +1,7 @@
 //! Settings of rays, which hold for all rows of a run: `--set rays.offset=none`.
 
 use renderer::RaySettings;
-use renderer::leaving::OffsetRule;
+use renderer::ray_offset::OffsetRule;
 
 use crate::plan::error::PlanError;
 use crate::settings::suggest;

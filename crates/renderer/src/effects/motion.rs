@@ -47,7 +47,7 @@ impl HitStage for MovedSurfaces<'_> {
                 let way = velocity * hit.origin.time;
                 let at_rest = self.surfaces.at(hit.id, hit.point.position - way);
                 hit.point.normal = at_rest.normal;
-                hit.point.foot = at_rest.foot.moved_by(way);
+                hit.point.refined = at_rest.refined.moved_by(way);
             }
         }
     }

@@ -1,5 +1,5 @@
 //! Surfaces where rays meet them, and the rays that leave them.
 
-pub mod foot;
-pub mod leaving;
+pub mod ray_offset;
+pub mod refined_hit;
 pub mod surface;

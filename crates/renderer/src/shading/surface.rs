@@ -4,7 +4,7 @@ use accel_core::primitives::newell_normal;
 use glam::DVec3;
 use scene_loading::{Material, Rgb, Scene, Shape};
 
-use super::foot::{Foot, foot};
+use super::refined_hit::{RefinedHit, refined_hit};
 
 /// Looks up normals and materials of a scene after a hit.
 pub struct Surfaces<'a> {
@@ -28,7 +28,7 @@ pub struct SurfacePoint<'a> {
     /// The colour here: that of the material, unless a stage has found another one.
     pub color: Rgb,
     /// The point of the primitive itself, with its geometric normal.
-    pub foot: Foot,
+    pub refined: RefinedHit,
 }
 
 impl<'a> Surfaces<'a> {
@@ -62,9 +62,9 @@ impl<'a> Surfaces<'a> {
             Shape::Patch { v, n } => self.patch_normal(v, n, position),
         };
         let material = &self.scene.materials[primitive.material as usize];
-        let mut foot = foot(self.scene, &self.polygon_normals, id, position);
-        foot.magnitude = foot.magnitude.min(self.most);
-        SurfacePoint { position, normal, material, color: material.color, foot }
+        let mut refined = refined_hit(self.scene, &self.polygon_normals, id, position);
+        refined.magnitude = refined.magnitude.min(self.most);
+        SurfacePoint { position, normal, material, color: material.color, refined }
     }
 
     fn cone_normal(&self, index: u32, position: DVec3) -> DVec3 {

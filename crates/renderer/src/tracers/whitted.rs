@@ -28,7 +28,7 @@ use crate::effects::{
 };
 use crate::film::Image;
 use crate::rays::{RayBatches, RayKind, RaySettings, ShadowRays};
-use crate::shading::leaving::{Leaving, OffsetRule};
+use crate::shading::ray_offset::{OffsetRule, RayOffset};
 use crate::shading::surface::Surfaces;
 
 /// Registry line.
@@ -52,7 +52,7 @@ pub struct Whitted<'a> {
     grid: [u32; 2],
     background: Rgb,
     max_depth: u32,
-    leaving: Leaving,
+    offset: RayOffset,
     /// For rays that are kept: the seed of diffuse bounces, if there are any.
     diffuse: Option<u64>,
 }
@@ -120,7 +120,7 @@ impl<'a> Whitted<'a> {
             grid,
             background: scene.background,
             max_depth,
-            leaving: Leaving::new(offset, magnitude),
+            offset: RayOffset::new(offset, magnitude),
             diffuse: None,
         }
     }
@@ -223,7 +223,7 @@ impl<'a> Whitted<'a> {
         if let (Some(seed), 1, Some(rays)) = (self.diffuse, place.depth, &mut row.rays) {
             let bounces = seen.iter().map(|hit| {
                 let pixel = [hit.origin.column, place.y];
-                self.leaving(hit, diffuse_direction(hit, pixel, seed))
+                self.secondary_ray(hit, diffuse_direction(hit, pixel, seed))
             });
             rays.batch_mut(RayKind::Diffuse).extend(bounces);
         }
@@ -249,7 +249,7 @@ impl<'a> Whitted<'a> {
             rays.clear();
             rays.extend(shadows.iter().map(|shadow| {
                 let hit = &hits[shadow.hit as usize];
-                let mut ray: Ray<S> = self.leaving.to(&hit.point, shadow.target);
+                let mut ray: Ray<S> = self.offset.to(&hit.point, shadow.target);
                 ray.time = S::from_f64(hit.origin.time);
                 ray
             }));
@@ -280,7 +280,7 @@ impl<'a> Whitted<'a> {
         let mut kinds = [0; 2];
         let mut next = Vec::with_capacity(scattered.len());
         for s in &scattered {
-            let ray = self.leaving(&hits[s.hit as usize], s.direction);
+            let ray = self.secondary_ray(&hits[s.hit as usize], s.direction);
             next.push(Path { ray, origin: s.origin, weight: s.weight });
             kinds[usize::from(s.kind == RayKind::Refracted)] += 1;
         }
@@ -296,8 +296,8 @@ impl<'a> Whitted<'a> {
     }
 
     /// A ray that leaves a surface.
-    fn leaving<S: Buildable>(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Ray<S> {
-        let mut ray: Ray<S> = self.leaving.along(&hit.point, direction);
+    fn secondary_ray<S: Buildable>(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Ray<S> {
+        let mut ray: Ray<S> = self.offset.along(&hit.point, direction);
         ray.time = S::from_f64(hit.origin.time);
         ray
     }

@@ -9,7 +9,7 @@ use accel_core::structures::gatherers;
 use accel_core::{Hit, Ray, Vector};
 use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
-use renderer::leaving::{Leaving, OffsetRule};
+use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{Surfaces, reflect};
 use renderer::tracers::beam::{Covered, Settings, coverage, draw};
 use renderer::tracers::{Drawn, Frame, Structures};
@@ -61,7 +61,7 @@ fn sampled(
 ) -> Vec<BTreeMap<(u32, Option<u32>), u32>> {
     let eye = EyeRays::new(&scene.camera, frame.resolution, Sampling::PixelCentres);
     let surfaces = Surfaces::new(scene, false);
-    let leaving = Leaving::new(OffsetRule::default(), 10.0);
+    let offset = RayOffset::new(OffsetRule::default(), 10.0);
     let mut state = 7_u64;
     let mut random = || {
         state =
@@ -92,7 +92,7 @@ fn sampled(
                     let point = surfaces.at(id, from + d * hit.t);
                     if point.material.specular > 0.0 {
                         let direction = reflect(d, point.normal);
-                        let mut leaves: Ray<f64> = leaving.along(&point, direction);
+                        let mut leaves: Ray<f64> = offset.along(&point, direction);
                         if !from_mirrors {
                             leaves.origin = Vector::from_dvec3(point.position - direction * hit.t);
                         }

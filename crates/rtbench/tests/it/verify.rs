@@ -11,7 +11,7 @@ use accel_core::structures::{Entry, REGISTRY};
 use accel_core::{Ray, Scalar, Vector};
 use measurement::scenes::Installed;
 use measurement::system::clock::{SteppingClock, SystemClock};
-use renderer::leaving::OffsetRule;
+use renderer::ray_offset::OffsetRule;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use statistics::random::Random;
 use studies::verify::cases::secondary::draws;

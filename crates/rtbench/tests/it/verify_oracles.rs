@@ -7,7 +7,7 @@ use accel_core::grid::voxel_walk::GridFrame;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::mailbox::{Mailbox, MailboxSource, Stamps};
 use accel_core::{Hit, Ray, Vector};
-use renderer::leaving::OffsetRule;
+use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
 use studies::verify::cases::shells::shells_under;
 use studies::verify::model::Model;

@@ -7,7 +7,7 @@ use accel_core::query::tracer::Tracer;
 use accel_core::structures::Entry;
 use accel_core::{Hit, Ray};
 use glam::{DVec3, dvec3};
-use renderer::leaving::OffsetRule;
+use renderer::ray_offset::OffsetRule;
 use renderer::{Geometry, Image, RaySettings, render};
 use scene_loading::{Camera, Light, Material, Scene};
 

@@ -179,8 +179,11 @@ impl<'a> Tile<'a> {
             on.surfaces.at(id, pyramid.point(p, seen.depth.at(p)))
         };
         let middle = at(centre);
-        let plane =
-            Plane { normal: middle.foot.normal, point: middle.foot.position, depth: seen.depth };
+        let plane = Plane {
+            normal: middle.refined.normal,
+            point: middle.refined.position,
+            depth: seen.depth,
+        };
         let hit = |p: DVec2| SurfaceHit {
             point: at(p),
             id,

@@ -9,7 +9,7 @@ use super::forms::Forms;
 use super::settings::Settings;
 use super::widening::LEAST_COSINE;
 use crate::effects::{ImageColors, SurfaceHit, lights};
-use crate::shading::leaving::{Leaving, OffsetRule};
+use crate::shading::ray_offset::{OffsetRule, RayOffset};
 use crate::shading::surface::Surfaces;
 use crate::tracers::drawing::Structures;
 
@@ -25,7 +25,7 @@ pub struct Caster<'a> {
     pub(super) scene: &'a Scene,
     pub(super) surfaces: Surfaces<'a>,
     pub(super) forms: Forms,
-    pub(super) leaving: Leaving,
+    pub(super) offset: RayOffset,
     /// Centre, colour and radius.
     pub(super) lights: Vec<(DVec3, Rgb, f64)>,
     pub(super) textures: ImageColors<'a>,
@@ -55,7 +55,7 @@ impl<'a> Caster<'a> {
             surfaces: Surfaces::new(scene, false),
             forms: Forms::new(scene),
             // this rule asks for no magnitude
-            leaving: Leaving::new(OffsetRule::default(), 0.0),
+            offset: RayOffset::new(OffsetRule::default(), 0.0),
             lights: lights(scene).into_iter().zip(radii).map(|((p, c), r)| (p, c, r)).collect(),
             textures: ImageColors::new(scene),
             bounds: [bounds.min, bounds.max],
@@ -67,13 +67,13 @@ impl<'a> Caster<'a> {
 
     /// The surface that a bundle leaves along a direction.
     pub(super) fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Left {
-        let foot = hit.point.foot;
-        let inwards = direction.dot(foot.normal) < 0.0;
+        let refined = hit.point.refined;
+        let inwards = direction.dot(refined.normal) < 0.0;
         // within a convex body, all of it is on the inner side of the surface
         let is_one_sided = self.forms.is_flat(hit.id) || self.forms.is_ball(hit.id) && inwards;
         let plane = is_one_sided.then(|| {
-            let normal = if inwards { -foot.normal } else { foot.normal };
-            (normal, normal.dot(foot.position) + PLANE_SLACK * foot.magnitude)
+            let normal = if inwards { -refined.normal } else { refined.normal };
+            (normal, normal.dot(refined.position) + PLANE_SLACK * refined.magnitude)
         });
         Left { id: hit.id, inwards, plane }
     }

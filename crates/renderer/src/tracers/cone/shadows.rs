@@ -72,14 +72,15 @@ impl Caster<'_> {
         if light_radius <= 0.0 && (incidence.radius <= 0.0 || is_little) {
             scratch.counts.shadow_rays += 1;
             let mut blocked = [false];
-            self.over.rays.occlusions(&[self.leaving.to(&hit.point, light)], &mut blocked);
+            self.over.rays.occlusions(&[self.offset.to(&hit.point, light)], &mut blocked);
             return if blocked[0] { 1.0 } else { 0.0 };
         }
-        let foot = hit.point.foot;
-        let towards = (light - foot.position).normalize_or(foot.normal);
+        let refined = hit.point.refined;
+        let towards = (light - refined.position).normalize_or(refined.normal);
         // the footprint seen from the light: as on the surface, and foreshortened
-        let ratio = foot.normal.dot(towards).abs() / incidence.cosine;
-        let cone = shadow_cone(foot.position, incidence.radius * ratio.sqrt(), light, light_radius);
+        let ratio = refined.normal.dot(towards).abs() / incidence.cosine;
+        let cone =
+            shadow_cone(refined.position, incidence.radius * ratio.sqrt(), light, light_radius);
         let left = self.left(hit, towards);
         self.blocked(&self.begun(cone, &left), &left, path.level, scratch)
     }

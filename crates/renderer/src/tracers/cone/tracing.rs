@@ -142,7 +142,7 @@ impl<'a> Caster<'a> {
                 (direction, bundle, [*right, *up])
             }
         };
-        let bundle = self.leaving(hit, direction, bundle, frame, path);
+        let bundle = self.secondary_ray(hit, direction, bundle, frame, path);
         self.trace(&bundle, path, color, scratch);
     }
 
@@ -213,7 +213,7 @@ impl<'a> Caster<'a> {
             let mut position = ray.at(depth);
             if met.is_none() {
                 // just beside it: the nearest point of it
-                position = self.surfaces.at(fragment.id, position).foot.position;
+                position = self.surfaces.at(fragment.id, position).refined.position;
             }
             let weight = path.weight.map(|w| w * stands_for);
             let hit = self.surface(fragment.id, position, part.axis, weight);
@@ -261,7 +261,7 @@ impl<'a> Caster<'a> {
 
     /// The bundle that leaves a surface: a cone of a radius and a spread, or a ray where that is
     /// nothing or the bundle contributes little.
-    fn leaving(
+    fn secondary_ray(
         &self,
         hit: &SurfaceHit<'_>,
         direction: DVec3,
@@ -272,10 +272,10 @@ impl<'a> Caster<'a> {
         let is_ray = radius == 0.0 && spread == 0.0;
         let largest = path.weight.into_iter().fold(0.0, f64::max);
         if is_ray || largest < self.settings.ray_below {
-            return Bundle::Ray(self.leaving.along(&hit.point, direction));
+            return Bundle::Ray(self.offset.along(&hit.point, direction));
         }
         let axis = direction.normalize_or(hit.incoming);
-        let cone = Cone::new(hit.point.foot.position, axis, radius, spread).across(right, up);
+        let cone = Cone::new(hit.point.refined.position, axis, radius, spread).across(right, up);
         let left = self.left(hit, axis);
         Bundle::Cone(self.begun(cone, &left), Some(left))
     }

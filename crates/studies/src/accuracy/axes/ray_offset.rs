@@ -9,7 +9,7 @@ use glam::DVec3;
 use renderer::Geometry;
 use scene_loading::Scene;
 
-use super::leavings::{GAP, LeavingWork, Leavings, diagonal, height};
+use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, diagonal, height};
 use crate::accuracy::axis::Axis;
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
@@ -35,10 +35,10 @@ const MOVED: f64 = 100.0;
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = stage.scene();
-    let here = Leavings::new(stage, scene, &stage.prepared.geometry)?;
+    let here = SecondaryRays::new(stage, scene, &stage.prepared.geometry)?;
     let moved = moved(scene);
     let moved_geometry = Geometry::<f32>::of(&moved)?;
-    let there = Leavings::new(stage, &moved, &moved_geometry)?;
+    let there = SecondaryRays::new(stage, &moved, &moved_geometry)?;
     let mut variants = Vec::new();
     for (name, rule) in RULES {
         let work = here.work(rule, here.outward());
@@ -91,12 +91,12 @@ struct Found {
     leaks: u64,
 }
 
-fn judged(leavings: &Leavings<'_>, work: &LeavingWork<'_>) -> Found {
+fn judged(secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> Found {
     let mut found = Found::default();
-    for (departure, (point, ray, hit)) in leavings.departures.iter().zip(work.outcomes()) {
+    for (departure, (point, ray, hit)) in secondary.departures.iter().zip(work.outcomes()) {
         found.trials += 1;
         found.self_hits += u64::from(hit.id == departure.id);
-        found.leaks += u64::from(height(point, ray) > GAP * leavings.diagonal);
+        found.leaks += u64::from(height(point, ray) > GAP * secondary.diagonal);
     }
     found
 }

@@ -11,7 +11,7 @@ use glam::DVec3;
 use renderer::Geometry;
 use renderer::surface::{SurfacePoint, refract};
 
-use super::leavings::{Departure, GAP, Leavings, Way, quantile};
+use super::secondary_rays::{Departure, GAP, SecondaryRays, Way, quantile};
 use crate::accuracy::axis::Axis;
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
@@ -37,26 +37,26 @@ pub static AXIS: Axis = Axis {
 /// Index of refraction of glass.
 const INDEX: f64 = 1.5;
 
-/// An exact ray begins so many diagonals from its foot: rounding in f64 is 10^6 times less.
+/// An exact ray begins so many diagonals from its refined hit: rounding in f64 is 10^6 times less.
 const BEGIN: f64 = 1e-10;
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let leavings = Leavings::new(stage, stage.scene(), &stage.prepared.geometry)?;
+    let secondary = SecondaryRays::new(stage, stage.scene(), &stage.prepared.geometry)?;
     let geometry = Geometry::<f64>::of(stage.scene())?;
     let row = Row::parse(stage.registry, TRACER)?;
     let double: Box<dyn Tracer<f64>> =
         row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
     let entering = |d: &Departure| {
-        let point = leavings.point(d);
+        let point = secondary.point(d);
         Some((point, refracted(&point, d.incoming)?))
     };
     let entries: Vec<(SurfacePoint<'_>, DVec3)> =
-        leavings.departures.iter().filter_map(entering).collect();
+        secondary.departures.iter().filter_map(entering).collect();
     let exact: Vec<Ray<f64>> = entries
         .iter()
         .map(|(point, along)| Ray {
-            t_min: BEGIN * leavings.diagonal,
-            ..Ray::new(point.foot.position, *along)
+            t_min: BEGIN * secondary.diagonal,
+            ..Ray::new(point.refined.position, *along)
         })
         .collect();
     // what goes into an open surface may not come out
@@ -68,11 +68,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     if exact.is_empty() {
         return Err(stage.unfit("no refracted ray leaves what it enters"));
     }
-    let (rays, diagonal) = (exact.len(), leavings.diagonal);
-    let epsilon = f64::from(f32::EPSILON) * leavings.magnitude;
+    let (rays, diagonal) = (exact.len(), secondary.diagonal);
+    let epsilon = f64::from(f32::EPSILON) * secondary.magnitude;
     let mut variants = Vec::new();
     for (name, rule) in RULES {
-        let work = leavings.work(rule, ways.clone());
+        let work = secondary.work(rule, ways.clone());
         let made: Vec<Ray<f64>> = work.outcomes().map(|(_, ray, _)| ray.widened()).collect();
         let found = Shifts::of(&exact, &exits(&*double, &made), GAP * diagonal);
         let mut tally = Tally::default();
@@ -105,7 +105,7 @@ fn refracted(point: &SurfacePoint<'_>, incoming: DVec3) -> Option<DVec3> {
     let along = incoming.normalize_or_zero();
     let facing = |n: DVec3| if n.dot(along) > 0.0 { -n } else { n };
     let within = refract(along, facing(point.normal), INDEX)?.as_vec3().as_dvec3();
-    (within.dot(facing(point.foot.normal)) < 0.0).then_some(within)
+    (within.dot(facing(point.refined.normal)) < 0.0).then_some(within)
 }
 
 /// Where rays meet a surface.
@@ -163,7 +163,7 @@ mod tests {
         let incoming = dvec3(1.0, 0.0, -1.0).normalize();
         let point = Surfaces::new(&scene, false).at(0, DVec3::ZERO);
         let within = refracted(&point, incoming).unwrap();
-        let ray = |depth: f64| Ray::<f64>::new(point.foot.position - DVec3::Z * depth, within);
+        let ray = |depth: f64| Ray::<f64>::new(point.refined.position - DVec3::Z * depth, within);
         let exact = Ray { t_min: 1e-9, ..ray(0.0) };
         let geometry = Geometry::<f64>::of(&scene).unwrap();
         let found = with_brute_force(geometry.prims(), |tracer| {

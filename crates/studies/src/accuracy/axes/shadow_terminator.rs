@@ -13,7 +13,7 @@ use glam::DVec3;
 use renderer::surface::SurfacePoint;
 use scene_loading::{Scene, Shape};
 
-use super::leavings::{Departure, LeavingWork, Leavings, Way};
+use super::secondary_rays::{Departure, SecondaryRays, SecondaryWork, Way};
 use crate::accuracy::axis::Axis;
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
@@ -37,16 +37,16 @@ pub static AXIS: Axis = Axis {
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = stage.scene();
-    let leavings = Leavings::new(stage, scene, &stage.prepared.geometry)?;
-    let lit = Lit::of(scene, &leavings);
+    let secondary = SecondaryRays::new(stage, scene, &stage.prepared.geometry)?;
+    let lit = Lit::of(scene, &secondary);
     if lit.ids.is_empty() {
         return Err(stage.unfit("the eye sees no smooth surface that faces a light"));
     }
     let meshes = meshes(scene);
-    let all: Vec<(&str, LeavingWork<'_>, Vec<Blocked>)> = RULES
+    let all: Vec<(&str, SecondaryWork<'_>, Vec<Blocked>)> = RULES
         .into_iter()
         .map(|(name, rule)| {
-            let work = leavings.work(rule, lit.ways.clone());
+            let work = secondary.work(rule, lit.ways.clone());
             let blocked = blocked(&meshes, &lit.ids, &work);
             (name, work, blocked)
         })
@@ -100,22 +100,22 @@ struct Lit<'a> {
 
 impl<'a> Lit<'a> {
     /// Of patches, each hit once, and each light.
-    fn of(scene: &Scene, leavings: &Leavings<'a>) -> Self {
+    fn of(scene: &Scene, secondary: &SecondaryRays<'a>) -> Self {
         let mut lit = Self::default();
         let lights = light_positions(scene);
         let is_smooth = |d: &&Departure| {
             let shape = scene.primitives.get(d.id as usize).map(|p| p.shape);
             matches!(shape, Some(Shape::Patch { .. }))
         };
-        for departure in once(&leavings.departures).filter(is_smooth) {
-            let point = leavings.point(departure);
+        for departure in once(&secondary.departures).filter(is_smooth) {
+            let point = secondary.point(departure);
             let facing = |n: DVec3| if n.dot(departure.incoming) > 0.0 { -n } else { n };
             for &light in &lights {
                 let way = light - point.position;
                 if facing(point.normal).dot(way) > 0.0 {
                     lit.ids.push(departure.id);
                     lit.ways.push((point, Way::To(light)));
-                    lit.turned_away.push(facing(point.foot.normal).dot(way) <= 0.0);
+                    lit.turned_away.push(facing(point.refined.normal).dot(way) <= 0.0);
                 }
             }
         }
@@ -142,7 +142,7 @@ enum Blocked {
     Another,
 }
 
-fn blocked(meshes: &[u32], ids: &[u32], work: &LeavingWork<'_>) -> Vec<Blocked> {
+fn blocked(meshes: &[u32], ids: &[u32], work: &SecondaryWork<'_>) -> Vec<Blocked> {
     let mesh = |id: u32| meshes.get(id as usize);
     let of = |(id, (_, _, hit)): (&u32, (_, &Ray<f32>, &accel_core::Hit<f32>))| match hit.id {
         _ if !hit.is_hit() => Blocked::No,
@@ -195,7 +195,7 @@ mod tests {
     use glam::dvec3;
     use measurement::system::clock::SystemClock;
     use renderer::RaySettings;
-    use renderer::leaving::OffsetRule;
+    use renderer::ray_offset::OffsetRule;
     use scene_loading::{Camera, Light, Material};
 
     /// A coarse ball, smoothly shaded, lit from the side: what of its lit shading is blocked, and
@@ -223,10 +223,10 @@ mod tests {
             aims: 20_000,
             quick: true,
         };
-        let leavings = Leavings::new(&stage, &prepared.scene, &prepared.geometry).unwrap();
-        let lit = Lit::of(&prepared.scene, &leavings);
+        let secondary = SecondaryRays::new(&stage, &prepared.scene, &prepared.geometry).unwrap();
+        let lit = Lit::of(&prepared.scene, &secondary);
         assert!(lit.ids.len() > 500 && lit.ids.len() < 10_000, "{}", lit.ids.len());
-        let work = leavings.work(rule, lit.ways);
+        let work = secondary.work(rule, lit.ways);
         (blocked(&meshes(&prepared.scene), &lit.ids, &work), lit.turned_away)
     }
 

@@ -1,7 +1,7 @@
 //! How much farther than needed a ray starts from the surface it leaves.
 //!
 //! For each hit and direction the smallest safe offset is bisected: the least one along the
-//! geometric normal, from the foot of the hit point, with which the primitive's own test no longer
+//! geometric normal, from the refined hit point, with which the primitive's own test no longer
 //! finds the primitive that is left. What a rule takes instead, over that, is how loose it is; less is
 //! a self-hit. Primitives beside the one that is left may be found wrongly, too: at most
 //! 10^-5 diagonals away, where the same ray does not meet them in double precision.
@@ -12,9 +12,9 @@ use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
 use renderer::Geometry;
-use renderer::foot::Foot;
+use renderer::refined_hit::RefinedHit;
 
-use super::leavings::{GAP, Leavings, height, quantile};
+use super::secondary_rays::{GAP, SecondaryRays, height, quantile};
 use crate::accuracy::axis::Axis;
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
@@ -44,27 +44,28 @@ const HALVINGS: u32 = 6;
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let geometry = &stage.prepared.geometry;
-    let leavings = Leavings::new(stage, stage.scene(), geometry)?;
+    let secondary = SecondaryRays::new(stage, stage.scene(), geometry)?;
     let own = Own(geometry.prims());
     let double = Geometry::<f64>::of(stage.scene())?;
     let exact = Own(double.prims());
-    let feet: Vec<Foot> = leavings.departures.iter().map(|d| leavings.point(d).foot).collect();
-    let needed: Vec<f64> = leavings
+    let hits: Vec<RefinedHit> =
+        secondary.departures.iter().map(|d| secondary.point(d).refined).collect();
+    let needed: Vec<f64> = secondary
         .departures
         .iter()
-        .zip(&feet)
-        .map(|(d, foot)| own.smallest_offset(d.id, foot, d.out))
+        .zip(&hits)
+        .map(|(d, refined)| own.smallest_offset(d.id, refined, d.out))
         .collect();
     let mut variants = Vec::new();
     for (name, rule) in RULES {
-        let work = leavings.work(rule, leavings.outward());
-        let ids = leavings.departures.iter().map(|d| d.id);
+        let work = secondary.work(rule, secondary.outward());
+        let ids = secondary.departures.iter().map(|d| d.id);
         let chosen: Vec<Chosen> = ids
             .zip(work.outcomes())
             .map(|(id, (point, ray, hit))| Chosen {
                 offset: height(point, ray),
                 is_self_hit: own.is_hit(id, ray),
-                is_false: hit.id != id && exact.refutes(hit, ray, GAP * leavings.diagonal),
+                is_false: hit.id != id && exact.refutes(hit, ray, GAP * secondary.diagonal),
             })
             .collect();
         let found = Found::of(&needed, &chosen);
@@ -82,9 +83,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
                 ("others falsely hit in 10^6", in_a_million(found.false_hits)),
                 (
                     "10^-6 diagonals, median",
-                    quantile(&found.offsets, 0.5) / leavings.diagonal * 1e6,
+                    quantile(&found.offsets, 0.5) / secondary.diagonal * 1e6,
                 ),
-                ("10^-6 diagonals, most", quantile(&found.offsets, 1.0) / leavings.diagonal * 1e6),
+                ("10^-6 diagonals, most", quantile(&found.offsets, 1.0) / secondary.diagonal * 1e6),
             ],
             ..work.variant(name, stage.timed_rays)
         });
@@ -94,19 +95,19 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             "{} rays made and traced through {TRACER}",
             needed.len().min(stage.timed_rays)
         ),
-        judged: said(&needed, &feet),
+        judged: said(&needed, &hits),
         ..Said::default()
     };
     Ok(timed(stage, said, variants))
 }
 
 /// How many rays need an offset, and how large a one.
-fn said(needed: &[f64], feet: &[Foot]) -> String {
+fn said(needed: &[f64], hits: &[RefinedHit]) -> String {
     let mut units: Vec<f64> = needed
         .iter()
-        .zip(feet)
+        .zip(hits)
         .filter(|(needed, _)| **needed > 0.0)
-        .map(|(needed, foot)| needed / unit(foot))
+        .map(|(needed, refined)| needed / unit(refined))
         .collect();
     units.sort_by(f64::total_cmp);
     format!(
@@ -121,8 +122,8 @@ fn said(needed: &[f64], feet: &[Foot]) -> String {
 }
 
 /// An epsilon of the primitive's largest coordinate.
-fn unit(foot: &Foot) -> f64 {
-    f64::from(f32::EPSILON) * foot.magnitude
+fn unit(refined: &RefinedHit) -> f64 {
+    f64::from(f32::EPSILON) * refined.magnitude
 }
 
 /// What a rule took for a ray.
@@ -188,10 +189,10 @@ impl Own<'_, f64> {
 }
 
 impl Own<'_, f32> {
-    /// World units; 0 where the rounded foot itself is safe.
-    fn smallest_offset(&self, id: u32, foot: &Foot, out: DVec3) -> f64 {
-        let is_hit = |offset| self.is_hit(id, &lifted(foot, offset, out));
-        let least = LEAST * unit(foot);
+    /// World units; 0 where the refined point itself, rounded, is safe.
+    fn smallest_offset(&self, id: u32, refined: &RefinedHit, out: DVec3) -> f64 {
+        let is_hit = |offset| self.is_hit(id, &lifted(refined, offset, out));
+        let least = LEAST * unit(refined);
         let mut safe = least * f64::from(1 << 24);
         // from above: whatever rounding does below, nothing larger is hit
         while safe > least && !is_hit(safe / 2.0) {
@@ -209,10 +210,10 @@ impl Own<'_, f32> {
     }
 }
 
-/// A ray that starts so far over the foot, rounded.
-fn lifted(foot: &Foot, offset: f64, out: DVec3) -> Ray<f32> {
-    let side = foot.normal * foot.normal.dot(out).signum();
-    let from = foot.position + side * offset;
+/// A ray that starts so far over the refined hit, rounded.
+fn lifted(refined: &RefinedHit, offset: f64, out: DVec3) -> Ray<f32> {
+    let side = refined.normal * refined.normal.dot(out).signum();
+    let from = refined.position + side * offset;
     Ray::new(Vec3::<f32>::from_dvec3(from), Vec3::<f32>::from_dvec3(out))
 }
 
@@ -226,7 +227,7 @@ mod tests {
     use statistics::random::Random;
 
     /// Slanted triangles far from the origin, and rays off them.
-    fn drawn(ask: impl FnOnce(&Own<'_, f32>, &[(u32, Foot, DVec3)])) {
+    fn drawn(ask: impl FnOnce(&Own<'_, f32>, &[(u32, RefinedHit, DVec3)])) {
         let mut random = Random::new(3, "smallest offsets");
         let mut scene = Scene::new("slanted");
         let material = scene.push_material(Material::default());
@@ -242,7 +243,7 @@ mod tests {
             for _ in 0..20 {
                 let (u, v) = (random_unit(&mut random) * 0.5, random_unit(&mut random) * 0.5);
                 let p = outline[0] * (1.0 - u - v) + outline[1] * u + outline[2] * v;
-                rays.push((id, surfaces.at(id, p).foot, direction(&mut random)));
+                rays.push((id, surfaces.at(id, p).refined, direction(&mut random)));
             }
         }
         let geometry = Geometry::<f32>::of(&scene).unwrap();
@@ -253,12 +254,14 @@ mod tests {
     fn planted(times: f64) -> Found {
         let mut found = Found::default();
         drawn(|own, rays| {
-            let needed: Vec<f64> =
-                rays.iter().map(|(id, foot, out)| own.smallest_offset(*id, foot, *out)).collect();
+            let needed: Vec<f64> = rays
+                .iter()
+                .map(|(id, refined, out)| own.smallest_offset(*id, refined, *out))
+                .collect();
             assert!(needed.iter().filter(|n| **n > 0.0).count() > rays.len() / 10);
-            let chosen = rays.iter().zip(&needed).map(|((id, foot, out), needed)| {
+            let chosen = rays.iter().zip(&needed).map(|((id, refined, out), needed)| {
                 let offset = needed * times;
-                let is_self_hit = own.is_hit(*id, &lifted(foot, offset, *out));
+                let is_self_hit = own.is_hit(*id, &lifted(refined, offset, *out));
                 Chosen { offset, is_self_hit, is_false: false }
             });
             found = Found::of(&needed, &chosen.collect::<Vec<_>>());
@@ -317,11 +320,12 @@ mod tests {
         let mut needs = 0;
         for _ in 0..2000 {
             let n = direction(&mut random);
-            let foot = Surfaces::new(&scene, false).at(0, dvec3(30.0, -7.0, 11.0) + n * 2.0).foot;
+            let refined =
+                Surfaces::new(&scene, false).at(0, dvec3(30.0, -7.0, 11.0) + n * 2.0).refined;
             let any = direction(&mut random);
             let out = if any.dot(n) < 0.0 { -any } else { any };
-            let smallest = own.smallest_offset(0, &foot, out);
-            assert!(smallest < 4.0 * unit(&foot), "{smallest}");
+            let smallest = own.smallest_offset(0, &refined, out);
+            assert!(smallest < 4.0 * unit(&refined), "{smallest}");
             needs += u32::from(smallest > 0.0);
         }
         assert!(needs > 200, "{needs}");

@@ -6,7 +6,7 @@ use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;
 use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
-use renderer::leaving::{Leaving, OffsetRule};
+use renderer::ray_offset::{OffsetRule, RayOffset};
 use scene_loading::{Cone, Material, Scene};
 
 use super::from_hits::from_hits;
@@ -112,7 +112,7 @@ fn leaving_a_shape_under<S: Buildable>(
             scene.push_polygon(material, &corners);
         }
     }
-    leaving(random, rays, &scene, at, size, rule)
+    offset_rays(random, rays, &scene, at, size, rule)
 }
 
 fn leaving_far_away_under<S: Buildable>(
@@ -132,11 +132,11 @@ fn leaving_far_away_under<S: Buildable>(
             scene.push_triangle(material, [a, b, c].map(|p| at + p * size));
         }
     }
-    leaving(random, rays, &scene, at, size, rule)
+    offset_rays(random, rays, &scene, at, size, rule)
 }
 
 /// Rays to the outside of a convex scene about `at`: they meet nothing.
-fn leaving<S: Buildable>(
+fn offset_rays<S: Buildable>(
     random: &mut Random,
     rays: usize,
     scene: &Scene,
@@ -150,9 +150,9 @@ fn leaving<S: Buildable>(
             ray(from, at + point(random) * size * 0.5 - from)
         })
         .collect();
-    let leaving = Leaving::new(rule, size);
+    let offset = RayOffset::new(rule, size);
     from_hits(scene, &aimed, |point, incoming, round| {
-        let facing = point.foot.normal;
+        let facing = point.refined.normal;
         let outward = if facing.dot(incoming) > 0.0 { -facing } else { facing };
         for turn in 0..A_HIT {
             let any = direction(random);
@@ -163,7 +163,7 @@ fn leaving<S: Buildable>(
                 let graze = 10.0_f64.powf(unit(random) * -12.0);
                 (any - outward * any.dot(outward)).normalize_or(outward) + outward * graze
             };
-            round.push(leaving.along(point, along), Expected::Miss);
+            round.push(offset.along(point, along), Expected::Miss);
         }
     })
 }
@@ -199,11 +199,11 @@ fn between_planes_under<S: Buildable>(
             ray(turned(from), turned(target - from))
         })
         .collect();
-    let leaving = Leaving::new(rule, half * 2.0);
+    let offset = RayOffset::new(rule, half * 2.0);
     from_hits(&scene, &aimed, |point, _, round| {
         // only from the lower plane, whichever of the two the rounded ray has met
         if turned_back(turn, point.position).y.abs() <= GAP * 0.25 {
-            let ray = leaving.to(point, light);
+            let ray = offset.to(point, light);
             round.push(ray, Expected::Hit { id: None, t: [0.0, ray.t_max.to_f64()] });
         }
     })
@@ -244,10 +244,10 @@ fn under_a_ball_under<S: Buildable>(
             ray(from, target.with_y(0.0) - from)
         })
         .collect();
-    let leaving = Leaving::new(rule, far);
+    let offset = RayOffset::new(rule, far);
     from_hits(&scene, &aimed, |point, _, round| {
-        let ray: Ray<S> = leaving.to(point, light);
-        let from = point.foot.position;
+        let ray: Ray<S> = offset.to(point, light);
+        let from = point.refined.position;
         let way = (light - from).normalize();
         let to_center = center - from;
         let passing = (to_center - way * to_center.dot(way)).length();
@@ -295,11 +295,11 @@ fn to_a_light_on_a_surface_under<S: Buildable>(
             ray(at + from * size, (target - from) * size)
         })
         .collect();
-    let leaving = Leaving::new(rule, size);
+    let offset = RayOffset::new(rule, size);
     let normal = (b - a).cross(c - a).normalize_or_zero();
     from_hits(&scene, &aimed, |point, _, round| {
         // the ceiling slants: what rounding does grows as a ray grazes it
-        let ray: Ray<S> = leaving.to(point, light);
+        let ray: Ray<S> = offset.to(point, light);
         let steep = ray.direction.to_dvec3().dot(normal).abs();
         let expected = if steep > 0.1 { Expected::Miss } else { Expected::Anything };
         round.push(ray, expected);

@@ -8,7 +8,7 @@ use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
-use renderer::leaving::{Leaving, OffsetRule};
+use renderer::ray_offset::{OffsetRule, RayOffset};
 use scene_loading::{Material, Scene};
 
 use super::from_hits::from_hits;
@@ -63,13 +63,13 @@ pub fn shells_under<S: Buildable>(
         })
         .collect();
     let within: Vec<Ray<S>> = aimed.iter().map(|r| Ray { t_min: S::ONE, ..*r }).collect();
-    let leaving = Leaving::new(rule, 1.0 + gap);
+    let offset = RayOffset::new(rule, 1.0 + gap);
     let is_clear = apart > NARROW;
     // entries from outside, exits from within
     let both: Vec<Ray<S>> = aimed.iter().chain(&within).copied().collect();
     let mut round = from_hits(&scene, &both, |point, _, round| {
-        let out = point.foot.normal;
-        let is_inner = point.foot.position.length() < 1.0 + gap / 2.0;
+        let out = point.refined.normal;
+        let is_inner = point.refined.position.length() < 1.0 + gap / 2.0;
         for _ in 0..A_HIT / 2 {
             let any = direction(random);
             let along = (any + out * 1.2).normalize_or_zero();
@@ -83,7 +83,7 @@ pub fn shells_under<S: Buildable>(
                 },
                 false => Expected::Anything,
             };
-            round.push(leaving.along(point, along), expected);
+            round.push(offset.along(point, along), expected);
         }
     })?;
     for ray in aimed {

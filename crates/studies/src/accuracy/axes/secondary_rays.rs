@@ -5,7 +5,7 @@
 use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
-use renderer::leaving::{Leaving, OffsetRule};
+use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{SurfacePoint, Surfaces};
 use renderer::{Geometry, RayKind};
 use scene_loading::{Scene, Shape};
@@ -45,7 +45,7 @@ pub enum Way {
 }
 
 /// Points of surfaces that rays leave, and who answers those.
-pub struct Leavings<'a> {
+pub struct SecondaryRays<'a> {
     /// Normals and feet.
     pub surfaces: Surfaces<'a>,
     /// Where from; the first ones are all different hits.
@@ -58,7 +58,7 @@ pub struct Leavings<'a> {
     pub diagonal: f64,
 }
 
-impl<'a> Leavings<'a> {
+impl<'a> SecondaryRays<'a> {
     /// Hits of the eye rays of the stage in `scene`, which is the stage's, perhaps moved.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl<'a> Leavings<'a> {
         for (ray, hit) in seen.cycle().take(stage.aims) {
             let incoming = ray.direction.to_dvec3();
             let position = ray.origin.to_dvec3() + incoming * f64::from(hit.t);
-            let normal = surfaces.at(hit.id, position).foot.normal;
+            let normal = surfaces.at(hit.id, position).refined.normal;
             let shape = scene.primitives.get(hit.id as usize).map(|p| p.shape);
             let is_inside = matches!(shape, Some(Shape::Sphere(_))) && incoming.dot(normal) > 0.0;
             if normal == DVec3::ZERO || matches!(shape, Some(Shape::Cone(_))) || is_inside {
@@ -120,9 +120,9 @@ impl<'a> Leavings<'a> {
     }
 
     /// The rays of a rule, made and traced.
-    pub fn work(&self, rule: OffsetRule, ways: Vec<(SurfacePoint<'a>, Way)>) -> LeavingWork<'_> {
-        let mut work = LeavingWork {
-            leaving: Leaving::new(rule, self.magnitude),
+    pub fn work(&self, rule: OffsetRule, ways: Vec<(SurfacePoint<'a>, Way)>) -> SecondaryWork<'_> {
+        let mut work = SecondaryWork {
+            offset: RayOffset::new(rule, self.magnitude),
             tracer: &*self.tracer,
             rays: Vec::with_capacity(ways.len()),
             answers: vec![Answers::new(RayKind::Diffuse, ways.len())],
@@ -135,15 +135,15 @@ impl<'a> Leavings<'a> {
 }
 
 /// Rays made under a rule and traced.
-pub struct LeavingWork<'a> {
+pub struct SecondaryWork<'a> {
     ways: Vec<(SurfacePoint<'a>, Way)>,
-    leaving: Leaving,
+    offset: RayOffset,
     tracer: &'a dyn Tracer<f32>,
     rays: Vec<Ray<f32>>,
     answers: Vec<Answers<f32>>,
 }
 
-impl<'a> LeavingWork<'a> {
+impl<'a> SecondaryWork<'a> {
     /// What was left, the ray, and its answer.
     pub fn outcomes(&self) -> impl Iterator<Item = (&SurfacePoint<'a>, &Ray<f32>, &Hit<f32>)> {
         let hits = match self.answers.first() {
@@ -172,17 +172,17 @@ impl<'a> LeavingWork<'a> {
     }
 }
 
-impl Work for LeavingWork<'_> {
+impl Work for SecondaryWork<'_> {
     fn prepare(&mut self) {
         self.answers.iter_mut().for_each(Answers::clear);
     }
 
     fn run(&mut self) {
         self.rays.clear();
-        let leaving = self.leaving;
+        let offset = self.offset;
         self.rays.extend(self.ways.iter().map(|(point, way)| match *way {
-            Way::Along(direction) => leaving.along(point, direction),
-            Way::To(target) => leaving.to(point, target),
+            Way::Along(direction) => offset.along(point, direction),
+            Way::To(target) => offset.to(point, target),
         }));
         if let Some(Answers::Hits(hits)) = self.answers.first_mut() {
             self.tracer.closest_hits(&self.rays, hits);
@@ -203,8 +203,8 @@ pub fn diagonal(scene: &Scene) -> f64 {
 pub fn height(point: &SurfacePoint<'_>, ray: &Ray<f32>) -> f64 {
     let along = ray.direction.to_dvec3();
     let first = ray.origin.to_dvec3() + along * f64::from(ray.t_min);
-    let outward = point.foot.normal * point.foot.normal.dot(along).signum();
-    (first - point.foot.position).dot(outward)
+    let outward = point.refined.normal * point.refined.normal.dot(along).signum();
+    (first - point.refined.position).dot(outward)
 }
 
 /// The part `share` of values in rising order; NaN when there are none.

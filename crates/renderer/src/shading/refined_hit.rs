@@ -9,7 +9,7 @@ use scene_loading::{Cone, Scene, Shape, Sphere};
 
 /// A point of a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Foot {
+pub struct RefinedHit {
     /// Where, world units.
     pub position: DVec3,
     /// Unit geometric normal, not that of shading; zero where there is none.
@@ -19,7 +19,7 @@ pub struct Foot {
     pub magnitude: f64,
 }
 
-impl Foot {
+impl RefinedHit {
     /// That of the primitive moved by `way`.
     pub fn moved_by(self, way: DVec3) -> Self {
         let (position, magnitude) = (self.position + way, self.magnitude + largest(way));
@@ -35,7 +35,12 @@ impl Foot {
 const SLIVER: f64 = 0.125;
 
 /// The point of primitive `id` nearest to `hit`. `polygon_normals` by id, unit.
-pub(crate) fn foot(scene: &Scene, polygon_normals: &[DVec3], id: u32, hit: DVec3) -> Foot {
+pub(crate) fn refined_hit(
+    scene: &Scene,
+    polygon_normals: &[DVec3],
+    id: u32,
+    hit: DVec3,
+) -> RefinedHit {
     match scene.primitives[id as usize].shape {
         Shape::Sphere(i) => on_sphere(&scene.spheres[i as usize], hit),
         Shape::Cone(i) => on_cone(&scene.cones[i as usize], hit),
@@ -57,26 +62,26 @@ fn largest(p: DVec3) -> f64 {
     p.abs().max_element()
 }
 
-fn on_sphere(sphere: &Sphere, hit: DVec3) -> Foot {
+fn on_sphere(sphere: &Sphere, hit: DVec3) -> RefinedHit {
     let normal = (hit - sphere.center).normalize_or_zero();
-    Foot {
+    RefinedHit {
         position: sphere.center + normal * sphere.radius,
         normal,
         magnitude: largest(sphere.center) + sphere.radius,
     }
 }
 
-fn on_triangle(corners: [DVec3; 3], hit: DVec3) -> Foot {
+fn on_triangle(corners: [DVec3; 3], hit: DVec3) -> RefinedHit {
     let across = normal(corners);
-    let foot = on_plane(corners.into_iter(), across.normalize_or_zero(), hit);
+    let refined = on_plane(corners.into_iter(), across.normalize_or_zero(), hit);
     let [a, b, c] = corners;
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     let extra = SLIVER * longest * longest * longest / across.length();
-    Foot { magnitude: foot.magnitude + extra, ..foot }
+    RefinedHit { magnitude: refined.magnitude + extra, ..refined }
 }
 
 /// The normal of a triangle, not of unit length, right to few ulps for slivers too: the plain cross
-/// product would be tilted by their length over their height, and the foot beside the plane.
+/// product would be tilted by their length over their height, and the point beside the plane.
 fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     let ((e, e_error), (f, f_error)) = (difference(b, a), difference(c, a));
     let component = |i: usize, j: usize| {
@@ -96,9 +101,9 @@ fn difference(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     (rounded, (a - of_a) + (of_b - b))
 }
 
-fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DVec3) -> Foot {
+fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DVec3) -> RefinedHit {
     let anchor = corners.clone().next().unwrap_or(hit);
-    Foot {
+    RefinedHit {
         position: hit - normal * (hit - anchor).dot(normal),
         normal,
         magnitude: corners.map(largest).fold(largest(hit), f64::max),
@@ -106,20 +111,20 @@ fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DV
 }
 
 /// Along the radius; the rim and the apex belong to the side.
-fn on_cone(cone: &Cone, hit: DVec3) -> Foot {
+fn on_cone(cone: &Cone, hit: DVec3) -> RefinedHit {
     let axis = cone.apex - cone.base;
     let length = axis.length();
     let [base_radius, apex_radius] = [cone.base_radius.abs(), cone.apex_radius.abs()];
     let magnitude = largest(cone.base).max(largest(cone.apex)) + base_radius.max(apex_radius);
     if length == 0.0 {
-        return Foot { position: hit, normal: DVec3::ZERO, magnitude };
+        return RefinedHit { position: hit, normal: DVec3::ZERO, magnitude };
     }
     let unit = axis / length;
     let from_base = hit - cone.base;
     let along = from_base.dot(unit).clamp(0.0, length);
     let radial = (from_base - unit * from_base.dot(unit)).normalize_or_zero();
     let slope = (apex_radius - base_radius) / length;
-    Foot {
+    RefinedHit {
         position: cone.base + unit * along + radial * (base_radius + slope * along),
         normal: (radial - unit * slope).normalize_or_zero(),
         magnitude,
@@ -146,10 +151,10 @@ mod tests {
     #[test]
     fn the_foot_is_on_the_surface_and_the_normal_stands_on_it() {
         let scene = scene();
-        let on_ball = foot(&scene, &[], 0, dvec3(7.1, 0.0, 0.0));
+        let on_ball = refined_hit(&scene, &[], 0, dvec3(7.1, 0.0, 0.0));
         assert_eq!((on_ball.position, on_ball.normal), (dvec3(7.0, 0.0, 0.0), DVec3::X));
         assert_eq!(on_ball.magnitude, 7.0);
-        let on_side = foot(&scene, &[], 1, dvec3(1.6, 0.0, 2.0));
+        let on_side = refined_hit(&scene, &[], 1, dvec3(1.6, 0.0, 2.0));
         assert!((on_side.position - dvec3(1.5, 0.0, 2.0)).length() < 1e-15);
         // the side runs from (2, 0) to (1, 4)
         assert!(on_side.normal.dot(dvec3(-1.0, 0.0, 4.0)).abs() < 1e-15 && on_side.normal.x > 0.0);

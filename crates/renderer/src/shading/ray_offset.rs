@@ -2,7 +2,7 @@
 //!
 //! A hit point is never exactly on the surface, so that a ray from it may hit what it leaves
 //! (acne), or, started too far away, miss what stands close (a leak). The default starts from the
-//! point's foot on the primitive and moves it along the geometric normal by a bound on what
+//! hit refined onto the primitive and moves it along the geometric normal by a bound on what
 //! rounding can do: a few ulps of the primitive's largest coordinate, and so nothing absolute. Its
 //! interval then begins at 0.
 //!
@@ -20,7 +20,7 @@ use accel_core::registry::Buildable;
 use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
 
-use super::foot::Foot;
+use super::refined_hit::RefinedHit;
 use super::surface::SurfacePoint;
 
 /// In ulps of the scene's largest coordinate, for [`OffsetRule::SceneRelative`].
@@ -61,13 +61,13 @@ impl Default for OffsetRule {
 
 /// Makes rays that leave surfaces, in one scene and under one rule.
 #[derive(Debug, Clone, Copy)]
-pub struct Leaving {
+pub struct RayOffset {
     rule: OffsetRule,
     /// The scene's largest coordinate, the eye's included.
     magnitude: f64,
 }
 
-impl Leaving {
+impl RayOffset {
     /// `magnitude`: the largest coordinate of the scene and the eye, world units.
     pub fn new(rule: OffsetRule, magnitude: f64) -> Self {
         Self { rule, magnitude }
@@ -104,7 +104,7 @@ impl Leaving {
 
     /// Where a ray along `direction` starts.
     fn origin<S: Buildable>(&self, point: &SurfacePoint<'_>, direction: DVec3) -> Vec3<S> {
-        let Foot { position, normal, magnitude } = point.foot;
+        let RefinedHit { position, normal, magnitude } = point.refined;
         // an apex has no normal: straight ahead
         let normal = if normal == DVec3::ZERO { direction.normalize_or_zero() } else { normal };
         let side = if direction.dot(normal) < 0.0 { -normal } else { normal };
@@ -170,7 +170,7 @@ mod tests {
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         let rounded = |p: DVec3| Vec3::<S>::from_dvec3(p);
-        let (mut hits, leaving) = (0, Leaving::new(rule, 2.0));
+        let (mut hits, offset) = (0, RayOffset::new(rule, 2.0));
         for _ in 0..2_000 {
             let mut point = || dvec3(random(), random(), random()) * 2.0 - 1.0;
             let (a, along, aside) = (point(), point().normalize(), point());
@@ -187,7 +187,7 @@ mod tests {
                 let from = surfaces.at(0, p);
                 let direction = dvec3(random() - 0.5, random() - 0.5, random() - 0.5);
                 let target = p + direction;
-                for ray in [leaving.along::<S>(&from, direction), leaving.to(&from, target)] {
+                for ray in [offset.along::<S>(&from, direction), offset.to(&from, target)] {
                     let setup = T::setup(&ray, S::from_f64(2.0));
                     let hit = T::intersect(&corners.map(Vector::to_array), &ray, &setup, ray.t_max);
                     hits += u32::from(hit.is_some());
