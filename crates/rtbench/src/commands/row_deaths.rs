@@ -2,12 +2,12 @@
 //! too often without an end is left out, so that a resumed run gets past it.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 
 use measurement::journal::Journal;
-use measurement::journal::lines::Line;
+use measurement::journal::lines::{Deaths, Line};
 use measurement::plan::Plan;
-use measurement::rounds::scene_run::RowLog;
+use measurement::rounds::error::MeasureError;
+use measurement::rounds::row_log::RowLog;
 use measurement::rounds::trial::Outcome;
 
 /// The journal, as the rows of a scene see it.
@@ -19,45 +19,53 @@ impl<'a> RowJournal<'a> {
         Self(RefCell::new(journal))
     }
 
-    fn append(&self, line: &Line) {
+    fn note(&self, line: &Line) {
         if let Some(journal) = self.0.borrow_mut().as_deref_mut() {
             // a row that is not noted is tried once more after a death; what is finished is noted with
             // its errors
-            let _ = journal.append(line);
+            let _ = journal.note(line);
         }
     }
 }
 
 impl RowLog for RowJournal<'_> {
     fn row_begins(&self, label: &str) {
-        self.append(&Line::Row(label.to_owned()));
+        self.note(&Line::Row(label.to_owned()));
     }
 
-    fn all_checked(&self) {
-        self.append(&Line::Checked);
+    fn rows_passed(&self) {
+        self.note(&Line::Passed);
     }
 }
 
-/// So often a row may end the program before it is left out.
+/// So often a row may end the program before it is left out, and a scene before its first row.
 const DEATHS: usize = 2;
 
+/// Refuses a scene that ended the program too often before its first row.
+///
+/// # Errors
+/// [`MeasureError::Deadly`].
+pub fn refuse_deadly(name: &str, scene: usize, deaths: &Deaths) -> Result<(), MeasureError> {
+    match deaths.get(&(scene, None)) {
+        Some(&times) if times >= DEATHS => {
+            Err(MeasureError::Deadly { scene: name.to_owned(), times })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Leaves out the rows of a scene that ended the program too often, as if their trials had.
-pub fn skip_deadly(
-    trials: &mut Vec<Outcome>,
-    plan: &Plan<'_>,
-    scene: usize,
-    deaths: &BTreeMap<(usize, String), usize>,
-) {
+pub fn skip_deadly(trials: &mut Vec<Outcome>, plan: &Plan<'_>, scene: usize, deaths: &Deaths) {
     for (row, i) in plan.rows.iter().zip(0..) {
-        let count = deaths.get(&(scene, row.label())).copied().unwrap_or(0);
+        let count = deaths.get(&(scene, Some(row.label()))).copied().unwrap_or(0);
         if count < DEATHS {
             continue;
         }
         trials.resize(plan.rows.len(), Outcome::Ended { peak_bytes: None });
         if let Some(trial) = trials.get_mut(i) {
             *trial = Outcome::Died(format!(
-                "skipped: {count} times the program ended without a word while this row was built or \
-                 checked: killed, or out of memory"
+                "skipped: {count} times the program ended without a word while this row was built, checked or \
+                 first timed: killed, or out of memory"
             ));
         }
     }

@@ -34,6 +34,7 @@ pub fn run_in(
         command_line: vec!["rtbench".into()],
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
+        overwrite: false,
         environment: Environment::default(),
         annotations: Vec::new(),
     };
