@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use crate::journal::lines::Line;
 use crate::journal::seal::Seal;
-use crate::journal::{NAME, text};
 use crate::system::files::put;
 use crate::system::kept_folder;
 
@@ -25,7 +24,7 @@ impl LastLine {
     /// # Errors
     /// The system's: where the journal is gone, it could not be written anywhere else.
     pub fn write(mut self, signal: i32) -> io::Result<Option<PathBuf>> {
-        let line = text(&Line::Interrupted(signal)).map_err(io::Error::other)?;
+        let line = Line::Interrupted(signal).text().map_err(io::Error::other)?;
         let written = self.file.write_all((self.seal.sealed(&line) + "\n").as_bytes());
         if is_at(&self.file, &self.path) {
             return written.map(|()| None);
@@ -43,7 +42,7 @@ impl LastLine {
         }
         let within = self.temporary.ok_or(io::ErrorKind::NotFound)?;
         let folder = kept_folder::create(&within)?;
-        put(&folder.join(NAME), &bytes)?;
+        put(&folder.join(self.path.file_name().unwrap_or_default()), &bytes)?;
         Ok(Some(folder))
     }
 }
@@ -66,8 +65,8 @@ fn is_at(file: &File, path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::journal::Journal;
     use crate::journal::lines::{read, tests::manifest};
+    use crate::journal::{Journal, NAME};
 
     /// The lines of the journal in a folder; the last one says that it was interrupted.
     fn lines(folder: &Path) -> usize {

@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use crate::journal::seal::Seal;
 use crate::record::{Compiler, Machine, RowRecord, SCHEMA_VERSION, SceneRecord, Settings, Tool};
+use presentation::format_error::FormatError;
 
 /// What a run is: two runs whose manifests agree may be parts of one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -75,6 +76,17 @@ pub enum Line {
     Interrupted(i32),
     /// Every scene had its turn.
     Complete,
+}
+
+impl Line {
+    /// Its text, before it is sealed.
+    ///
+    /// # Errors
+    /// [`FormatError`].
+    pub fn text(&self) -> Result<String, FormatError> {
+        let text = serde_json::to_string(self);
+        text.map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+    }
 }
 
 /// Why a journal cannot be read.

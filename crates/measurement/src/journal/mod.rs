@@ -102,7 +102,7 @@ impl Journal {
     pub fn begin(folder: &Path, manifest: Manifest) -> Result<Self, JournalError> {
         let mut journal = Self::open(folder, true)?;
         journal.cut()?;
-        let first = text(&Line::Begun(Box::new(manifest)))?;
+        let first = Line::Begun(Box::new(manifest)).text()?;
         journal.append_text(&first)?;
         journal.seal = Seal::behind(&first);
         Ok(journal)
@@ -168,7 +168,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`].
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
-        self.append_text(&text(line)?)
+        self.append_text(&line.text()?)
     }
 
     /// The same for a line that only says how far the run is: it need not outlive the machine, and
@@ -177,7 +177,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`].
     pub fn note(&mut self, line: &Line) -> Result<(), JournalError> {
-        self.write_line(&text(line)?, |_| Ok(()))
+        self.write_line(&line.text()?, |_| Ok(()))
     }
 
     fn append_text(&mut self, text: &str) -> Result<(), JournalError> {
@@ -236,9 +236,4 @@ impl Journal {
     pub fn path(&self) -> &Path {
         &self.path
     }
-}
-
-/// The text of a line, before it is sealed.
-fn text(line: &Line) -> Result<String, FormatError> {
-    serde_json::to_string(line).map_err(|e| FormatError { format: "JSON", message: e.to_string() })
 }

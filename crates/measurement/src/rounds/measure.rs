@@ -73,16 +73,15 @@ pub fn measure<S: Buildable>(
     let mut of_reference: Vec<BTreeMap<usize, Seconds>> = Vec::new();
     let (seed, scene) = (plan.seed, &scope.stage.scene.name);
     let goes_on = |round| round < at_least || goes_on(scope, round, deadline);
-    let mut passed = false;
     interleaved(rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
         of_reference.resize_with(round + 1, BTreeMap::new);
         let row = rows[row];
         let Some(stride) = strides[row].filter(|_| timed[row].panicked.is_none()) else { return };
         let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == baseline };
-        match round {
-            0 => log.row_begins(&asked.row.label()),
-            _ if !std::mem::replace(&mut passed, true) => log.rows_passed(),
-            _ => {}
+        if round == 0 {
+            log.row_begins(&asked.row.label());
+        } else {
+            log.rows_passed();
         }
         let seen = caught(|| asked.make(scope, &mut sheets, &mut of_reference[round]));
         let out = &mut timed[row];

@@ -1,7 +1,7 @@
 //! Rows that end the program, out of memory say: the journal notes which row is begun, and one that was begun
 //! too often without an end is left out, so that a resumed run gets past it.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use measurement::journal::Journal;
 use measurement::journal::lines::{Deaths, Line};
@@ -11,16 +11,20 @@ use measurement::rounds::row_log::RowLog;
 use measurement::rounds::trial::Outcome;
 
 /// The journal, as the rows of a scene see it.
-pub struct RowJournal<'a>(RefCell<Option<&'a mut Journal>>);
+pub struct RowJournal<'a> {
+    journal: RefCell<Option<&'a mut Journal>>,
+    /// A row is noted of which it is not noted that it passed.
+    is_begun: Cell<bool>,
+}
 
 impl<'a> RowJournal<'a> {
     /// Over the journal of a run, if it has one.
     pub fn new(journal: Option<&'a mut Journal>) -> Self {
-        Self(RefCell::new(journal))
+        Self { journal: RefCell::new(journal), is_begun: Cell::new(false) }
     }
 
     fn note(&self, line: &Line) {
-        if let Some(journal) = self.0.borrow_mut().as_deref_mut() {
+        if let Some(journal) = self.journal.borrow_mut().as_deref_mut() {
             // a row that is not noted is tried once more after a death; what is finished is noted with
             // its errors
             let _ = journal.note(line);
@@ -30,11 +34,14 @@ impl<'a> RowJournal<'a> {
 
 impl RowLog for RowJournal<'_> {
     fn row_begins(&self, label: &str) {
+        self.is_begun.set(true);
         self.note(&Line::Row(label.to_owned()));
     }
 
     fn rows_passed(&self) {
-        self.note(&Line::Passed);
+        if self.is_begun.replace(false) {
+            self.note(&Line::Passed);
+        }
     }
 }
 
