@@ -9,7 +9,7 @@ use renderer::{Geometry, render_plan};
 use scene_loading::scene_file::{SceneFile, Source};
 
 /// Rays a pixel, about, beyond which nothing is drawn.
-const MOST_RAYS: u64 = 32;
+const MOST_RAYS: u64 = 256;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let path = Path::new("a.json");

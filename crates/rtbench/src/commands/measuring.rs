@@ -143,7 +143,6 @@ pub fn measure_rest(
                 match admission::without_rows(plan, &record, known.name(), &trials) {
                     Some(scene) => Ok(scene),
                     None => refuse_deadly(known.name(), i, &kept.deaths)
-                        .map_err(Error::from)
                         .and_then(|()| measure_one(own, &**known, &equipment, deadline)),
                 }
             }

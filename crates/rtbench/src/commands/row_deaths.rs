@@ -3,6 +3,7 @@
 
 use std::cell::{Cell, RefCell};
 
+use crate::error::Error;
 use measurement::journal::Journal;
 use measurement::journal::lines::{Deaths, Line};
 use measurement::plan::Plan;
@@ -52,10 +53,10 @@ const DEATHS: usize = 2;
 ///
 /// # Errors
 /// [`MeasureError::Deadly`].
-pub fn refuse_deadly(name: &str, scene: usize, deaths: &Deaths) -> Result<(), MeasureError> {
+pub fn refuse_deadly(name: &str, scene: usize, deaths: &Deaths) -> Result<(), Error> {
     match deaths.get(&(scene, None)) {
         Some(&times) if times >= DEATHS => {
-            Err(MeasureError::Deadly { scene: name.to_owned(), times })
+            Err(MeasureError::Deadly { scene: name.to_owned(), times }.into())
         }
         _ => Ok(()),
     }
