@@ -85,7 +85,7 @@ fn parts_are_asked_for_together() {
         let settings = [("kernel", "scalar")];
         let of = |limit| built(entry, &set, &settings[..usize::from(has_kernel)], limit);
         let bytes = of(MemoryLimit::NONE).unwrap().bytes;
-        let refused = of(MemoryLimit::new(bytes / 4 * 3));
+        let refused = of(MemoryLimit::new(bytes / 3 * 2));
         let is_refused = matches!(refused, Err(BuildError::OutOfMemory(_)));
         assert!(is_refused, "{}: {bytes} bytes, {refused:?}", entry.info.name);
     }
