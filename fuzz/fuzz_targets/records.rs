@@ -1,5 +1,6 @@
 //! The record of a run, `results.json`, and everything that reads one: `compare`, `report`, `merge`, `check`,
-//! the exports.
+//! the exports. The length of a record that is read says which: the report's intervals take a hundred times as
+//! long as reading.
 #![no_main]
 
 use std::path::{Path, PathBuf};
@@ -20,11 +21,13 @@ use rtbench::report::page;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Ok(record) = file::record(Path::new("results.json"), bytes) else { return };
-    compared(&record);
-    exported(&record);
-    checked(&record);
-    merged(&record);
-    reported(record);
+    match bytes.len() % 32 {
+        0 => reported(record),
+        1..8 => compared(&record),
+        8..16 => exported(&record),
+        16..24 => checked(&record),
+        _ => merged(&record),
+    }
 });
 
 /// With itself, whatever it takes.

@@ -25,6 +25,7 @@ pub mod params;
 pub mod primitives;
 pub mod query;
 pub mod registry;
+mod room;
 pub mod structure;
 pub mod structures;
 pub mod tree;

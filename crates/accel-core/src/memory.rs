@@ -2,8 +2,8 @@
 //! and no end of the program.
 //!
 //! A structure asks where its sizes come from settings and scenes: [`Params::fits`](crate::params::Params::fits)
-//! for a list of known length, [`Params::most`](crate::params::Params::most) for one that grows. Both are of the
-//! part in question; what all parts take together is known when they are built.
+//! for a list of known length, [`Params::most`](crate::params::Params::most) for one that grows; a structure that
+//! grows in cells and references has room for both together.
 
 use std::hint::black_box;
 
@@ -23,6 +23,17 @@ impl MemoryLimit {
         Self(bytes)
     }
 
+    /// The bytes, where there is a limit.
+    pub fn bytes(self) -> Option<u64> {
+        (self != Self::NONE).then_some(self.0)
+    }
+
+    /// What is left beside so many bytes.
+    #[must_use]
+    pub fn beside(self, bytes: u64) -> Self {
+        if self == Self::NONE { self } else { Self(self.0.saturating_sub(bytes)) }
+    }
+
     /// How many things of so many bytes each fit.
     pub fn count(self, bytes_each: u64) -> u64 {
         if self == Self::NONE { u64::MAX } else { self.0 / bytes_each.max(1) }
@@ -32,6 +43,7 @@ impl MemoryLimit {
     ///
     /// # Errors
     /// [`OutOfMemory`].
+    #[inline]
     pub fn allows(self, structure: &'static str, needed: u128) -> Result<(), OutOfMemory> {
         match needed <= u128::from(self.0) {
             true => Ok(()),

@@ -36,6 +36,8 @@ pub struct Context<'a> {
     pub terminal: Terminal,
     /// How much to say on standard error.
     pub verbosity: Verbosity,
+    /// Files and results that are there may be replaced.
+    pub overwrite: bool,
     /// What the environment of the process says.
     pub environment: Environment,
     /// What a CI job is told when the command has ended.

@@ -51,10 +51,12 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command};
+use crate::commands::named_files::named_files;
 use crate::config::{Config, Configured};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, USAGE};
+use crate::exports::occupied::{self, OccupiedError};
 use measurement::scenes::Installed;
 use measurement::settings::suggest;
 use measurement::system::clock::SystemClock;
@@ -87,6 +89,7 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
         command_line,
         terminal: Terminal::detect(),
         verbosity: Verbosity::Normal,
+        overwrite: false,
         environment: Environment::detect(),
         annotations: Vec::new(),
     };
@@ -127,6 +130,7 @@ pub fn run_in(
         command_line: context.command_line.clone(),
         terminal: context.terminal,
         verbosity: context.verbosity,
+        overwrite: context.overwrite,
         annotations: Vec::new(),
     };
     let code = run_guarded(&mut guarded, arguments, folder);
@@ -181,15 +185,37 @@ fn run_guarded(
             (_, true) => Verbosity::Verbose,
             _ => Verbosity::Normal,
         },
+        overwrite: cli.overwrite,
         annotations: Vec::new(),
     };
     if let Some(config) = &config {
         context.say(format_args!("configuration: {}", config.path().display()));
     }
-    let ended = match &cli.command {
-        Command::Run(args) => commands::run::run(context, args, cli.color, &arguments),
+    let ended = match refuse_files(&cli) {
+        Ok(()) => dispatched(context, &cli, config.as_ref(), &arguments),
+        Err(error) => Err(error.into()),
+    };
+    let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
+    outer.annotations = std::mem::take(&mut context.annotations);
+    code
+}
+
+/// Refuses to write over what is there, unless that is asked for.
+fn refuse_files(cli: &Cli) -> Result<(), OccupiedError> {
+    if cli.overwrite { Ok(()) } else { occupied::refuse_files(named_files(&cli.command)) }
+}
+
+/// Does what the command line says.
+fn dispatched(
+    context: &mut Context<'_>,
+    cli: &Cli,
+    config: Option<&Config>,
+    arguments: &[OsString],
+) -> Result<u8, Error> {
+    match &cli.command {
+        Command::Run(args) => commands::run::run(context, args, cli.color, arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
-        Command::Scale(args) => commands::scale::run(context, args, cli.color, &arguments),
+        Command::Scale(args) => commands::scale::run(context, args, cli.color, arguments),
         Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
@@ -204,7 +230,7 @@ fn run_guarded(
             commands::profile::run(context, args, cli.color).map(|()| SUCCESS)
         }
         Command::Check(args) => {
-            let thresholds = config.as_ref().map(Config::thresholds).unwrap_or_default();
+            let thresholds = config.map(Config::thresholds).unwrap_or_default();
             commands::check::run(context, args, thresholds, cli.color)
         }
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
@@ -216,10 +242,7 @@ fn run_guarded(
             commands::printed::completions(context, args).map(|()| SUCCESS)
         }
         Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
-    };
-    let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
-    outer.annotations = std::mem::take(&mut context.annotations);
-    code
+    }
 }
 
 /// Adds arguments to the command line, and to what the record has of it.

@@ -15,33 +15,24 @@ use crate::grid::cell_walk::{CellPosition, CellWalk};
 use crate::grid::voxel_walk::GridFrame;
 use crate::memory::Counted;
 use crate::query::sink::Sink;
+use crate::room::Room;
+use crate::structure::BuildError;
 
 /// Limits and conventions of a build.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rules {
+pub(crate) struct Rules<'a> {
     /// Order of ids in a cell.
     pub order: ListOrder,
     /// Cells by division, as in 1999.
     pub by_division: bool,
-    /// Upper limit for the cells of all grids.
-    pub max_cells: u64,
-    /// Upper limit for the references in all cells.
-    pub max_references: u64,
+    /// For the cells of all grids, and the references in them.
+    pub room: Room<'a>,
 }
 
 /// Voxels of nested grids: where the ids and the grids of each begin.
-pub(crate) const VOXELS: Counted = Counted::cells("number of voxels", 8);
+pub(crate) static VOXELS: Counted = Counted::cells("number of voxels", 8);
 /// Ids in them.
-pub(crate) const REFERENCES: Counted = Counted::references("references in voxels");
-
-/// A limit was exceeded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Excess {
-    /// Cells.
-    Cells(u64),
-    /// References.
-    References(u64),
-}
+pub(crate) static REFERENCES: Counted = Counted::references("references in voxels");
 
 #[derive(Debug, Clone, Copy)]
 struct Grid<S: Scalar> {
@@ -94,15 +85,13 @@ impl<S: Scalar> NestedGrids<S> {
         frame: GridFrame<S>,
         (ids, id_boxes): (&[u32], &[Aabb<S>]),
         (inner, inner_boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules,
-    ) -> Result<u32, Excess> {
+        rules: &Rules<'_>,
+    ) -> Result<u32, BuildError> {
         let cells = (self.starts.len() - 1 + frame.cells()) as u64;
-        if cells > rules.max_cells.min(u64::from(u32::MAX) - 1) {
-            return Err(Excess::Cells(cells));
-        }
+        rules.room.check([cells, self.ids.len() as u64])?;
         let lists_of = |boxes: &[Aabb<S>], used: usize| {
             let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
-            let room = rules.max_references.min(u64::from(u32::MAX)).saturating_sub(used as u64);
+            let room = rules.room.references_beside(cells).saturating_sub(used as u64);
             block_lists(
                 &DenseRows::new(frame.resolution()),
                 boxes.len(),
@@ -110,7 +99,7 @@ impl<S: Scalar> NestedGrids<S> {
                 room,
                 &placement,
             )
-            .map_err(|TooManyReferences(n)| Excess::References(n + used as u64))
+            .map_err(|TooManyReferences(n)| rules.room.refused([cells, n + used as u64]))
         };
         let id_lists = lists_of(id_boxes, self.ids.len())?;
         let inner_lists = match inner {
@@ -135,16 +124,14 @@ impl<S: Scalar> NestedGrids<S> {
         &mut self,
         frame: GridFrame<S>,
         (ids, boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules,
+        rules: &Rules<'_>,
         mut divide: impl FnMut(Aabb<S>, &[u32]) -> Option<u32>,
-    ) -> Result<u32, Excess> {
+    ) -> Result<u32, BuildError> {
         let cells = (self.starts.len() - 1 + frame.cells()) as u64;
-        if cells > rules.max_cells.min(u64::from(u32::MAX) - 1) {
-            return Err(Excess::Cells(cells));
-        }
+        let used = self.ids.len() as u64;
+        rules.room.check([cells, used])?;
         let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
-        let room = rules.max_references.min(u64::from(u32::MAX));
-        let room = room.saturating_sub(self.ids.len() as u64);
+        let room = rules.room.references_beside(cells).saturating_sub(used);
         let lists = block_lists(
             &DenseRows::new(frame.resolution()),
             boxes.len(),
@@ -152,7 +139,7 @@ impl<S: Scalar> NestedGrids<S> {
             room,
             &placement,
         )
-        .map_err(|TooManyReferences(n)| Excess::References(n + self.ids.len() as u64))?;
+        .map_err(|TooManyReferences(n)| rules.room.refused([cells, n + used]))?;
         let number = self.grids.len() as u32;
         self.grids.push(Grid { frame, first_cell: (self.starts.len() - 1) as u32 });
         for cell in 0..frame.cells() {

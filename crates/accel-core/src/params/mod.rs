@@ -157,6 +157,12 @@ impl Params {
         self.memory.fits(self.structure, bytes)
     }
 
+    /// How much memory the structure may take.
+    #[inline]
+    pub fn memory(&self) -> MemoryLimit {
+        self.memory
+    }
+
     /// The most that the setting allows and memory has room for. Panics as [`Params::real`].
     pub fn most(&self, counted: &Counted) -> u64 {
         self.integer(counted.setting).min(self.memory.count(counted.bytes))

@@ -20,7 +20,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::{Excess, NestedGrids, NoMailbox, Rules};
+use crate::grid::nested_grids::{NestedGrids, NoMailbox, Rules};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::voxel_walk::GridFrame;
 use crate::params::specs;
@@ -29,8 +29,9 @@ use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
+use crate::room::Room;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
-use crate::structures::hug::{Boxes, boxes_of, historical_frame, too_large, useful_frame};
+use crate::structures::hug::{Boxes, boxes_of, historical_frame, useful_frame};
 use crate::tree::cluster_bvh::{ClusterBvh, Item};
 use crate::tree::clustering::agglomerate::{MergeRule, agglomerate, surface};
 
@@ -136,7 +137,7 @@ struct Maker<'a, S: Scalar> {
     density: f64,
     split: usize,
     levels: u64,
-    rules: Rules,
+    rules: Rules<'a>,
 }
 
 impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
@@ -164,8 +165,7 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
             rules: Rules {
                 order: if historical { ListOrder::Reverse } else { ListOrder::File },
                 by_division: historical,
-                max_cells: params.most(&VOXELS),
-                max_references: params.most(&REFERENCES),
+                room: Room::new(params, [&VOXELS, &REFERENCES]),
             },
         };
         let (cluster_count, orphan_count) = (clusters.len() as u64, orphans.len() as u64);
@@ -178,7 +178,7 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
         }
         let crowds: Vec<_> = crowds.into_iter().map(|ids| maker.crowd(ids)).collect();
         items.extend(crowds.iter().zip(0..).map(|(c, grid)| (Item::Grid(grid), c.bounds)));
-        let grids = maker.make(crowds).map_err(|e| too_large(params, e))?;
+        let grids = maker.make(crowds)?;
         Ok(Self {
             tree: ClusterBvh::new(items),
             grids,
@@ -259,7 +259,7 @@ impl<S: Scalar> Maker<'_, S> {
 
     /// Makes the grids of all clusters, then those within their voxels, level by level: a grid's
     /// number is its position in the queue.
-    fn make(&self, crowds: Vec<Crowd<S>>) -> Result<NestedGrids<S>, Excess> {
+    fn make(&self, crowds: Vec<Crowd<S>>) -> Result<NestedGrids<S>, BuildError> {
         let mut grids = NestedGrids::new();
         let mut queue = VecDeque::from(crowds);
         let mut queued = queue.len() as u32;
@@ -286,13 +286,13 @@ impl<S: Scalar> Maker<'_, S> {
         Ok(grids)
     }
 
-    fn frame(&self, crowd: &Crowd<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, Excess> {
-        let max_cells = self.rules.max_cells;
+    fn frame(&self, crowd: &Crowd<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, BuildError> {
+        let room = &self.rules.room;
         if self.historical {
             let wanted = HISTORICAL_ROUNDING[usize::from(crowd.level > 0)];
-            return historical_frame(crowd.bounds, boxes.len(), wanted, max_cells);
+            return historical_frame(crowd.bounds, boxes.len(), wanted, room);
         }
-        Ok(useful_frame(crowd.bounds, boxes, self.density, self.padding, max_cells))
+        Ok(useful_frame(crowd.bounds, boxes, self.density, self.padding, room))
     }
 
     /// True when a grid of one cell is all that would come of it; asked of today's grids only.

@@ -17,7 +17,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::{Excess, Mailbox, NestedGrids, Rules, Visited, references_in};
+use crate::grid::nested_grids::{Mailbox, NestedGrids, Rules, Visited, references_in};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_walk::GridFrame;
@@ -28,7 +28,7 @@ use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::too_many;
+use crate::room::Room;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::tree::clustering::box_tree::{BoxTree, Nearness};
 use crate::tree::clustering::components::components;
@@ -118,8 +118,7 @@ impl<S: Scalar> Structure<S> for Hug<S> {
         let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
             .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
         let (plans, owners) = plan(&boxes, scene, padding, historical, params);
-        let grids = fill(&boxes, &plans, &owners, historical, padding, params)
-            .map_err(|e| too_large(params, e))?;
+        let grids = fill(&boxes, &plans, &owners, historical, padding, params)?;
         Ok(Self { grids, from_origin: historical })
     }
 
@@ -148,14 +147,6 @@ impl<S: Scalar> Structure<S> for Hug<S> {
             bytes: self.grids.bytes(),
             ..Shape::default()
         }
-    }
-}
-
-/// The error for an exceeded limit of nested grids.
-pub(super) fn too_large(params: &Params, excess: Excess) -> BuildError {
-    match excess {
-        Excess::Cells(n) => too_many(params, &VOXELS, n),
-        Excess::References(n) => too_many(params, &REFERENCES, n),
     }
 }
 
@@ -286,12 +277,11 @@ fn fill<S: Scalar>(
     historical: bool,
     padding: S,
     params: &Params,
-) -> Result<NestedGrids<S>, Excess> {
+) -> Result<NestedGrids<S>, BuildError> {
     let rules = Rules {
         order: if historical { ListOrder::Reverse } else { ListOrder::File },
         by_division: historical,
-        max_cells: params.most(&VOXELS),
-        max_references: params.most(&REFERENCES),
+        room: Room::new(params, [&VOXELS, &REFERENCES]),
     };
     let mut primitives = vec![Vec::new(); plans.len()];
     for (&owner, id) in owners.iter().zip(0u32..) {
@@ -309,10 +299,10 @@ fn fill<S: Scalar>(
         let id_boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
         let inner_boxes: Vec<_> = inner.iter().map(|&g| bounds[g as usize]).collect();
         let frame = if historical {
-            historical_frame(plan.bounds, plan.own, HISTORICAL_ROUNDING, rules.max_cells)?
+            historical_frame(plan.bounds, plan.own, HISTORICAL_ROUNDING, &rules.room)?
         } else {
             let all: Vec<_> = id_boxes.iter().chain(&inner_boxes).copied().collect();
-            useful_frame(plan.bounds, &all, params.real("density"), padding, rules.max_cells)
+            useful_frame(plan.bounds, &all, params.real("density"), padding, &rules.room)
         };
         grids.push(frame, (ids, &id_boxes), (inner, &inner_boxes), &rules)?;
     }
@@ -324,16 +314,14 @@ pub(super) fn historical_frame<S: Scalar>(
     bounds: Aabb<S>,
     n: usize,
     rounding: f64,
-    max_cells: u64,
-) -> Result<GridFrame<S>, Excess> {
+    room: &Room<'_>,
+) -> Result<GridFrame<S>, BuildError> {
     let size = bounds.size().to_array().map(S::to_f64);
     let scale = (n as f64 / size.iter().product::<f64>()).cbrt();
     let most = f64::from(MAX_PER_AXIS);
     let cells = size.map(|s| (s * scale + rounding).clamp(1.0, most) as u32).map(|n| n.max(1));
     let product: u64 = cells.iter().map(|&n| u64::from(n)).product();
-    if product > max_cells {
-        return Err(Excess::Cells(product));
-    }
+    room.check([product, 0])?;
     Ok(GridFrame::new(bounds, cells))
 }
 
@@ -344,14 +332,14 @@ pub(super) fn useful_frame<S: Scalar>(
     boxes: &[Aabb<S>],
     density: f64,
     padding: S,
-    max_cells: u64,
+    room: &Room<'_>,
 ) -> GridFrame<S> {
     let input = ResolutionInput {
         bounds,
         primitives: boxes.len(),
         density,
         mean_longest_side: 0.0,
-        max_cells,
+        max_cells: room.most_cells(),
         smallest_cell: smallest_cell(padding),
     };
     let mut cells = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);

@@ -29,6 +29,7 @@ use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
+use crate::room::Room;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::structures::uniform_grid::DenseCells;
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
@@ -84,12 +85,10 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
         let rules = LeafRules {
             density: params.real("leaf-density"),
-            max_cells: params.most(&VOXELS),
-            max_references: params.most(&REFERENCES),
+            room: Room::new(params, [&VOXELS, &REFERENCES]),
         };
         let division = CellDivision::new(&contents.frame, contents.padding());
-        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules)
-            .map_err(|excess| crate::structures::hug::too_large(params, excess))?;
+        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules)?;
         Ok(Self { upper: contents.frame, division, cells, leaves })
     }
 

@@ -75,6 +75,22 @@ fn too_little_memory_is_an_error_and_changes_no_structure() {
     }
 }
 
+/// Each part within the limit, all of them not.
+#[test]
+fn parts_are_asked_for_together() {
+    let set = relief(64);
+    let names = ["kd-tree", "octree", "hug", "adaptive-grid", "two-level-grid", "wide-bvh"];
+    for entry in REGISTRY.iter().filter(|entry| names.contains(&entry.info.name)) {
+        let has_kernel = entry.info.params.iter().any(|spec| spec.name == "kernel");
+        let settings = [("kernel", "scalar")];
+        let of = |limit| built(entry, &set, &settings[..usize::from(has_kernel)], limit);
+        let bytes = of(MemoryLimit::NONE).unwrap().bytes;
+        let refused = of(MemoryLimit::new(bytes / 3 * 2));
+        let is_refused = matches!(refused, Err(BuildError::OutOfMemory(_)));
+        assert!(is_refused, "{}: {bytes} bytes, {refused:?}", entry.info.name);
+    }
+}
+
 /// Planted: a structure that does not ask, and one that makes itself smaller.
 #[test]
 fn structures_that_do_not_ask_are_found() {

@@ -2,7 +2,8 @@
 //!
 //! A journal is text of one JSON value a line. Lines are only ever appended, each with one write
 //! and a synchronisation, so whatever ends the program, a journal is whole lines and at most one
-//! torn line behind them, which is cut off. The unit that can be finished is a scene: its rows are
+//! torn line behind them, which is cut off. Lines that only say how far a scene is are not synchronised:
+//! they outlive the program, not the machine. The unit that can be finished is a scene: its rows are
 //! measured in interleaved rounds, so that all of them end together. Each line has a checksum
 //! ([`seal`](crate::journal::seal)), and what it says must fit the manifest.
 
@@ -13,6 +14,7 @@ use serde_json::Value;
 
 use crate::journal::seal::Seal;
 use crate::record::{Compiler, Machine, RowRecord, SCHEMA_VERSION, SceneRecord, Settings, Tool};
+use presentation::format_error::FormatError;
 
 /// What a run is: two runs whose manifests agree may be parts of one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,10 +53,11 @@ pub enum Line {
     Begun(Box<Manifest>),
     /// A scene is begun: its place among the scenes of the manifest.
     Scene(usize),
-    /// The row with that label is begun in the scene: it is built for the first time, and checked.
+    /// The row with that label is begun in the scene: it is built and checked, timed for the first time, or
+    /// renders its image.
     Row(String),
-    /// All rows of the scene are checked.
-    Checked,
+    /// The rows begun so far ended well.
+    Passed,
     /// All rows of a scene.
     Finished {
         /// Its place among the scenes of the manifest.
@@ -73,6 +76,17 @@ pub enum Line {
     Interrupted(i32),
     /// Every scene had its turn.
     Complete,
+}
+
+impl Line {
+    /// Its text, before it is sealed.
+    ///
+    /// # Errors
+    /// [`FormatError`].
+    pub fn text(&self) -> Result<String, FormatError> {
+        let text = serde_json::to_string(self);
+        text.map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+    }
 }
 
 /// Why a journal cannot be read.
@@ -106,6 +120,10 @@ pub struct Finished {
     pub record: SceneRecord,
 }
 
+/// How often the program ended without a word: by a scene's place in the manifest and the label of the row that
+/// was begun, if one was.
+pub type Deaths = BTreeMap<(usize, Option<String>), usize>;
+
 /// What a journal holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recovered {
@@ -119,8 +137,9 @@ pub struct Recovered {
     pub is_complete: bool,
     /// The scene in which the program ended without a word: killed, or out of memory.
     pub died_in: Option<usize>,
-    /// How often it did so while a row was built for the first time or checked: by scene and label.
-    pub deaths: BTreeMap<(usize, String), usize>,
+    /// How often it did so while a row was begun, by scene and label; without a label, before the scene's
+    /// first row.
+    pub deaths: Deaths,
     /// Bytes of whole lines; what comes behind is torn.
     pub whole: usize,
 }
@@ -160,7 +179,7 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
         deaths: BTreeMap::new(),
         whole,
     };
-    let mut begun: Option<(usize, String)> = None;
+    let mut begun: Option<(usize, Option<String>)> = None;
     for (i, line) in lines {
         let text = opened(i, line, &found.seal)?;
         let line: Line = serde_json::from_str(&text).map_err(|e| damaged(i, &e))?;
@@ -177,23 +196,24 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
                 None
             }
         };
-        if let Some(row) = died {
-            *found.deaths.entry(row).or_default() += 1;
+        if let Some(begun) = died {
+            *found.deaths.entry(begun).or_default() += 1;
         }
         match line {
             Line::Begun(_) => return Err(damaged(i, &"a second manifest")),
             Line::Scene(scene) => {
                 found.died_in = Some(known(scene)?);
                 found.is_complete = false;
+                begun = Some((scene, None));
             }
             Line::Row(label) => {
                 let scene = found.died_in.ok_or_else(|| damaged(i, &"a row of no scene"))?;
                 if !found.manifest.rows.contains(&label) {
                     return Err(damaged(i, &format!("the run has no row {label}")));
                 }
-                begun = Some((scene, label));
+                begun = Some((scene, Some(label)));
             }
-            Line::Checked => {}
+            Line::Passed => {}
             Line::Finished { scene, record } => {
                 known(scene)?;
                 found.manifest.holds(scene, &record).map_err(|e| damaged(i, &e))?;
@@ -206,13 +226,15 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
             Line::Failed { scene, .. } => {
                 known(scene)?;
                 found.died_in = None;
+                // that was said: it is tried again
+                found.deaths.remove(&(scene, None));
             }
             Line::Interrupted(_) => found.died_in = None,
             Line::Complete => found.is_complete = true,
         }
     }
-    if let Some(row) = begun {
-        *found.deaths.entry(row).or_default() += 1;
+    if let Some(begun) = begun {
+        *found.deaths.entry(begun).or_default() += 1;
     }
     Ok(found)
 }
@@ -284,12 +306,12 @@ pub(crate) fn compare(name: &str, was: &Value, is: &Value, differences: &mut Vec
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use crate::system::world::FixedWorld;
 
     use super::*;
 
-    fn manifest() -> Manifest {
+    pub(in crate::journal) fn manifest() -> Manifest {
         Manifest {
             schema_version: SCHEMA_VERSION,
             tool: Tool { name: "rtbench".into(), version: "0".into(), git_revision: None },

@@ -1,6 +1,7 @@
 //! The journal of a run, `run.jsonl` in its output folder: what is finished stays finished,
 //! whatever ends the program. [`lines`] has the format.
 
+mod last_line;
 pub mod lines;
 pub mod seal;
 
@@ -8,6 +9,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+pub use crate::journal::last_line::LastLine;
 use crate::journal::lines::{Line, LineError, Manifest, Recovered, read};
 use crate::journal::seal::Seal;
 use crate::system::interrupt::undisturbed;
@@ -100,7 +102,7 @@ impl Journal {
     pub fn begin(folder: &Path, manifest: Manifest) -> Result<Self, JournalError> {
         let mut journal = Self::open(folder, true)?;
         journal.cut()?;
-        let first = text(&Line::Begun(Box::new(manifest)))?;
+        let first = Line::Begun(Box::new(manifest)).text()?;
         journal.append_text(&first)?;
         journal.seal = Seal::behind(&first);
         Ok(journal)
@@ -166,14 +168,30 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`].
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
-        self.append_text(&text(line)?)
+        self.append_text(&line.text()?)
+    }
+
+    /// The same for a line that only says how far the run is: it need not outlive the machine, and
+    /// costs no more than a write.
+    ///
+    /// # Errors
+    /// [`JournalError::Io`].
+    pub fn note(&mut self, line: &Line) -> Result<(), JournalError> {
+        self.write_line(&line.text()?, |_| Ok(()))
     }
 
     fn append_text(&mut self, text: &str) -> Result<(), JournalError> {
+        self.write_line(text, File::sync_data)
+    }
+
+    fn write_line(
+        &mut self,
+        text: &str,
+        sync: impl FnOnce(&File) -> io::Result<()>,
+    ) -> Result<(), JournalError> {
         let text = self.seal.sealed(text) + "\n";
-        let written = undisturbed(|| {
-            self.file.write_all(text.as_bytes()).and_then(|()| self.file.sync_data())
-        });
+        let written =
+            undisturbed(|| self.file.write_all(text.as_bytes()).and_then(|()| sync(&self.file)));
         if let Err(source) = written {
             self.cut()?;
             return Err(JournalError::Io { path: self.path.clone(), source });
@@ -182,15 +200,17 @@ impl Journal {
         Ok(())
     }
 
-    /// Another handle to the journal, and how the last line of a run that is interrupted is sealed.
+    /// What writes the last line of a run that is interrupted. `temporary` is a folder for a journal whose own
+    /// cannot be made again.
     ///
     /// # Errors
     /// [`JournalError::Io`].
-    pub fn handle(&self) -> Result<(File, Seal), JournalError> {
-        let handle = self.file.try_clone();
-        let handle =
-            handle.map_err(|source| JournalError::Io { path: self.path.clone(), source })?;
-        Ok((handle, self.seal.clone()))
+    pub fn last_line(&self, temporary: Option<PathBuf>) -> Result<LastLine, JournalError> {
+        let fail = |source| JournalError::Io { path: self.path.clone(), source };
+        let file = self.file.try_clone().map_err(fail)?;
+        // whatever the working directory is by then
+        let path = std::path::absolute(&self.path).map_err(fail)?;
+        Ok(LastLine { file, seal: self.seal.clone(), path, temporary })
     }
 
     /// Writes the journal anew where its file was removed; its folder must be there. Whether it was.
@@ -216,9 +236,4 @@ impl Journal {
     pub fn path(&self) -> &Path {
         &self.path
     }
-}
-
-/// The text of a line, before it is sealed.
-fn text(line: &Line) -> Result<String, FormatError> {
-    serde_json::to_string(line).map_err(|e| FormatError { format: "JSON", message: e.to_string() })
 }

@@ -40,6 +40,17 @@ pub enum MeasureError {
         /// Why.
         source: rayon::ThreadPoolBuildError,
     },
+    /// The program ended too often while it was prepared.
+    #[error(
+        "scene {scene}: skipped: {times} times the program ended without a word while its rays and their \
+         answers were prepared: killed, or out of memory; the next --resume tries it again"
+    )]
+    Deadly {
+        /// Scene.
+        scene: String,
+        /// How often.
+        times: usize,
+    },
     /// Something panicked while it was measured: a defect of ours.
     #[error("scene {scene}: {source}; this is a defect of rtbench")]
     Panicked {

@@ -12,6 +12,7 @@ use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
 use crate::rounds::interleaved::{Visit, interleaved};
+use crate::rounds::row_log::RowLog;
 use crate::rounds::schedule::round_order;
 use crate::rounds::scope::Scope;
 use crate::system::panics::{Panicked, caught};
@@ -45,12 +46,13 @@ type Seconds = BTreeMap<String, f64>;
 
 /// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
 /// for rows that were not built. Ratios are taken to the row `baseline`. The result has one entry
-/// for each row too.
+/// for each row too. `log` is told what each row does for the first time.
 pub fn measure<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     checked: &[Option<Checked>],
     baseline: usize,
     deadline: Option<Duration>,
+    log: &dyn RowLog,
 ) -> Vec<Timed> {
     let plan = scope.plan;
     let mut timed = vec![Timed::default(); plan.rows.len()];
@@ -76,6 +78,11 @@ pub fn measure<S: Buildable>(
         let row = rows[row];
         let Some(stride) = strides[row].filter(|_| timed[row].panicked.is_none()) else { return };
         let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == baseline };
+        if round == 0 {
+            log.row_begins(&asked.row.label());
+        } else {
+            log.rows_passed();
+        }
         let seen = caught(|| asked.make(scope, &mut sheets, &mut of_reference[round]));
         let out = &mut timed[row];
         let seen = match seen {
@@ -114,6 +121,7 @@ pub fn measure<S: Buildable>(
     }
     let rounds = of_reference.len();
     drop(sheets);
+    log.rows_passed();
     let order = round_order(plan.seed, &scope.stage.scene.name, rounds, rows.len());
     for i in order {
         let row = rows[i];
@@ -122,6 +130,7 @@ pub fn measure<S: Buildable>(
             seconds <= plan.limits.render_pass
         });
         if cheap && !plan.rows[row].is_sampled() && timed[row].panicked.is_none() {
+            log.row_begins(&plan.rows[row].label());
             match caught(|| render_once(scope, &plan.rows[row])) {
                 Ok(seconds) => timed[row].render_s = seconds,
                 Err(panicked) => timed[row].panicked = Some(panicked),
@@ -129,6 +138,7 @@ pub fn measure<S: Buildable>(
         }
         scope.progress.step(scope.clock.now());
     }
+    log.rows_passed();
     timed
 }
 

@@ -4,6 +4,7 @@ pub mod error;
 pub mod interleaved;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
+pub mod row_log;
 pub mod scene_run;
 pub mod schedule;
 pub mod scope;

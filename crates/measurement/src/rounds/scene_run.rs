@@ -22,6 +22,7 @@ use crate::record::ratios::{
 use crate::record::{Answered, Outliers, RowRecord, Sample, SceneRecord, Verdict};
 use crate::rounds::error::MeasureError;
 use crate::rounds::measure::{Timed, measure};
+use crate::rounds::row_log::RowLog;
 use crate::rounds::scope::Scope;
 use crate::rounds::stand_in;
 use crate::rounds::trial::Outcome;
@@ -47,14 +48,6 @@ pub struct Equipment<'a> {
     pub trials: &'a [Outcome],
     /// Told before each row is built for the first time.
     pub log: &'a dyn RowLog,
-}
-
-/// Who is told how far the rows of a scene are, for the case that one of them ends the program.
-pub trait RowLog {
-    /// The row with that label is begun.
-    fn row_begins(&self, label: &str);
-    /// All rows are checked: each could be built.
-    fn all_checked(&self);
 }
 
 /// Measures all rows of the plan on a scene, in the precision `S`. With a time budget, rounds go
@@ -114,10 +107,10 @@ pub fn run_scene<S: Buildable>(
         refused.push(why);
         progress.step(equipment.clock.now());
     }
-    equipment.log.all_checked();
+    equipment.log.rows_passed();
     progress.message(format!("{}: timing", scene.name));
     let baseline = stand_in::baseline(plan, &checked);
-    let timed = measure(&scope, &checked, baseline, deadline);
+    let timed = measure(&scope, &checked, baseline, deadline, equipment.log);
     let mut rows: Vec<RowRecord> = plan
         .rows
         .iter()

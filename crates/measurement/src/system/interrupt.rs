@@ -4,7 +4,8 @@
 //! and ends the process, as soon as no file is being written, and at the latest after [`GRACE`].
 //! Work that can stop between two of its steps has a [`flag`] instead, and ends by itself.
 
-use std::fs::File;
+use std::io;
+#[cfg(unix)]
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
@@ -38,13 +39,14 @@ pub fn undisturbed<T>(write: impl FnOnce() -> T) -> T {
     write()
 }
 
-/// Makes the line that says which signal ended the program.
-pub type Mark = Box<dyn Fn(i32) -> Option<String> + Send>;
+/// Marks a journal with the signal that ends the program; another folder, where the journal is not in its own
+/// any more.
+pub type Mark = Box<dyn FnOnce(i32) -> io::Result<Option<PathBuf>> + Send>;
 
 /// What is said and marked when a signal comes.
 pub struct Unfinished {
-    /// The journal, how it is marked, and its folder.
-    pub journal: Option<(File, Mark, PathBuf)>,
+    /// How the journal is marked, and its folder.
+    pub journal: Option<(Mark, PathBuf)>,
     /// All scenes.
     pub scenes: usize,
     /// How many of them are finished.
@@ -52,18 +54,20 @@ pub struct Unfinished {
 }
 
 impl Unfinished {
-    /// In words.
-    fn say(&self) -> String {
+    /// Marks the journal, if files may be written, and says so.
+    fn end(self, signal: i32, may_write: bool) -> String {
         let counts =
             format!("{} of {} scenes are finished", self.finished.load(SeqCst), self.scenes);
-        match &self.journal {
-            Some((_, _, folder)) => {
-                let folder = folder.display().to_string();
-                let folder = line(&folder);
-                format!("interrupted: {counts} and kept; go on with: rtbench run --resume {folder}")
-            }
-            None => format!("interrupted: {counts}; with -o DIR they would be kept"),
-        }
+        let Some((mark, folder)) = self.journal else {
+            return format!("interrupted: {counts}; with -o DIR they would be kept");
+        };
+        let folder = match if may_write { mark(signal) } else { Ok(None) } {
+            Ok(another) => another.unwrap_or(folder),
+            Err(why) => return format!("interrupted: {counts}, and the journal is lost: {why}"),
+        };
+        let folder = folder.display().to_string();
+        let folder = line(&folder);
+        format!("interrupted: {counts} and kept; go on with: rtbench run --resume {folder}")
     }
 }
 
@@ -180,12 +184,7 @@ fn end(unfinished: Unfinished, signal: i32) -> ! {
             Err(_) => std::thread::sleep(Duration::from_millis(5)),
         }
     };
-    let text = unfinished.say();
-    if let (Some(_), Some((mut journal, mark, _))) = (&held, unfinished.journal)
-        && let Some(line) = mark(signal)
-    {
-        let _ = journal.write_all((line + "\n").as_bytes());
-    }
+    let text = unfinished.end(signal, held.is_some());
     // The bar may stand there.
     let _ = writeln!(std::io::stderr(), "\n{text}");
     std::process::exit(128 + signal)

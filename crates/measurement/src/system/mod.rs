@@ -6,6 +6,7 @@ pub mod created;
 pub mod file_limit;
 pub mod files;
 pub mod interrupt;
+pub mod kept_folder;
 pub mod machine;
 pub mod memory_limit;
 pub mod panics;

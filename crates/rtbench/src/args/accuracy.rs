@@ -28,7 +28,4 @@ pub struct AccuracyArgs {
     /// Write accuracy.csv, accuracy.json, accuracy.md, summary.md, a plot an axis and pictures there
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// With -o: replace the results that are there
-    #[arg(long, requires = "output")]
-    pub overwrite: bool,
 }

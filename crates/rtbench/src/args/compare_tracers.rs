@@ -56,7 +56,4 @@ pub struct CompareTracersArgs {
     /// Write tracers.csv, tracers.json, tracers.md, tracers.svg and the images there
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// With -o: replace the results that are there
-    #[arg(long, requires = "output")]
-    pub overwrite: bool,
 }

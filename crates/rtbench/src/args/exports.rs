@@ -29,7 +29,4 @@ pub struct ExportArgs {
     /// Write results.csv, results.md and results.json there; `run` also run.jsonl, to resume from
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// With -o: replace the results that are there
-    #[arg(long, requires = "output")]
-    pub overwrite: bool,
 }

@@ -69,6 +69,9 @@ pub struct Cli {
     /// Read scene files whose sources lie outside their folders: for files that are your own
     #[arg(long, global = true)]
     pub allow_outside: bool,
+    /// Replace files and results that are there
+    #[arg(long, global = true)]
+    pub overwrite: bool,
     /// Sets of scenes and defaults of `run` [default: rtbench.toml here or in a folder above]
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,

@@ -46,9 +46,6 @@ pub struct ScaleArgs {
     /// --resume DIR` goes on with it
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// With -o: replace the results that are there
-    #[arg(long, requires = "output")]
-    pub overwrite: bool,
     /// Write one CSV row a size, structure and setting; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,

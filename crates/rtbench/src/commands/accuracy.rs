@@ -53,7 +53,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             names: &["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"],
             command_line: &context.command_line,
             manifest: None,
-            overwrite: args.overwrite,
+            overwrite: context.overwrite,
         };
         wanted.check(folder)?;
         created.folder(folder)?;

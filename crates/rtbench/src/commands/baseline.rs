@@ -87,7 +87,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
         run.measuring.rounds.get_or_insert(ROUNDS);
     }
     let plan = Plan::of_run(&run.settings(), context.registry, context.occluders, context.scenes)?;
-    run_outputs::refuse_occupied(&run.exports, &context.command_line, None)?;
+    run_outputs::refuse_occupied(context, &run.exports, None)?;
     let mut outputs = run_outputs::of_run(&run.exports)?;
     let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {

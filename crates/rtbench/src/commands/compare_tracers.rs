@@ -61,7 +61,7 @@ pub fn run(
             names: &["tracers.json", "tracers.csv", "tracers.md", "tracers.svg"],
             command_line: &context.command_line,
             manifest: None,
-            overwrite: args.overwrite,
+            overwrite: context.overwrite,
         };
         wanted.check(folder)?;
         created.folder(folder)?;

@@ -30,6 +30,9 @@ use studies::error::UnsavedImage;
 /// Scenes that the times are taken from: the first two that are not the one in question.
 const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
 
+/// The files of `--heat-maps`.
+pub const MAPS: [&str; 3] = ["tests.png", "steps.png", "time.png"];
+
 /// Prints the table and draws the maps.
 ///
 /// # Errors
@@ -69,11 +72,9 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         if let Some(folder) = &args.heat_maps {
             let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
             let microseconds: Vec<f64> = work.nanoseconds.iter().map(|t| t / 1e3).collect();
-            for (values, name, unit) in [
-                (&work.tests, "tests.png", "tests/pixel"),
-                (&work.steps, "steps.png", "steps/pixel"),
-                (&microseconds, "time.png", "us/pixel"),
-            ] {
+            let values = [&work.tests, &work.steps, &microseconds];
+            let units = ["tests/pixel", "steps/pixel", "us/pixel"];
+            for ((values, name), unit) in values.into_iter().zip(MAPS).zip(units) {
                 save(&heat_map(values, work.resolution[0], unit), &folder.join(name))?;
             }
         }

@@ -8,14 +8,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
-use crate::commands::row_deaths::{RowJournal, skip_deadly};
+use crate::commands::row_deaths::{RowJournal, refuse_deadly, skip_deadly};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
 use crate::exports::elsewhere;
 use crate::exports::outputs::Outputs;
 use measurement::journal::Journal;
-use measurement::journal::lines::Line;
+use measurement::journal::lines::{Deaths, Line};
 use measurement::plan::{Plan, Rounds};
 use measurement::record::summary::summarize;
 use measurement::record::warnings;
@@ -48,13 +48,17 @@ pub struct Kept {
     pub journal: Option<Journal>,
     /// Scenes that are finished already, by their places in the plan.
     pub finished: BTreeMap<usize, SceneRecord>,
-    /// How often each row ended the program: by the scene's place in the plan and the row's label.
-    pub deaths: BTreeMap<(usize, String), usize>,
+    /// How often each row ended the program.
+    pub deaths: Deaths,
     /// How many are finished, for whoever watches.
     pub count: Arc<AtomicUsize>,
 }
 
 impl Kept {
+    fn note(&mut self, line: Line) -> Result<(), Error> {
+        self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.note(&line)?))
+    }
+
     fn append(&mut self, line: impl FnOnce() -> Line) -> Result<(), Error> {
         self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.append(&line())?))
     }
@@ -117,7 +121,7 @@ pub fn measure_rest(
         let measured = match finished_before {
             Some(scene) => Ok(scene),
             None => {
-                kept.append(|| Line::Scene(i))?;
+                kept.note(Line::Scene(i))?;
                 progress.message(format!("{}: loading", known.name()));
                 let deadline = budget.deadline(context.clock.now(), left);
                 left -= 1;
@@ -138,7 +142,8 @@ pub fn measure_rest(
                 equipment.trials = &trials;
                 match admission::without_rows(plan, &record, known.name(), &trials) {
                     Some(scene) => Ok(scene),
-                    None => measure_one(own, &**known, &equipment, deadline),
+                    None => refuse_deadly(known.name(), i, &kept.deaths)
+                        .and_then(|()| measure_one(own, &**known, &equipment, deadline)),
                 }
             }
         };
@@ -160,10 +165,14 @@ pub fn measure_rest(
             let appended = kept.append(finished);
             kept.count.fetch_add(1, SeqCst);
             record.scenes.push(scene);
-            sum_up(&mut record);
-            is_summed_up = true;
             record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
-            kept_well = appended.and_then(|()| kept.write(outputs, &record, false));
+            is_summed_up = kept.journal.is_none() || is_due(record.scenes.len());
+            if is_summed_up {
+                sum_up(&mut record);
+                kept_well = appended.and_then(|()| kept.write(outputs, &record, false));
+            } else {
+                kept_well = appended.map(|()| false);
+            }
         } else {
             // what was finished before is written once, with the next scene or at the end
             record.scenes.push(scene);
@@ -190,6 +199,12 @@ pub fn measure_rest(
     }
     outputs.print(&record, context.out)?;
     Ok(Measured { record, failures, disturbed })
+}
+
+/// Whether results are written with so many scenes. What the journal has is not lost: they are written with
+/// each of the first scenes, then ever less often, so that a run of many does not write all of them each time.
+fn is_due(scenes: usize) -> bool {
+    scenes < 64 || scenes.is_multiple_of(scenes / 32)
 }
 
 /// What all scenes so far say together.

@@ -26,7 +26,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
         let problems = vec![MergeProblem::Overwrites { folder: folder.clone() }];
         return Err(MergeError { problems }.into());
     }
-    run_outputs::refuse_occupied(&args.exports, &context.command_line, None)?;
+    run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
     record.command_line = context.command_line.clone();
     // not before: parts that do not fit leave no empty files

@@ -11,6 +11,7 @@ pub mod doctor;
 pub mod list;
 pub mod measuring;
 pub mod merge;
+pub mod named_files;
 pub mod printed;
 pub mod profile;
 pub mod render;

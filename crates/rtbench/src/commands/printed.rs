@@ -40,19 +40,39 @@ pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<
     Ok(context.out.flush()?)
 }
 
+/// The command line with all that follows from what is declared.
+fn built() -> clap::Command {
+    let mut cli = Cli::command().disable_help_subcommand(true);
+    cli.build();
+    cli
+}
+
+/// The pages of a command and of those below it that are not hidden.
+fn pages(command: &clap::Command) -> Vec<Man> {
+    let shown = command.get_subcommands().filter(|below| !below.is_hide_set());
+    let mut all: Vec<Man> = shown.flat_map(pages).collect();
+    all.push(Man::new(command.clone()));
+    all
+}
+
+/// The files that `man -o` writes.
+pub fn page_names() -> Vec<String> {
+    pages(&built()).iter().map(Man::get_filename).collect()
+}
+
 /// Prints a manual page, or writes all of them.
 ///
 /// # Errors
 /// [`PlanError::UnknownName`], [`Error::Write`], [`Error::Output`].
 pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
-    let mut cli = Cli::command().disable_help_subcommand(true);
+    let cli = built();
     if let Some(folder) = &args.output {
-        std::fs::create_dir_all(folder)
-            .and_then(|()| clap_mangen::generate_to(cli, folder))
-            .map_err(|source| WriteError { path: folder.clone(), source })?;
-        return Ok(());
+        let write = || {
+            std::fs::create_dir_all(folder)?;
+            pages(&cli).iter().try_for_each(|page| page.generate_to(folder).map(|_| ()))
+        };
+        return write().map_err(|source| WriteError { path: folder.clone(), source }.into());
     }
-    cli.build();
     let page = match &args.command {
         None => &cli,
         Some(name) => cli.find_subcommand(name).ok_or_else(|| {

@@ -1,13 +1,15 @@
 //! `rtbench report`: the results in a folder as one page.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 
 use crate::args::ReportArgs;
 use crate::context::Context;
 use crate::error::Error;
+use crate::exports::occupied::refuse_files;
 use crate::report::material::Material;
-use crate::report::page;
+use crate::report::{is_page, page};
 use measurement::record::file;
 use measurement::system::files::WriteError;
 use measurement::system::files::write_text;
@@ -15,6 +17,8 @@ use measurement::system::progress::Progress;
 
 /// The page's name unless another is asked for.
 const NAME: &str = "report.html";
+/// Bytes in which a page says whose it is.
+const BEGINNING: u64 = 1024;
 
 /// Reads what is there and writes the page and, where asked for, its plots.
 ///
@@ -26,6 +30,9 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     let usual = material.folder.join(NAME);
     let output = args.output.as_deref().unwrap_or(&usual);
     let is_stdout = output == Path::new("-");
+    if !is_stdout && !context.overwrite && !is_page_of_ours(output) {
+        refuse_files([output.to_owned()])?;
+    }
     // two plots a scene, about
     let steps = 2 * material.run.scenes.len() as u64;
     let progress = Progress::new(context.shows_progress(), steps, None);
@@ -38,12 +45,27 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
         write_text(output, &page.html)?;
     }
     if let Some(folder) = &args.plots {
+        if !context.overwrite {
+            refuse_files(page.plots.iter().map(|(name, _)| folder.join(name)))?;
+        }
         fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.clone(), source })?;
         for (name, svg) in &page.plots {
             write_text(&folder.join(name), svg)?;
         }
     }
     Ok(())
+}
+
+/// Whether an earlier report is there: it may be replaced.
+fn is_page_of_ours(path: &Path) -> bool {
+    // a pipe would have to be waited for
+    if !path.is_file() {
+        return false;
+    }
+    let Ok(file) = fs::File::open(path) else { return false };
+    let mut beginning = Vec::new();
+    let read = file.take(BEGINNING).read_to_end(&mut beginning);
+    read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
 }
 
 /// Whether the file lies in the folder, however both are named.

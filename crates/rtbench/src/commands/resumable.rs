@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
-use measurement::journal::lines::{Finished, Line, Manifest, Recovered};
+use measurement::journal::lines::{Finished, Manifest, Recovered};
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
@@ -90,14 +90,18 @@ pub fn go_on(
 ///
 /// # Errors
 /// [`Error::Signals`], the journal's.
-pub fn watch(kept: &Kept, folder: Option<&Path>, scenes: usize) -> Result<(), Error> {
+pub fn watch(
+    context: &Context<'_>,
+    kept: &Kept,
+    folder: Option<&Path>,
+    scenes: usize,
+) -> Result<(), Error> {
+    let temporary = context.environment.temporary.clone();
     let journal = match (&kept.journal, folder) {
         (Some(journal), Some(folder)) => {
-            let (handle, seal) = journal.handle()?;
-            let mark: Mark = Box::new(move |signal| {
-                Some(seal.sealed(&serde_json::to_string(&Line::Interrupted(signal)).ok()?))
-            });
-            Some((handle, mark, folder.to_owned()))
+            let last = journal.last_line(temporary)?;
+            let mark: Mark = Box::new(move |signal| last.write(signal));
+            Some((mark, folder.to_owned()))
         }
         _ => None,
     };

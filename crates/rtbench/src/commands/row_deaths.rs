@@ -1,63 +1,79 @@
 //! Rows that end the program, out of memory say: the journal notes which row is begun, and one that was begun
 //! too often without an end is left out, so that a resumed run gets past it.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::cell::{Cell, RefCell};
 
+use crate::error::Error;
 use measurement::journal::Journal;
-use measurement::journal::lines::Line;
+use measurement::journal::lines::{Deaths, Line};
 use measurement::plan::Plan;
-use measurement::rounds::scene_run::RowLog;
+use measurement::rounds::error::MeasureError;
+use measurement::rounds::row_log::RowLog;
 use measurement::rounds::trial::Outcome;
 
 /// The journal, as the rows of a scene see it.
-pub struct RowJournal<'a>(RefCell<Option<&'a mut Journal>>);
+pub struct RowJournal<'a> {
+    journal: RefCell<Option<&'a mut Journal>>,
+    /// A row is noted of which it is not noted that it passed.
+    is_begun: Cell<bool>,
+}
 
 impl<'a> RowJournal<'a> {
     /// Over the journal of a run, if it has one.
     pub fn new(journal: Option<&'a mut Journal>) -> Self {
-        Self(RefCell::new(journal))
+        Self { journal: RefCell::new(journal), is_begun: Cell::new(false) }
     }
 
-    fn append(&self, line: &Line) {
-        if let Some(journal) = self.0.borrow_mut().as_deref_mut() {
+    fn note(&self, line: &Line) {
+        if let Some(journal) = self.journal.borrow_mut().as_deref_mut() {
             // a row that is not noted is tried once more after a death; what is finished is noted with
             // its errors
-            let _ = journal.append(line);
+            let _ = journal.note(line);
         }
     }
 }
 
 impl RowLog for RowJournal<'_> {
     fn row_begins(&self, label: &str) {
-        self.append(&Line::Row(label.to_owned()));
+        self.is_begun.set(true);
+        self.note(&Line::Row(label.to_owned()));
     }
 
-    fn all_checked(&self) {
-        self.append(&Line::Checked);
+    fn rows_passed(&self) {
+        if self.is_begun.replace(false) {
+            self.note(&Line::Passed);
+        }
     }
 }
 
-/// So often a row may end the program before it is left out.
+/// So often a row may end the program before it is left out, and a scene before its first row.
 const DEATHS: usize = 2;
 
+/// Refuses a scene that ended the program too often before its first row.
+///
+/// # Errors
+/// [`MeasureError::Deadly`].
+pub fn refuse_deadly(name: &str, scene: usize, deaths: &Deaths) -> Result<(), Error> {
+    match deaths.get(&(scene, None)) {
+        Some(&times) if times >= DEATHS => {
+            Err(MeasureError::Deadly { scene: name.to_owned(), times }.into())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Leaves out the rows of a scene that ended the program too often, as if their trials had.
-pub fn skip_deadly(
-    trials: &mut Vec<Outcome>,
-    plan: &Plan<'_>,
-    scene: usize,
-    deaths: &BTreeMap<(usize, String), usize>,
-) {
+pub fn skip_deadly(trials: &mut Vec<Outcome>, plan: &Plan<'_>, scene: usize, deaths: &Deaths) {
     for (row, i) in plan.rows.iter().zip(0..) {
-        let count = deaths.get(&(scene, row.label())).copied().unwrap_or(0);
+        let count = deaths.get(&(scene, Some(row.label()))).copied().unwrap_or(0);
         if count < DEATHS {
             continue;
         }
         trials.resize(plan.rows.len(), Outcome::Ended { peak_bytes: None });
         if let Some(trial) = trials.get_mut(i) {
             *trial = Outcome::Died(format!(
-                "skipped: {count} times the program ended without a word while this row was built or \
-                 checked: killed, or out of memory"
+                "skipped: {count} times the program ended without a word while this row was built, checked or \
+                 first timed: killed, or out of memory"
             ));
         }
     }

@@ -37,13 +37,13 @@ pub fn run(
     let record = begin(context, &plan);
     let mut kept = Kept::default();
     let manifest = manifest_of(context, &plan, &record, arguments);
-    run_outputs::refuse_occupied(&args.exports, &record.command_line, Some(&manifest))?;
+    run_outputs::refuse_occupied(context, &args.exports, Some(&manifest))?;
     // the outputs first: where one of them is refused, no run has begun
     let outputs = run_outputs::of_run(&args.exports)?;
     if let Some(folder) = &args.exports.output {
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
-    watch(&kept, args.exports.output.as_deref(), plan.scenes.len())?;
+    watch(context, &kept, args.exports.output.as_deref(), plan.scenes.len())?;
     measure(context, color, &plan, outputs, kept, record)
 }
 
@@ -78,7 +78,7 @@ fn resume(
         ));
     }
     let outputs = run_outputs::of_run(exports)?;
-    watch(&kept, Some(folder), plan.scenes.len())?;
+    watch(context, &kept, Some(folder), plan.scenes.len())?;
     measure(context, color, &plan, outputs, kept, record)
 }
 

@@ -9,6 +9,7 @@ use presentation::json;
 use studies::run::{csv, markdown};
 
 use crate::args::ExportArgs;
+use crate::context::Context;
 use crate::exports::occupied::{OccupiedError, Wanted};
 use crate::exports::outputs::{OutputError, Outputs};
 use crate::exports::{bencher, github_action_benchmark};
@@ -47,14 +48,15 @@ const fn exporter(
 /// # Errors
 /// [`OccupiedError`].
 pub fn refuse_occupied(
+    context: &Context<'_>,
     args: &ExportArgs,
-    command_line: &[String],
     manifest: Option<&Manifest>,
 ) -> Result<(), OccupiedError> {
     let Some(folder) = &args.output else { return Ok(()) };
     let mut names: Vec<&str> = EXPORTERS.iter().filter_map(|e| e.in_folder).collect();
     names.sort_by_key(|name| *name != file::NAME);
-    Wanted { names: &names, command_line, manifest, overwrite: args.overwrite }.check(folder)
+    let (command_line, overwrite) = (&*context.command_line, context.overwrite);
+    Wanted { names: &names, command_line, manifest, overwrite }.check(folder)
 }
 
 /// The files that a run was begun with and that `now` does not write: what they hold is older than what the

@@ -35,7 +35,7 @@ pub fn run(
             names: &NAMES,
             command_line: &record.command_line,
             manifest: Some(&manifest),
-            overwrite: args.overwrite,
+            overwrite: context.overwrite,
         };
         wanted.check(folder)?;
     }
@@ -43,7 +43,7 @@ pub fn run(
     if let Some(folder) = &args.output {
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
-    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    watch(context, &kept, args.output.as_deref(), scale.plan.scenes.len())?;
     measure(context, color, &scale, outputs, kept, record)
 }
 
@@ -63,7 +63,7 @@ pub(super) fn resume(
     let record = begun(context, &scale);
     let (kept, record) = go_on(context, begun_before, &scale.plan, record)?;
     let outputs = outputs(&args)?;
-    watch(&kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    watch(context, &kept, args.output.as_deref(), scale.plan.scenes.len())?;
     measure(context, color, &scale, outputs, kept, record)
 }
 

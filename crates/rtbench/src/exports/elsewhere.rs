@@ -1,13 +1,14 @@
 //! Where results go when their own files cannot be written: a folder of their own among the system's
 //! temporary files.
 
-use std::fs::{self, DirBuilder};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use measurement::record::{RunRecord, file};
 use measurement::system::files::put;
 use measurement::system::interrupt::undisturbed;
+use measurement::system::kept_folder;
 use presentation::json;
 
 /// Writes the record to a new folder in `within`, and says where.
@@ -16,28 +17,12 @@ use presentation::json;
 /// The system's; nothing is left then.
 pub fn keep(within: Option<&Path>, record: &RunRecord) -> io::Result<PathBuf> {
     let text = json::written(record).map_err(io::Error::other)?;
-    let folder = new_folder(within.ok_or(io::ErrorKind::NotFound)?)?;
+    let folder = kept_folder::create(within.ok_or(io::ErrorKind::NotFound)?)?;
     let path = folder.join(file::NAME);
     undisturbed(|| put(&path, text.as_bytes())).inspect_err(|_| {
         let _ = fs::remove_dir(&folder);
     })?;
     Ok(path)
-}
-
-/// A folder that was not there, which others cannot read or write.
-fn new_folder(within: &Path) -> io::Result<PathBuf> {
-    let mut builder = DirBuilder::new();
-    #[cfg(unix)]
-    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-    let mut number = 0;
-    loop {
-        let path = within.join(format!("rtbench-kept-{}-{number}", std::process::id()));
-        match builder.create(&path) {
-            Ok(()) => return Ok(path),
-            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && number < 1000 => number += 1,
-            Err(e) => return Err(e),
-        }
-    }
 }
 
 #[cfg(test)]

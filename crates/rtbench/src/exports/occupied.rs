@@ -1,8 +1,8 @@
 //! What a folder of `-o` holds already. Results are not written over unless that is asked for: those
 //! of another plan would be lost, those of the same plan can be gone on with.
 
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use measurement::journal;
 use measurement::journal::lines::{LineError, Manifest, read};
@@ -70,6 +70,12 @@ pub enum OccupiedError {
         /// The file.
         path: PathBuf,
     },
+    /// A file is there.
+    #[error("{}: is there already; name another file, or replace it with --overwrite", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+    },
     /// A journal is there that cannot be read.
     #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
     Journal {
@@ -86,6 +92,20 @@ pub enum OccupiedError {
 /// Whether there is nothing at a path.
 fn is_absent(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
+/// Refuses files that are there and hold something. What is no file, a pipe or a device, is written to.
+///
+/// # Errors
+/// [`OccupiedError::File`] naming the first.
+pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OccupiedError> {
+    let holds_something = |path: &PathBuf| {
+        path.as_os_str() != "-" && fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > 0)
+    };
+    match paths.into_iter().find(holds_something) {
+        Some(path) => Err(OccupiedError::File { path }),
+        None => Ok(()),
+    }
 }
 
 /// What is to be written to a folder.

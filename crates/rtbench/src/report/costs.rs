@@ -104,6 +104,9 @@ pub struct Lead {
     pub next: Option<(String, Estimate)>,
 }
 
+/// The intervals of fewer samples hold all of them.
+const FEW: usize = 6;
+
 /// Another row than the fastest, and the quotients of the fastest one's times and its own.
 struct Other {
     label: String,
@@ -126,6 +129,15 @@ impl Other {
         }
     }
 
+    /// Whether so few rounds of one scene say that it may be the faster one: their interval reaches to the
+    /// largest quotient, as [`Estimate`] says, and need not be resampled.
+    fn is_tied_by_few(&self) -> bool {
+        match &self.groups[..] {
+            [group] => group.len() < FEW && group.iter().any(|quotient| *quotient >= 1.0),
+            _ => false,
+        }
+    }
+
     /// Whether it is slower in every round: resampling them does not change that.
     fn is_always_slower(&self) -> bool {
         self.groups.iter().flatten().all(|quotient| *quotient < 1.0)
@@ -142,6 +154,10 @@ impl Lead {
         for (_, other) in others {
             // intervals take long: of what is slower in any case only that of the nearest is shown
             if next.is_some() && other.is_always_slower() {
+                continue;
+            }
+            if other.is_tied_by_few() {
+                ties.push(other.label);
                 continue;
             }
             match other.quotient(seed) {
@@ -210,6 +226,22 @@ mod tests {
         let rounds =
             costs.iter().zip(0..).map(|(&(build_s, ray_s), i)| (i, Cost { build_s, ray_s }));
         Profile::new(number, format!("row {number}"), rounds.collect()).unwrap()
+    }
+
+    #[test]
+    fn intervals_of_few_samples_reach_to_the_largest() {
+        for n in 1..FEW {
+            for largest in [0.9, 1.0, 1.1] {
+                let mut group: Vec<f64> = (1..n).map(|i| 0.5 + 0.05 * i as f64).collect();
+                group.push(largest);
+                let other = Other { label: String::new(), groups: vec![group] };
+                let interval = other.quotient(1).unwrap();
+                assert_eq!(interval.high, largest, "{n}");
+                assert_eq!(other.is_tied_by_few(), interval.high >= 1.0, "{n} {largest}");
+            }
+        }
+        let many = Other { label: String::new(), groups: vec![vec![1.1; FEW]] };
+        assert!(!many.is_tied_by_few());
     }
 
     #[test]

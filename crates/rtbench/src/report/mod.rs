@@ -107,6 +107,13 @@ pub struct Finished {
     pub plots: Vec<(String, String)>,
 }
 
+const BEGINNING: &str = "<!DOCTYPE html>\n";
+
+/// Whether a file's beginning is that of such a page.
+pub fn is_page(beginning: &str) -> bool {
+    beginning.starts_with(BEGINNING) && beginning.contains("<title>rtbench: ")
+}
+
 /// The page of all sections. Where it lies beside the record it links to it.
 pub fn page(material: &Material, is_beside_record: bool, progress: Progress) -> Finished {
     let mut page = Page { is_beside_record, progress, ..Page::default() };
@@ -142,7 +149,7 @@ pub fn page(material: &Material, is_beside_record: bool, progress: Progress) -> 
     }
     let Page { html, plots, progress, .. } = page;
     progress.finish();
-    Finished { html: format!("<!DOCTYPE html>\n{}", html.finish()), plots }
+    Finished { html: format!("{BEGINNING}{}", html.finish()), plots }
 }
 
 fn scenes_in_words(material: &Material) -> String {

@@ -157,7 +157,7 @@ fn render_writes_a_png() {
     let folder = Folder::new();
     let png = format!("{}/tetra.png", folder.path());
     for structure in ["", "-s uniform-grid:density=1"] {
-        let ended = run(&format!("render tetra:2 --size 16 -j 1 -o {png} {structure}"));
+        let ended = run(&format!("render tetra:2 --size 16 -j 1 -o {png} --overwrite {structure}"));
         assert_eq!((ended.code, ended.out.as_str()), (0, ""), "{}", ended.err);
         assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
     }
@@ -208,6 +208,7 @@ fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
             command_line: Vec::new(),
             terminal: Terminal::default(),
             verbosity: Verbosity::Normal,
+            overwrite: false,
             environment: Environment::default(),
             annotations: Vec::new(),
         };

@@ -212,6 +212,7 @@ pub fn run_in_world(
         command_line: vec!["rtbench".into()],
         terminal: Terminal { columns: Some(100), ..Terminal::default() },
         verbosity: Verbosity::Normal,
+        overwrite: false,
         environment: Environment::default(),
         annotations: Vec::new(),
     };

@@ -321,7 +321,7 @@ fn long_run(folder: &Path) -> Child {
     let mut child = begun(arguments, folder).spawn().unwrap();
     for _ in 0..3000 {
         let text = std::fs::read_to_string(folder.join("run.jsonl")).unwrap_or_default();
-        if text.ends_with("{\"scene\":1}}\n") {
+        if text.contains("{\"scene\":1}}\n") {
             return child;
         }
         std::thread::sleep(Duration::from_millis(20));
@@ -351,6 +351,21 @@ fn k2_signals_mark_the_run_and_end_it() {
         let markdown = std::fs::read_to_string(folder.path().join("results.md")).unwrap();
         assert!(markdown.contains("Incomplete: 1 of 2 scenes"), "{markdown}");
     }
+}
+
+/// The folder is gone, and Ctrl-C comes before the next scene would make it again.
+#[test]
+fn k2_a_signal_makes_a_folder_again_that_was_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let child = long_run(&out);
+    std::fs::remove_dir_all(&out).unwrap();
+    signal(&child, "-INT");
+    let (code, _, err) = ended(child);
+    assert_eq!(code, Some(130), "{err}");
+    assert!(err.contains("1 of 2 scenes are finished and kept"), "{err}");
+    let found = journal(&out);
+    assert_eq!((found.finished.len(), found.died_in), (1, None), "{err}");
 }
 
 /// `RTBENCH_KILLS` sets how many kills (scripts/kill-test.sh: 1,000).

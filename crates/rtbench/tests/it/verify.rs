@@ -108,6 +108,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
         command_line: vec!["rtbench".into()],
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
+        overwrite: false,
         environment: Environment::default(),
         annotations: Vec::new(),
     };

@@ -6,8 +6,8 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
 use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
+use crate::room::Room;
 use crate::structure::BuildError;
-use crate::structure::too_many;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
 use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
 
@@ -28,8 +28,7 @@ pub(super) fn cells<S: Scalar>(
         max_depth: max_depth.min(DEEPEST),
         max_leaf: params.integer("max-leaf") as usize,
         useless_splits: params.integer("useless-splits"),
-        max_cells: params.most(&CELLS),
-        max_references: params.most(&REFERENCES),
+        room: Room::new(params, [&CELLS, &REFERENCES]),
     };
     let root = || Task { ids: (0..boxes.len() as u32).collect(), bounds, depth: 0, useless: 0 };
     match forks() {
@@ -40,8 +39,8 @@ pub(super) fn cells<S: Scalar>(
 }
 
 /// A node, and the start of a list.
-const CELLS: Counted = Counted::cells("number of cells", 16);
-const REFERENCES: Counted = Counted::references("references in cells");
+static CELLS: Counted = Counted::cells("number of cells", 16);
+static REFERENCES: Counted = Counted::references("references in cells");
 
 /// What does not change during a build.
 struct Rules<'a, S: Scalar> {
@@ -50,8 +49,7 @@ struct Rules<'a, S: Scalar> {
     max_depth: usize,
     max_leaf: usize,
     useless_splits: u64,
-    max_cells: u64,
-    max_references: u64,
+    room: Room<'a>,
 }
 
 /// A cell that is to be divided, by itself.
@@ -91,8 +89,7 @@ impl<S: Scalar> Rules<'_, S> {
         };
         let (lower, upper) = rayon::join(|| side(0), || side(1));
         let cells = Cells::joined(&cut, lower?, &upper?);
-        self.limit(&CELLS, cells.nodes.len() as u64, self.max_cells)?;
-        self.limit(&REFERENCES, cells.ids.len() as u64, self.max_references)?;
+        self.room.check([cells.nodes.len() as u64, cells.ids.len() as u64])?;
         Ok(cells)
     }
 
@@ -123,10 +120,6 @@ impl<S: Scalar> Rules<'_, S> {
             0 => b.min.to_array()[cut.axis] < cut.plane,
             _ => b.max.to_array()[cut.axis] > cut.plane,
         }
-    }
-
-    fn limit(&self, of: &Counted, needed: u64, limit: u64) -> Result<(), BuildError> {
-        if needed <= limit { Ok(()) } else { Err(too_many(self.params, of, needed)) }
     }
 }
 
@@ -185,7 +178,7 @@ impl<S: Scalar> Builder<'_, S> {
         let decided = self.rules.cut(&mut self.heuristic, ids, &bounds, depth, useless);
         let Some((cut, useless)) = decided else { return self.leaf(cell, from) };
         let lower = self.cells.nodes.len();
-        self.rules.limit(&CELLS, lower as u64 + 2, self.rules.max_cells)?;
+        self.rules.room.check([lower as u64 + 2, self.cells.ids.len() as u64])?;
         self.cells.nodes[cell] = Node::inner(cut.axis, cut.plane, lower);
         self.cells.nodes.resize(lower + 2, Node::leaf(0));
         for side in 0..2 {
@@ -203,8 +196,7 @@ impl<S: Scalar> Builder<'_, S> {
 
     fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
         let references = self.cells.ids.len() + self.waiting.len() - from;
-        let limit = self.rules.max_references;
-        self.rules.limit(&REFERENCES, references as u64, limit)?;
+        self.rules.room.check([self.cells.nodes.len() as u64, references as u64])?;
         self.cells.nodes[cell] = Node::leaf(self.cells.starts.len() - 1);
         self.cells.ids.extend_from_slice(&self.waiting[from..]);
         self.cells.starts.push(references as u32);

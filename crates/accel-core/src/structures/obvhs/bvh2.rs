@@ -65,6 +65,10 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         let mut bvh = builder::binary(&items.boxes, &preset, robust);
         let Items { groups, setup, .. } = items;
         let is_block = leaf_blocks::serve(prims, &groups, params);
+        if is_block {
+            // the leaves of a binary tree
+            leaf_blocks::fit::<S>(bvh.nodes.len() / 2 + 1, params)?;
+        }
         let blocks = is_block.then(|| leaf_blocks::of_binary(&mut bvh, prims));
         Ok(Self { bvh, groups, blocks, setup, direct: None })
     }

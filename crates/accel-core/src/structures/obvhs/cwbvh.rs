@@ -71,6 +71,9 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         let Items { boxes, groups, setup } = items;
         let mut bvh = eight_wide(&boxes, &preset, setup.is_robust()).map_err(too_deep)?;
         let is_block = leaf_blocks::serve(prims, &groups, params);
+        if is_block {
+            leaf_blocks::fit::<S>(bvh.nodes.len(), params)?;
+        }
         let blocks = is_block.then(|| leaf_blocks::of_wide(&mut bvh, prims));
         Ok(Self { bvh, groups, blocks, setup, direct: None })
     }

@@ -8,6 +8,7 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 
 use crate::geometry::scalar::Scalar;
+use crate::memory::OutOfMemory;
 use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::structures::obvhs::adapter::{Groups, is_robust};
@@ -21,6 +22,11 @@ pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(prims: &P, groups: &Groups, params
     // the places of all blocks have numbers, even were there one triangle in each
     let is_few = prims.len() <= (u32::MAX / LANES) as usize;
     is_wanted && is_few && matches!(groups, Groups::Single) && blocks::serve(prims)
+}
+
+/// Whether memory has room for so many blocks, one a leaf or a node at least.
+pub(crate) fn fit<S: Scalar>(blocks: usize, params: &Params) -> Result<(), OutOfMemory> {
+    params.fits((blocks * size_of::<TriangleBlock<S>>()) as u128)
 }
 
 /// The blocks of a binary tree, whose leaves then begin at the number of a block: theirs follow, each

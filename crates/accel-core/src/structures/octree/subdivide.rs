@@ -8,8 +8,8 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
 use crate::parallel::{forks, is_worth_a_fork};
 use crate::params::Params;
+use crate::room::Room;
 use crate::structure::BuildError;
-use crate::structure::too_many;
 use crate::structures::octree::cells::{Cells, LEAF};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
@@ -30,9 +30,7 @@ pub(super) fn cells<S: Scalar>(
             "historical" => f64::INFINITY,
             _ => params.real("max-growth"),
         },
-        max_cells: params.most(&CELLS),
-        max_references: params.most(&REFERENCES),
-        params,
+        room: Room::new(params, [&CELLS, &REFERENCES]),
     };
     let root = || {
         let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
@@ -49,8 +47,8 @@ pub(super) fn cells<S: Scalar>(
 }
 
 /// A link, and the planes of an eighth of a divided cell or the start of a list.
-const CELLS: Counted = Counted::cells("number of cells", 8);
-const REFERENCES: Counted = Counted::references("references in cells");
+static CELLS: Counted = Counted::cells("number of cells", 8);
+static REFERENCES: Counted = Counted::references("references in cells");
 
 /// What does not change during a build.
 struct Rules<'a, S: Scalar> {
@@ -63,9 +61,7 @@ struct Rules<'a, S: Scalar> {
     max_leaf: usize,
     useless_splits: u64,
     max_growth: f64,
-    max_cells: u64,
-    max_references: u64,
-    params: &'a Params,
+    room: Room<'a>,
 }
 
 /// What the cuts on the way to a cell brought.
@@ -132,7 +128,7 @@ impl<S: Scalar> Builder<'_, S> {
         let divided = self.rules.divided(&self.waiting[from..], &bounds, depth, descent);
         let Some((planes, descent)) = divided else { return self.leaf(cell, from) };
         let inner = self.cells.planes.len();
-        self.rules.limit(&CELLS, 8 * inner as u64 + 9, self.rules.max_cells)?;
+        self.rules.room.check([8 * inner as u64 + 9, self.cells.ids.len() as u64])?;
         self.cells.links[cell] = inner as u32;
         self.cells.planes.push(planes);
         self.cells.links.resize(9 + 8 * inner, LEAF);
@@ -152,8 +148,7 @@ impl<S: Scalar> Builder<'_, S> {
 
     fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
         let references = self.cells.ids.len() + self.waiting.len() - from;
-        let limit = self.rules.max_references;
-        self.rules.limit(&REFERENCES, references as u64, limit)?;
+        self.rules.room.check([self.cells.links.len() as u64, references as u64])?;
         self.cells.links[cell] = LEAF | (self.cells.starts.len() - 1) as u32;
         self.cells.ids.extend_from_slice(&self.waiting[from..]);
         self.cells.starts.push(references as u32);
@@ -191,8 +186,7 @@ impl<S: Scalar> Rules<'_, S> {
         for (octant, below) in all.into_iter().enumerate() {
             cells.append(octant, &below?);
         }
-        self.limit(&CELLS, cells.links.len() as u64, self.max_cells)?;
-        self.limit(&REFERENCES, cells.ids.len() as u64, self.max_references)?;
+        self.room.check([cells.links.len() as u64, cells.ids.len() as u64])?;
         Ok(cells)
     }
 
@@ -216,10 +210,6 @@ impl<S: Scalar> Rules<'_, S> {
         let growth = descent.growth * below / references;
         let pays = useless <= self.useless_splits && growth <= self.max_growth;
         pays.then_some((planes, Descent { useless, growth }))
-    }
-
-    fn limit(&self, of: &Counted, needed: u64, limit: u64) -> Result<(), BuildError> {
-        if needed <= limit { Ok(()) } else { Err(too_many(self.params, of, needed)) }
     }
 
     /// The planes that cut a cell.

@@ -9,25 +9,24 @@ use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
-use crate::grid::nested_grids::Excess;
 use crate::grid::regular_grid::Contents;
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_walk::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
 use crate::primitives::PrimSet;
+use crate::room::Room;
+use crate::structure::BuildError;
 use crate::structures::uniform_grid::DenseCells;
 
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
 const REFERENCES_A_PRIMITIVE: u64 = 16;
 
 /// How leaf grids are made.
-pub(super) struct LeafRules {
+pub(super) struct LeafRules<'a> {
     /// Leaf cells for each reference of an upper cell.
     pub density: f64,
-    /// Upper limit for the cells of both levels.
-    pub max_cells: u64,
-    /// Upper limit for the references in leaf cells.
-    pub max_references: u64,
+    /// For the cells of both levels, and the references in leaf cells.
+    pub room: Room<'a>,
 }
 
 /// A cell of the upper level.
@@ -88,13 +87,13 @@ impl LeafCells {
 /// Divides the upper cells, whose lists are `lists`, as `division` says.
 ///
 /// # Errors
-/// [`Excess`] where the limits do not suffice.
+/// [`BuildError`] where the limits do not suffice.
 pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     contents: &Contents<S, P>,
     division: &CellDivision<S>,
     lists: &DenseCells,
-    rules: &LeafRules,
-) -> Result<(Vec<UpperCell>, LeafCells), Excess> {
+    rules: &LeafRules<'_>,
+) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
     let upper = Upper { contents, division, lists, rules };
     let stretches = lists.stretches(rayon::current_num_threads());
     // resolutions, then where leaf cells begin
@@ -112,9 +111,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
         leaves_of.push((leaf_cells - before) as usize);
     }
     let all_cells = leaf_cells + cells.len() as u64;
-    if all_cells > rules.max_cells.min(u64::from(u32::MAX) - 1) {
-        return Err(Excess::Cells(all_cells));
-    }
+    rules.room.check([all_cells, 0])?;
     // counts, turned into ends that begin at 0 in each stretch
     let mut starts = vec![0u32; leaf_cells as usize + 1];
     let mut parts: Vec<Part> = Vec::with_capacity(stretches.len());
@@ -123,9 +120,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     }
     let references = in_parallel_mut(&mut parts, |part| upper.count(part));
     let total: u64 = references.iter().sum();
-    if total > rules.max_references.min(u64::from(u32::MAX)) {
-        return Err(Excess::References(total));
-    }
+    rules.room.check([all_cells, total])?;
     let mut ids = vec![0u32; total as usize];
     let ids_of: Vec<usize> = references.iter().map(|&n| n as usize).collect();
     let mut before = 0;
@@ -183,7 +178,7 @@ struct Upper<'a, 'p, S: Scalar, P: PrimSet<S>> {
     contents: &'a Contents<'p, S, P>,
     division: &'a CellDivision<S>,
     lists: &'a DenseCells,
-    rules: &'a LeafRules,
+    rules: &'a LeafRules<'a>,
 }
 
 impl<S: Scalar, P: PrimSet<S>> Upper<'_, '_, S, P> {
@@ -202,7 +197,7 @@ impl<S: Scalar, P: PrimSet<S>> Upper<'_, '_, S, P> {
                 primitives: list.len(),
                 density: self.rules.density,
                 mean_longest_side: 0.0,
-                max_cells: self.rules.max_cells,
+                max_cells: self.rules.room.most_cells(),
                 smallest_cell: smallest_cell(self.contents.padding()),
             };
             // never refused: a computed rule keeps within max_cells

@@ -149,6 +149,23 @@ impl<'a> Collapse<'a> {
         (children, n)
     }
 
+    /// How many nodes there will be, and how many blocks of triangles in all leaves.
+    pub(super) fn sizes(&self) -> (usize, usize) {
+        let (mut nodes, mut blocks) = (0, 0);
+        let mut waiting = vec![0];
+        while let Some(node) = waiting.pop() {
+            let plan = &self.plans[node as usize];
+            if plan.is_leaf {
+                blocks += plan.primitives.div_ceil(TriangleBlock::<f32>::LANES as u32) as usize;
+            } else {
+                nodes += 1;
+                let (children, n) = self.children(node);
+                waiting.extend_from_slice(&children[..n]);
+            }
+        }
+        (nodes, blocks)
+    }
+
     /// The ids of a subtree's primitives.
     pub(super) fn ids(&self, node: u32, ids: &mut Vec<u32>) {
         let mut waiting = vec![node];

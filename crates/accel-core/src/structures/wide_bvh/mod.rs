@@ -21,7 +21,7 @@ use glam::Vec3A;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
@@ -97,6 +97,12 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         };
         let collapse = Collapse::plan(&bvh, &items.groups, costs);
         let mut lists = Lists::begun(prims);
+        let (mut bytes, blocks) = collapse.sizes();
+        bytes *= size_of::<Node>();
+        if matches!(lists, Lists::Blocks(_)) {
+            bytes += blocks * size_of::<TriangleBlock<S>>();
+        }
+        params.fits(bytes as u128)?;
         let mut shape = Shape::default();
         let mut ids = Vec::new();
         let mut leaf = |node: u32, shape: &mut Shape| {

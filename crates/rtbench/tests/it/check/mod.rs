@@ -39,6 +39,7 @@ fn run_timed(
         command_line: words().map(str::to_owned).collect(),
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
+        overwrite: false,
         environment,
         annotations: Vec::new(),
     };

@@ -72,6 +72,7 @@ fn sabotaged(folder: &Path, temporary: &str, act: fn(&Path)) -> Ended {
         command_line: vec!["rtbench".into()],
         terminal: Terminal::default(),
         verbosity: Verbosity::Normal,
+        overwrite: false,
         environment: Environment {
             temporary: Some(folder.join(temporary)),
             ..Environment::default()

@@ -71,32 +71,59 @@ fn what_the_system_refuses_is_a_row_out_of_memory() {
 const ARGUMENTS: &str =
     "run tetra:1 tetra:2 -q --size 4 --rounds 1 -s obvhs-cwbvh,uniform-grid,kd-tree";
 
-/// The journal of a run that died while the rows of its second scene were checked: the lines up to the
-/// second row of that scene, so many times.
-fn died(folder: &std::path::Path, times: usize) {
+/// Where the program of [`died`] ends.
+enum Death {
+    /// The second scene is begun, none of its rows.
+    Preparing,
+    /// Its row `uniform-grid` is built and checked.
+    Checking,
+    /// That row is timed for the first time.
+    Timing,
+    /// All its rows were timed once.
+    Later,
+}
+
+/// The journal of a run that died in its second scene: the lines up to there, so many times.
+fn died(folder: &std::path::Path, at: &Death, times: usize) {
     let (code, _, err) = run_here(&format!("{ARGUMENTS} -o {}", show(folder)));
     assert_eq!(code, 0, "{err}");
     let path = folder.join("run.jsonl");
     let text = std::fs::read_to_string(&path).unwrap();
     let lines: Vec<&str> = text.split_inclusive('\n').collect();
     let second = lines.iter().rposition(|line| line.contains("\"line\":{\"scene\":1}")).unwrap();
-    let row = lines.iter().rposition(|l| l.contains("{\"row\":\"uniform-grid\"}")).unwrap();
-    assert_eq!(row, second + 2, "{text}");
-    let mut kept = lines[..second].concat();
-    for _ in 0..times {
-        kept += &lines[second..=row].concat();
-    }
+    let rest = &lines[second..];
+    let places = |part: &str| {
+        rest.iter().enumerate().filter(|(_, l)| l.contains(part)).map(|(i, _)| i).collect()
+    };
+    // checked, timed for the first time, rendered
+    let (rows, passed): (Vec<usize>, Vec<usize>) =
+        (places("{\"row\":\"uniform-grid\"}"), places("\"passed\""));
+    assert!(rows.len() == 3 && passed.len() == 3, "{text}");
+    assert!(rows.iter().zip(&passed).all(|(row, passed)| row < passed), "{text}");
+    let last = match at {
+        Death::Preparing => 0,
+        Death::Checking => rows[0],
+        Death::Timing => rows[1],
+        Death::Later => passed[1],
+    };
+    let kept = lines[..second].concat() + &rest[..=last].concat().repeat(times);
     std::fs::write(&path, resealed(&kept)).unwrap();
 }
 
 /// Every resume died in the same row: the second finds that out and leaves it out.
 #[test]
 fn a_row_that_ended_the_program_twice_is_skipped() {
-    for (times, skipped) in [(1, false), (2, true), (3, true)] {
+    for (at, times, skipped) in [
+        (Death::Checking, 1, false),
+        (Death::Checking, 2, true),
+        (Death::Checking, 3, true),
+        (Death::Timing, 1, false),
+        (Death::Timing, 2, true),
+    ] {
         let folder = tempfile::tempdir().unwrap();
-        died(folder.path(), times);
+        died(folder.path(), &at, times);
         let found = journal(folder.path());
-        assert_eq!(found.deaths, [((1, "uniform-grid".to_owned()), times)].into());
+        assert_eq!(found.deaths, [((1, Some("uniform-grid".to_owned())), times)].into());
         let (code, out, err) = run_here(&format!("run --resume {}", show(folder.path())));
         assert_eq!(code, u8::from(skipped), "{times}: {err}");
         let said = format!("skipped: {times} times the program ended without a word");
@@ -110,4 +137,32 @@ fn a_row_that_ended_the_program_twice_is_skipped() {
         assert_eq!(verdicts(1), [Verdict::Ok, own, Verdict::Ok]);
         assert!(record.complete && journal(folder.path()).is_complete);
     }
+}
+
+/// A scene that ended the program before its first row is left out once, and then tried again.
+#[test]
+fn a_scene_that_ended_the_program_twice_is_skipped_and_tried_again() {
+    for (times, skipped) in [(1, false), (2, true)] {
+        let folder = tempfile::tempdir().unwrap();
+        died(folder.path(), &Death::Preparing, times);
+        assert_eq!(journal(folder.path()).deaths, [((1, None), times)].into());
+        let resume = || run_here(&format!("run --resume {}", show(folder.path())));
+        let (code, _, err) = resume();
+        assert_eq!(code, u8::from(skipped), "{err}");
+        assert_eq!(err.contains("tetra:2: skipped: 2 times the program ended"), skipped, "{err}");
+        assert_eq!(record(folder.path()).scenes.len(), if skipped { 1 } else { 2 });
+        let (code, _, err) = resume();
+        assert_eq!((code, record(folder.path()).scenes.len()), (0, 2), "{err}");
+    }
+}
+
+/// What was timed once and ends later, as a `kill -9` would have it, is no row's fault.
+#[test]
+fn an_end_behind_the_first_round_is_remembered_of_no_row() {
+    let folder = tempfile::tempdir().unwrap();
+    died(folder.path(), &Death::Later, 3);
+    let found = journal(folder.path());
+    assert_eq!((found.deaths.len(), found.died_in), (0, Some(1)));
+    let (code, _, err) = run_here(&format!("run --resume {}", show(folder.path())));
+    assert!(code == 0 && err.contains("ended in scene tetra:2 without a word"), "{err}");
 }

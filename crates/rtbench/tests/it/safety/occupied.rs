@@ -93,6 +93,85 @@ fn every_command_that_fills_a_folder_asks() {
         let third = run(&format!("{command} --overwrite"));
         assert_eq!(third.code, 0, "{command}: {}", third.err);
     }
-    let alone = run("run tetra:1 --overwrite");
-    assert!(alone.code == 2 && alone.err.contains("--output"), "{}", alone.err);
+}
+
+/// All commands that write a file by the name they are given, or files of known names.
+#[test]
+fn every_command_that_writes_a_file_asks() {
+    let results = Folder::new();
+    assert_eq!(run(&format!("run tetra:1 {SMALL} -o {}", results.path())).code, 0);
+    let record = results.path();
+    for shard in [1, 2] {
+        let part = format!("run tetra:1 {SMALL} --shard {shard}/2 -o {record}/{shard}");
+        assert_eq!(run(&part.replace("-s uniform-grid", "-s brute-force,uniform-grid")).code, 0);
+    }
+    let run_exports = [
+        "--export-csv",
+        "--export-markdown",
+        "--export-json",
+        "--export-github-smaller",
+        "--export-github-bigger",
+        "--export-bencher",
+    ];
+    let mut commands: Vec<(String, &str)> = Vec::new();
+    for option in run_exports {
+        commands.push((format!("run tetra:1 {SMALL} {option} DIR/file"), "file"));
+        commands.push((format!("merge {record}/1 {record}/2 {option} DIR/file"), "file"));
+    }
+    let sweep = "sweep tetra:1 -s uniform-grid -p density --values 1,2 --rounds 1 --size 4";
+    for option in ["--export-csv", "--export-svg", "--export-markdown", "--export-json"] {
+        commands.push((format!("{sweep} {option} DIR/file"), "file"));
+        let scale = format!("scale tetra --sizes 4,16 {SMALL} {option} DIR/file");
+        commands.push((scale, "file"));
+    }
+    commands.push((format!("scale tetra --sizes 4,16 {SMALL} --export-slopes DIR/file"), "file"));
+    for option in ["--export-csv", "--export-markdown", "--export-json"] {
+        commands.push((format!("compare {record} {record} {option} DIR/file"), "file"));
+        let check = format!("check -b {record} --rounds 2 {option} DIR/file");
+        commands.push((check, "file"));
+    }
+    for option in ["--export-csv", "--export-json"] {
+        let verify = "verify --cases G1 -s brute-force --rays 10";
+        commands.push((format!("{verify} {option} DIR/file"), "file"));
+    }
+    commands.extend([
+        ("render tetra:1 --size 4 -o DIR/file.png".to_owned(), "file.png"),
+        ("render tetra:1 --size 4 -o DIR/file.exr".to_owned(), "file.exr"),
+        ("cost tetra:1 --size 4 --heat-maps DIR".to_owned(), "steps.png"),
+        ("man -o DIR".to_owned(), "rtbench-check.1"),
+        (format!("report {record} -o DIR/file"), "file"),
+        (format!("report {record} -o DIR/page --plots DIR"), "all-scenes.svg"),
+    ]);
+    for (command, name) in commands {
+        let folder = Folder::new();
+        let command = command.replace("DIR", &folder.path());
+        let path = format!("{}/{name}", folder.path());
+        std::fs::write(&path, "mine").unwrap();
+        let ended = run(&command);
+        let said = format!("{path}: is there already");
+        assert!(ended.code == 1 && ended.err.contains(&said), "{command}: {}", ended.err);
+        assert_eq!(folder.text(name), "mine", "{command}");
+        // an empty one has nothing to lose
+        std::fs::write(&path, "").unwrap();
+        for more in ["", " --overwrite"] {
+            let ended = run(&format!("{command}{more}"));
+            assert!(ended.code == 0, "{command}{more}: {}", ended.err);
+            assert!(std::fs::metadata(&path).unwrap().len() > 4, "{command}{more}");
+        }
+    }
+}
+
+/// What `report` made may be made again; a pipe is written to.
+#[test]
+fn pages_are_replaced_by_pages() {
+    let folder = Folder::new();
+    let run_words = format!("run tetra:1 {SMALL} -o {}", folder.path());
+    assert_eq!(run(&run_words).code, 0);
+    let report = format!("report {}", folder.path());
+    assert_eq!(run(&report).code, 0);
+    assert_eq!(run(&report).code, 0);
+    std::fs::write(format!("{}/report.html", folder.path()), "<!DOCTYPE html>\nmine").unwrap();
+    let refused = run(&report);
+    assert!(refused.code == 1 && refused.err.contains("report.html: is there already"));
+    assert_eq!(run(&format!("run tetra:1 {SMALL} --export-csv /dev/null")).code, 0);
 }

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use accel_core::memory::MemoryLimit;
 use accel_core::occluders;
-use accel_core::structures::REGISTRY;
+use accel_core::structures::{REGISTRY, find};
 use measurement::plan::measured_row::select;
-use renderer::Geometry;
+use renderer::effects::{EffectPlan, RenderSettings};
+use renderer::{Geometry, render_plan};
+use scene_loading::scene_file::{SceneFile, Source};
 
 use crate::common::{Folder, run};
 
@@ -58,6 +60,32 @@ fn files_beside_a_record() {
         let ended = run(&format!("report {} -o -", folder.path()));
         assert!(ended.code <= 1 && !ended.err.contains("panic"), "{seed:?}: {}", ended.err);
     }
+}
+
+/// A picture of each, of few pixels, with every effect that it calls for.
+#[test]
+fn effects() {
+    let path = Path::new("a.json");
+    let mut drawn = 0;
+    for seed in seeds("effects") {
+        let text = String::from_utf8_lossy(&std::fs::read(&seed).unwrap()).into_owned();
+        let Ok(file) = SceneFile::parse(path, &text) else { continue };
+        let Source::Shapes(shapes) = &file.source else { continue };
+        let Ok(mut scene) = file.inline(path, shapes) else { continue };
+        if file.apply(path, &mut scene).is_err() {
+            continue;
+        }
+        let plan = EffectPlan::of(&scene, &RenderSettings::default()).at([2, 2]);
+        let Ok(geometry) = Geometry::<f32>::of(&scene) else { continue };
+        let entry = find("brute-force").unwrap();
+        let Ok(tracer) = entry.build(geometry.prims(), &entry.params([]).unwrap()) else {
+            continue;
+        };
+        let image = render_plan(&scene, &*tracer, &plan).image;
+        assert_eq!(image.pixels.len(), 4, "{seed:?}");
+        drawn += 1;
+    }
+    assert!(drawn >= 2, "{drawn}");
 }
 
 /// Rows as behind `-s` in the first line, `--set` in the others: each is built in little memory, or refused.

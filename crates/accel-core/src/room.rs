@@ -1,0 +1,94 @@
+//! Room for structures that grow in cells and references, part by part.
+
+use crate::memory::{Counted, OutOfMemory};
+use crate::params::Params;
+use crate::structure::BuildError;
+
+/// How many cells and references a structure may have: of each what its setting says, of both together what
+/// memory has room for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Room<'a> {
+    params: &'a Params,
+    /// Each with the most that there may be; they are numbered in 32 bits.
+    parts: [(&'static Counted, u64); 2],
+}
+
+impl<'a> Room<'a> {
+    pub(crate) fn new(params: &'a Params, parts: [&'static Counted; 2]) -> Self {
+        let most = |part: &Counted| params.integer(part.setting).min(u64::from(u32::MAX) - 1);
+        Self { params, parts: parts.map(|part| (part, most(part))) }
+    }
+
+    /// Refuses so many cells and references.
+    #[inline(always)]
+    pub(crate) fn check(&self, needed: [u64; 2]) -> Result<(), BuildError> {
+        let [(cells, most_cells), (references, most_references)] = self.parts;
+        // of numbers of 32 bits and a few bytes each
+        let fits = needed[0] <= most_cells
+            && needed[1] <= most_references
+            && cells.bytes * needed[0] + references.bytes * needed[1]
+                <= self.params.memory().count(1);
+        if fits { Ok(()) } else { Err(self.refused(needed)) }
+    }
+
+    /// The error where so many are too many.
+    #[cold]
+    pub(crate) fn refused(&self, needed: [u64; 2]) -> BuildError {
+        let structure = self.params.structure();
+        let all = || self.parts.into_iter().zip(needed);
+        let bytes = all().map(|((part, _), n)| u128::from(part.bytes) * u128::from(n)).sum();
+        for ((part, limit), needed) in all() {
+            if needed > limit {
+                let (needed, limit) = (needed.into(), limit.into());
+                return BuildError::TooLarge { structure, what: part.what, needed, limit };
+            }
+        }
+        OutOfMemory { structure, needed: bytes, limit: self.params.memory().bytes() }.into()
+    }
+
+    /// The most cells, were there no references.
+    pub(crate) fn most_cells(&self) -> u64 {
+        let [(cells, most), _] = self.parts;
+        most.min(self.params.memory().count(cells.bytes))
+    }
+
+    /// The most references beside so many cells.
+    pub(crate) fn references_beside(&self, cells: u64) -> u64 {
+        let [(counted, _), (references, most)] = self.parts;
+        let left = self.params.memory().beside(counted.bytes.saturating_mul(cells));
+        most.min(left.count(references.bytes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::MemoryLimit;
+    use crate::structures::find;
+
+    #[test]
+    fn cells_and_references_share_memory() {
+        static CELLS: Counted = Counted::cells("number of cells", 16);
+        static REFERENCES: Counted = Counted::references("references in cells");
+        let entry = find("kd-tree").unwrap();
+        let of = |settings: &[(&str, &str)], bytes: u64| {
+            entry.params(settings.iter().copied()).unwrap().within(MemoryLimit::new(bytes))
+        };
+        let params = of(&[("max-cells", "10"), ("max-references", "20")], 200);
+        let room = Room::new(&params, [&CELLS, &REFERENCES]);
+        assert_eq!((room.most_cells(), room.references_beside(10)), (10, 10));
+        assert_eq!((room.references_beside(0), room.references_beside(100)), (20, 0));
+        assert!(room.check([10, 10]).is_ok() && room.check([7, 20]).is_ok());
+        // each within its limit, not both
+        let said = |needed| room.check(needed).unwrap_err().to_string();
+        assert!(said([10, 11]).ends_with("more than the limit of 200 bytes"), "{}", said([10, 11]));
+        for (needed, what) in [([11, 0], "number of cells"), ([0, 21], "references in cells")] {
+            assert!(said(needed).contains(what), "{}", said(needed));
+        }
+        // no limit of memory: those of settings alone
+        let params = entry.params([]).unwrap();
+        let room = Room::new(&params, [&CELLS, &REFERENCES]);
+        assert_eq!(room.most_cells(), params.integer("max-cells"));
+        assert_eq!(room.references_beside(u64::MAX), params.integer("max-references"));
+    }
+}

@@ -1,0 +1,74 @@
+//! The files that a command line names to be written.
+
+use std::path::PathBuf;
+
+use crate::args::{BaselineAction, Command, ExportArgs, Publication};
+use crate::commands::{cost, printed};
+
+/// The files that a command is asked for by name, `-` among them; what folders are filled with is asked for by the
+/// commands that fill them. A run that is resumed writes files of its own.
+pub fn named_files(command: &Command) -> Vec<PathBuf> {
+    let within = |folder: &Option<PathBuf>, names: &[String]| match folder {
+        Some(folder) => names.iter().map(|name| Some(folder.join(name))).collect(),
+        None => Vec::new(),
+    };
+    let named: Vec<Option<PathBuf>> = match command {
+        Command::Run(args) if args.resume.is_none() => exports(&args.exports),
+        Command::Merge(args) => exports(&args.exports),
+        Command::Baseline(args) => match &args.action {
+            BaselineAction::Save(args) => exports(&args.run.exports),
+            _ => Vec::new(),
+        },
+        Command::Sweep(args) => {
+            cloned(&[&args.export_csv, &args.export_svg, &args.export_markdown, &args.export_json])
+        }
+        Command::Scale(args) => cloned(&[
+            &args.export_csv,
+            &args.export_slopes,
+            &args.export_svg,
+            &args.export_markdown,
+            &args.export_json,
+        ]),
+        Command::Compare(args) => {
+            cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
+        }
+        Command::Check(args) => {
+            cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
+        }
+        Command::Verify(args) => cloned(&[&args.export_csv, &args.export_json]),
+        Command::Profile(args) => cloned(&[&args.export_markdown]),
+        Command::Reproduce(args) => match &args.publication {
+            Publication::Havran1999(args) => cloned(&[&args.export_csv]),
+            Publication::Zachmann2007(args) => cloned(&[&args.export_csv]),
+        },
+        Command::Render(args) => cloned(&[&args.output]),
+        Command::Cost(args) => within(&args.heat_maps, &cost::MAPS.map(str::to_owned)),
+        Command::Man(args) => within(&args.output, &printed::page_names()),
+        _ => Vec::new(),
+    };
+    named.into_iter().flatten().collect()
+}
+
+fn cloned(paths: &[&Option<PathBuf>]) -> Vec<Option<PathBuf>> {
+    paths.iter().map(|path| (*path).clone()).collect()
+}
+
+fn exports(args: &ExportArgs) -> Vec<Option<PathBuf>> {
+    let ExportArgs {
+        export_csv,
+        export_markdown,
+        export_json,
+        export_github_smaller,
+        export_github_bigger,
+        export_bencher,
+        output: _,
+    } = args;
+    cloned(&[
+        export_csv,
+        export_markdown,
+        export_json,
+        export_github_smaller,
+        export_github_bigger,
+        export_bencher,
+    ])
+}
