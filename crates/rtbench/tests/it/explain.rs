@@ -102,7 +102,8 @@ fn factors_multiply_to_the_whole_for_every_kind_of_ray() {
         assert!(ended.out.contains(said), "{said}: {}", ended.out);
     }
     // the results of another row are not replaced
-    let again = run_stepping(&format!("explain tetra:2 -s brute-force --size 16 -o {}", folder.path()));
+    let again =
+        run_stepping(&format!("explain tetra:2 -s brute-force --size 16 -o {}", folder.path()));
     assert_eq!(again.code, 1, "{}", again.err);
     assert!(again.err.contains("--overwrite"), "{}", again.err);
 }
