@@ -312,7 +312,7 @@ mod tests {
             ]
         );
         // medians of ratios to the reference
-        let [grid, grid_scalar, bvh_scalar, bvh] = [2.0, 3.0, 1.2, 1.1];
+        let [grid, grid_scalar, bvh_scalar, bvh]: [f64; 4] = [2.0, 3.0, 1.2, 1.1];
         let kernel = (bvh / bvh_scalar * grid / grid_scalar).sqrt();
         let structure = (grid_scalar / bvh_scalar * grid / bvh).sqrt();
         for ((_, found), expected) in found.iter().zip([bvh_scalar, kernel, structure]) {
