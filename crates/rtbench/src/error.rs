@@ -12,6 +12,7 @@ use measurement::system::files::WriteError;
 use presentation::format_error::FormatError;
 use renderer::GeometryError;
 use studies::error::{StudyError, UnsavedImage};
+use studies::explain::ExplainError;
 use studies::reproduce::ReproduceError;
 use studies::scale::ScaleError;
 use studies::sweep::SweepError;
@@ -38,6 +39,9 @@ pub enum Error {
     /// Nothing that can be scaled.
     #[error(transparent)]
     Scale(Box<ScaleError>),
+    /// Nothing that can be explained.
+    #[error(transparent)]
+    Explain(Box<ExplainError>),
     /// A scene could not be loaded.
     #[error(transparent)]
     Load(#[from] LoadError),
@@ -139,6 +143,15 @@ impl From<SweepError> for Error {
     }
 }
 
+impl From<ExplainError> for Error {
+    fn from(error: ExplainError) -> Self {
+        match error {
+            ExplainError::Plan(error) => Self::Plan(error),
+            other => Self::Explain(Box::new(other)),
+        }
+    }
+}
+
 impl From<ScaleError> for Error {
     fn from(error: ScaleError) -> Self {
         match error {
@@ -197,7 +210,11 @@ impl Error {
                 USAGE
             }
             Self::Gate(error) if error.is_usage() => USAGE,
-            Self::Plan(_) | Self::Sweep(_) | Self::Scale(_) | Self::Config(_) => USAGE,
+            Self::Plan(_)
+            | Self::Sweep(_)
+            | Self::Scale(_)
+            | Self::Explain(_)
+            | Self::Config(_) => USAGE,
             Self::Outputs(OutputError::OneStdout) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)

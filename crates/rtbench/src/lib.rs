@@ -216,6 +216,7 @@ fn dispatched(
         Command::Run(args) => commands::run::run(context, args, cli.color, arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::Scale(args) => commands::scale::run(context, args, cli.color, arguments),
+        Command::Explain(args) => commands::explain::run(context, args, cli.color),
         Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),

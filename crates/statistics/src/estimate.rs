@@ -6,7 +6,7 @@ use crate::normal::{student_95, upper_tail};
 use crate::random::Random;
 
 /// Resamples of a bootstrap.
-const RESAMPLES: usize = 2000;
+pub(crate) const RESAMPLES: usize = 2000;
 
 /// A median with its 95% bootstrap percentile interval, expanded by the factor of T. Hesterberg,
 /// "What Teachers Should Know About the Bootstrap", The American Statistician 69(4), 2015: the plain
@@ -42,7 +42,7 @@ pub fn median(samples: &[f64]) -> Option<f64> {
     median_of(&mut sorted)
 }
 
-fn median_of(samples: &mut [f64]) -> Option<f64> {
+pub(crate) fn median_of(samples: &mut [f64]) -> Option<f64> {
     samples.sort_by(f64::total_cmp);
     let n = samples.len();
     match n {

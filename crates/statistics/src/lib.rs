@@ -20,6 +20,7 @@ pub mod mann_whitney;
 pub mod normal;
 pub mod outliers;
 pub mod power_law;
+pub mod product_of_medians;
 pub mod random;
 pub mod ratio_of_medians;
 pub mod sign_test;

@@ -18,6 +18,7 @@ pub mod accuracy;
 pub mod cost;
 pub mod effect_plan;
 pub mod error;
+pub mod explain;
 #[allow(clippy::indexing_slicing)]
 pub mod image_error;
 pub mod reproduce;

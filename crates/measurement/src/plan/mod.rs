@@ -110,6 +110,8 @@ pub struct Plan<'r> {
     /// No other row may take its place in any scene: ratios are joined or compared with those of
     /// others.
     pub keeps_baseline: bool,
+    /// All rows are timed on the rays of the slowest: any two of them are to be compared.
+    pub same_rays: bool,
     /// Structures to compare answers with: the first that the oracle confirms.
     pub answers: Vec<Row<'r>>,
     /// Kinds of rays.
@@ -227,6 +229,7 @@ impl<'r> Plan<'r> {
             rows: rows.into_iter().map(|row| within(row).into()).collect(),
             baseline,
             keeps_baseline: false,
+            same_rays: false,
             kinds,
             orders: args.order,
             by_kind: false,

@@ -89,6 +89,7 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
         licence: None,
         primitives: 4,
         geometry_bytes: 144,
+        only_triangles: Some(true),
         warnings: Vec::new(),
         rays: [("primary".to_owned(), 256)].into(),
         oracle: Default::default(),

@@ -143,7 +143,8 @@ pub fn measure<S: Buildable>(
 }
 
 /// Every how many-th ray each row is timed on; none for rows that are not timed. No row is timed
-/// on more rays than the baseline, so that both can be timed on the same.
+/// on more rays than the baseline, so that both can be timed on the same; where the plan wants the
+/// same for all, no row on more than the slowest.
 fn strides(
     plan: &Plan<'_>,
     scene: &str,
@@ -158,7 +159,11 @@ fn strides(
         Some(plan.strides.timed(scene, &row.label()).unwrap_or_else(by_cost))
     };
     let own: Vec<Option<usize>> = plan.rows.iter().zip(checked).map(own).collect();
-    let least = own.get(baseline).copied().flatten().unwrap_or(1);
+    let least = match plan.same_rays {
+        true => own.iter().copied().flatten().max(),
+        false => own.get(baseline).copied().flatten(),
+    };
+    let least = least.unwrap_or(1);
     own.into_iter().map(|stride| Some(stride?.max(least))).collect()
 }
 

@@ -136,6 +136,7 @@ pub fn run_scene<S: Buildable>(
         licence: loaded.licence.clone(),
         primitives: geometry.len() as u64,
         geometry_bytes: geometry.bytes() as u64,
+        only_triangles: Some(matches!(geometry, Geometry::Triangles(_))),
         warnings: scene.warnings.iter().map(ToString::to_string).collect(),
         rays: by_kind(&all, |_| true),
         oracle: judged,

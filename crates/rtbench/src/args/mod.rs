@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod compare_tracers;
 mod doctor;
+mod explain;
 mod exports;
 mod list;
 mod measuring;
@@ -29,6 +30,7 @@ pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
 pub use compare::{CompareArgs, CompareFormat};
 pub use compare_tracers::CompareTracersArgs;
 pub use doctor::DoctorArgs;
+pub use explain::ExplainArgs;
 pub use exports::ExportArgs;
 pub use list::{Format, ListArgs, Listed};
 pub use measuring::MeasuringArgs;
@@ -97,6 +99,8 @@ pub enum Command {
     Sweep(SweepArgs),
     /// Measure one scene in several sizes: how build, trace and memory grow
     Scale(ScaleArgs),
+    /// What the difference in time between two rows is made of: structure, kernel, query
+    Explain(ExplainArgs),
     /// Put the results of two or more runs side by side
     Compare(CompareArgs),
     /// List what there is
@@ -146,6 +150,7 @@ impl Command {
             Self::Run(_)
                 | Self::Sweep(_)
                 | Self::Scale(_)
+                | Self::Explain(_)
                 | Self::Cost(_)
                 | Self::CompareTracers(_)
                 | Self::Accuracy(_)

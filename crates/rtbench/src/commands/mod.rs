@@ -8,6 +8,7 @@ pub mod compare;
 pub mod compare_tracers;
 pub mod cost;
 pub mod doctor;
+pub mod explain;
 pub mod list;
 pub mod measuring;
 pub mod merge;

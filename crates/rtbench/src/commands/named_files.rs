@@ -22,6 +22,9 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
         Command::Sweep(args) => {
             cloned(&[&args.export_csv, &args.export_svg, &args.export_markdown, &args.export_json])
         }
+        Command::Explain(args) => {
+            cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
+        }
         Command::Scale(args) => cloned(&[
             &args.export_csv,
             &args.export_slopes,

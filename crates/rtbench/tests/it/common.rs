@@ -24,6 +24,13 @@ pub struct Dropper<S> {
     scalar: std::marker::PhantomData<S>,
 }
 
+impl<S: Scalar> Dropper<S> {
+    /// One that forgets nothing.
+    pub fn of_all<P: PrimSet<S>>(prims: &P) -> Self {
+        Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData }
+    }
+}
+
 impl<S: Scalar> Structure<S> for Dropper<S> {
     fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
         let ids = (1..prims.len() as u32).collect();

@@ -7,6 +7,7 @@ mod command_line;
 mod common;
 mod compare_tracers;
 mod effects;
+mod explain;
 mod hard_cases;
 mod house;
 mod occluders;

@@ -65,6 +65,12 @@ const SNAPSHOTS: &[Snapshot] = &[
     of("planted-run", "run tetra:2 --size 16 --rounds 6 -s dropper,obvhs-cwbvh"),
     of("sweep", "sweep tetra:2 -s uniform-grid -p density --values 1,4 --size 16"),
     Snapshot {
+        files: &["explain.csv", "explain.md"],
+        ..of("explain", "explain tetra:2 --size 16 --rounds 3 -o DIR")
+    },
+    of("explain-mixed", "explain balls:2 --size 16 --rounds 3 -s wide-bvh:query=batch"),
+    of("planted-explain", "explain tetra:2 --size 16 --rounds 3 -s dropper"),
+    Snapshot {
         files: &["scale.csv", "slopes.csv"],
         ..of(
             "scale",

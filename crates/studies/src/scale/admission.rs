@@ -69,6 +69,7 @@ pub fn without_rows(
         licence: None,
         primitives: size.map_or(0, |size| size.primitives),
         geometry_bytes: 0,
+        only_triangles: None,
         warnings: Vec::new(),
         rays: BTreeMap::new(),
         oracle: Default::default(),

@@ -1,0 +1,177 @@
+//! The results of a row in a scene.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::label::{label, with_query};
+use crate::record::query::Query;
+use crate::record::verdict::Verdict;
+use crate::record::work::{ShapeRecord, WorkRecord};
+use statistics::estimate::Estimate;
+use statistics::outliers::outliers;
+
+/// Which rays a row answers.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub enum Answered {
+    /// Rays of every kind: a structure.
+    #[default]
+    #[serde(rename = "all rays")]
+    AllRays,
+    /// Shadow rays only: an occluder. Its times and ratios are over these.
+    #[serde(rename = "shadow rays")]
+    ShadowRays,
+}
+
+impl Answered {
+    /// As printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AllRays => "all rays",
+            Self::ShadowRays => "shadow rays",
+        }
+    }
+}
+
+/// One visit of a row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct Sample {
+    /// Round, from 0.
+    pub round: u32,
+    /// Position within the round, from 0.
+    pub position: u32,
+    /// Seconds of the build.
+    pub build_s: f64,
+    /// Seconds of each kind of ray.
+    pub trace_s: BTreeMap<String, f64>,
+    /// Seconds that the reference row took for the same rays in the same round.
+    pub reference_trace_s: Option<f64>,
+    /// Seconds of the reference row's build in the same round. None in records from before.
+    #[serde(default)]
+    pub reference_build_s: Option<f64>,
+    /// What `reference_trace_s` is the sum of, by kind. Empty in records from before.
+    #[serde(default)]
+    pub reference_by_kind: BTreeMap<String, f64>,
+}
+
+impl Sample {
+    /// Seconds of all kinds.
+    pub fn total_trace_s(&self) -> f64 {
+        self.trace_s.values().sum()
+    }
+}
+
+/// A structure with settings on a scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct RowRecord {
+    /// Structure.
+    pub structure: String,
+    /// What differs from its defaults.
+    pub settings: String,
+    /// The row that the ratios of this scene are taken to: the reference of the run, or one in its
+    /// place where that was not built or is wrong.
+    pub is_reference: bool,
+    /// Which rays it answers.
+    #[serde(default)]
+    pub answers: Answered,
+    /// How it was asked.
+    #[serde(default)]
+    pub query: Query,
+    /// What is said of it.
+    pub verdict: Verdict,
+    /// The defect it keeps on purpose.
+    pub known_defect: Option<String>,
+    /// Why it was not built, what its panic said, or which limit it is over.
+    pub error: Option<String>,
+    /// What was built.
+    pub shape: Option<ShapeRecord>,
+    /// Work of the counting pass.
+    pub work: Option<WorkRecord>,
+    /// Rays whose answers were compared.
+    pub checked_rays: u64,
+    /// Of those, rays answered wrongly.
+    pub mismatches: u64,
+    /// SHA-256 of all answers that were compared: id and bits of t of each hit, blocked or not of
+    /// each shadow ray. None in records from before.
+    #[serde(default)]
+    pub answers_sha256: Option<String>,
+    /// The first wrong answer, in words.
+    pub example: Option<String>,
+    /// Every how many-th ray of the scene was timed.
+    pub stride: u64,
+    /// Rays timed in a round.
+    pub rays: u64,
+    /// The same by kind.
+    pub rays_by_kind: BTreeMap<String, u64>,
+    /// Build time, seconds.
+    pub build_s: Option<Estimate>,
+    /// Trace time of all kinds, seconds.
+    pub trace_s: Option<Estimate>,
+    /// Millions of rays a second by kind, from the median time.
+    pub mrays: BTreeMap<String, f64>,
+    /// Trace time divided by the reference's in the same round, on the same rays.
+    pub ratio: Option<Estimate>,
+    /// The same for each kind of ray. Empty in records from before.
+    #[serde(default)]
+    pub ratio_by_kind: BTreeMap<String, Estimate>,
+    /// Build time divided by the reference's in the same round.
+    pub build_ratio: Option<Estimate>,
+    /// The whole image through the renderer, seconds.
+    pub render_s: Option<f64>,
+    /// Every visit.
+    pub samples: Vec<Sample>,
+    /// Visits far from the others; they count like all others.
+    #[serde(default)]
+    pub outliers: Outliers,
+    /// Bytes that a process of its own took more at the peak of the build than before it; measured
+    /// by `rtbench scale` only.
+    #[serde(default)]
+    pub peak_build_bytes: Option<u64>,
+}
+
+/// Samples of a row beyond the fences of [`outliers`], none of them dropped.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct Outliers {
+    /// Builds that took too little, too much.
+    pub build: [u64; 2],
+    /// The same of all rays.
+    pub trace: [u64; 2],
+}
+
+impl Outliers {
+    /// Those among samples.
+    pub fn of(samples: &[Sample]) -> Self {
+        let count = |seconds: fn(&Sample) -> f64| {
+            let seconds: Vec<f64> = samples.iter().map(seconds).collect();
+            outliers(&seconds).map(|n| n as u64)
+        };
+        Self { build: count(|s| s.build_s), trace: count(Sample::total_trace_s) }
+    }
+}
+
+impl RowRecord {
+    /// Structure and settings.
+    pub fn label(&self) -> String {
+        label(&self.structure, &self.settings)
+    }
+
+    /// The same structure with the same settings, of another scene or run.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.structure == other.structure && self.settings == other.settings
+    }
+
+    /// Seconds from the primitives to the first whole image: the build and the image.
+    pub fn first_image_s(&self) -> Option<f64> {
+        Some(self.build_s?.median + self.render_s?)
+    }
+
+    /// Structure and settings, with a word where it answers batches: for texts and plots that have
+    /// rows of both.
+    pub fn label_with_query(&self) -> String {
+        with_query(self.label(), self.query == Query::Batch)
+    }
+}

@@ -1,0 +1,48 @@
+//! What a run was asked for.
+
+use serde::{Deserialize, Serialize};
+
+use crate::rays::order::Orders;
+use crate::settings::Lights;
+
+/// Settings of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct Settings {
+    /// Seed of schedules, samples, directions and intervals.
+    pub seed: u64,
+    /// Threads that built and traced.
+    pub threads: usize,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// Pixels of the image.
+    pub resolution: [u32; 2],
+    /// Longest chain of closest-hit rays.
+    pub max_depth: u32,
+    /// Kinds of rays.
+    pub rays: Vec<String>,
+    /// The row that ratios are taken to, in every scene where it was built and is right; see
+    /// `is_reference` of the rows.
+    pub reference: String,
+    /// Run with `--quick`.
+    pub quick: bool,
+    /// In which order rows were asked the rays: `scanline`, `shuffled`, or `both`.
+    #[serde(default = "scanline")]
+    pub order: String,
+    /// Which lights were asked: `each` that a hit faces, or from primary hits the `first`.
+    #[serde(default = "each_light")]
+    pub lights: String,
+    /// Tables of each kind of ray, and of the time to a picture, were asked for.
+    #[serde(default)]
+    pub by_kind: bool,
+}
+
+/// Of records from before there were orders.
+fn scanline() -> String {
+    Orders::Scanline.name().to_owned()
+}
+
+/// Of records from before lights could be chosen.
+fn each_light() -> String {
+    Lights::Each.name().to_owned()
+}

@@ -1,0 +1,55 @@
+//! `rtbench explain`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use measurement::settings::MeasuringSettings;
+use studies::explain::ExplainSettings;
+
+use crate::args::measuring::MeasuringArgs;
+use crate::args::memory::MemoryArgs;
+use crate::args::parsers::scene_name;
+
+/// `rtbench explain`.
+#[derive(Debug, Clone, Args)]
+pub struct ExplainArgs {
+    /// Scenes, scene sets or scene files
+    #[arg(value_name = "SCENE|SET", required = true, value_parser = scene_name())]
+    pub scenes: Vec<String>,
+    /// The row whose time is explained, with its settings if any: kd-tree:kernel=block
+    #[arg(short, long, value_name = "ROW", default_value = "uniform-grid")]
+    pub structure: String,
+    /// How to measure.
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    /// How much memory a structure may take.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Write one CSV row a scene, kind of ray and row or factor; - is standard output, instead of the
+    /// tables
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Write the tables in Markdown; or -
+    #[arg(long, value_name = "FILE")]
+    pub export_markdown: Option<PathBuf>,
+    /// Write everything, raw samples too, as JSON; or -
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
+    /// Write explain.csv, explain.md and results.json there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+impl ExplainArgs {
+    /// What was typed, but for the files to write.
+    pub fn settings(&self) -> ExplainSettings {
+        ExplainSettings {
+            scenes: self.scenes.clone(),
+            structure: self.structure.clone(),
+            measuring: MeasuringSettings {
+                max_memory: self.memory.max_memory,
+                ..self.measuring.settings()
+            },
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Products of powers of medians whose samples share rounds: the factors of a ratio.
+//!
+//! Quotients of medians multiply to the quotient of the first and the last, which medians of quotients
+//! do not. Rounds are resampled for all quantities at once: what disturbs a round is in all of them. Of quotients of two rows,
+//! each over a reference of the same round, the interval held the truth in 98% of trials with 31 rounds.
+
+use crate::estimate::{Estimate, RESAMPLES, interval, median_of};
+use crate::random::Random;
+
+/// The product of the medians, each raised to its power, with the 95% interval of
+/// [`Estimate`]. None without samples, where the quantities have not as many samples each, or where
+/// one is not positive.
+pub fn product_of_medians(quantities: &[(&[f64], f64)], seed: u64) -> Option<Estimate> {
+    let rounds = quantities.first()?.0.len();
+    let is_positive = |samples: &[f64]| samples.iter().all(|x| *x > 0.0);
+    if quantities.iter().any(|(samples, _)| samples.len() != rounds || !is_positive(samples)) {
+        return None;
+    }
+    let mut chosen: Vec<usize> = (0..rounds).collect();
+    let middle = product(quantities, &chosen)?;
+    let mut random = Random::new(seed, "bootstrap of products");
+    let mut resampled = Vec::with_capacity(RESAMPLES);
+    for _ in 0..RESAMPLES {
+        chosen.iter_mut().for_each(|round| *round = random.below(rounds));
+        resampled.push(product(quantities, &chosen)?);
+    }
+    let [low, high] = interval(&mut resampled, rounds);
+    Some(Estimate { median: middle, low, high })
+}
+
+/// The product over those rounds.
+fn product(quantities: &[(&[f64], f64)], rounds: &[usize]) -> Option<f64> {
+    let mut samples = Vec::with_capacity(rounds.len());
+    let mut log_product = 0.0;
+    for (all, power) in quantities {
+        samples.clear();
+        samples.extend(rounds.iter().filter_map(|&round| all.get(round)));
+        log_product += power * median_of(&mut samples)?.ln();
+    }
+    Some(log_product.exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::tests::log_normal;
+    use crate::estimate::{estimate, median};
+
+    const A: [f64; 5] = [2.0, 2.2, 1.9, 2.1, 2.5];
+    const B: [f64; 5] = [1.0, 1.2, 0.9, 1.1, 1.4];
+    const C: [f64; 5] = [3.0, 3.3, 2.9, 3.6, 3.1];
+
+    #[test]
+    fn one_quantity_is_its_median_with_its_interval() {
+        let (alone, plain) =
+            (product_of_medians(&[(&A, 1.0)], 1).unwrap(), estimate(&A, 1).unwrap());
+        assert!((alone.median - plain.median).abs() < 1e-12);
+        assert!((alone.low - plain.low).abs() < 0.11 && (alone.high - plain.high).abs() < 0.11);
+    }
+
+    #[test]
+    fn factors_multiply_to_the_whole() {
+        let of = |powers: &[(&[f64], f64)]| product_of_medians(powers, 1).unwrap().median;
+        let factors = of(&[(&A, 1.0), (&B, -1.0)]) * of(&[(&B, 1.0), (&C, -1.0)]);
+        let whole = of(&[(&A, 1.0), (&C, -1.0)]);
+        assert!((factors - whole).abs() < 1e-12);
+        assert!((whole - median(&A).unwrap() / median(&C).unwrap()).abs() < 1e-12);
+        let halves = of(&[(&A, 0.5), (&B, -0.5)]);
+        assert!((halves * halves - of(&[(&A, 1.0), (&B, -1.0)])).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_all_rounds_share_has_no_width() {
+        let doubled = A.map(|x| 2.0 * x);
+        let e = product_of_medians(&[(&doubled, 1.0), (&A, -1.0)], 1).unwrap();
+        assert!((e.median - 2.0).abs() < 1e-12 && (e.high - e.low).abs() < 1e-12, "{e:?}");
+    }
+
+    #[test]
+    fn what_has_no_product_has_none() {
+        assert_eq!(product_of_medians(&[], 1), None);
+        assert_eq!(product_of_medians(&[(&[], 1.0)], 1), None);
+        assert_eq!(product_of_medians(&[(&A, 1.0), (&A[..4], 1.0)], 1), None);
+        for bad in [0.0, -1.0, f64::NAN] {
+            assert_eq!(product_of_medians(&[(&[1.0, bad], 1.0)], 1), None);
+        }
+    }
+
+    #[test]
+    fn the_interval_holds_the_truth_at_least_as_often_as_it_says() {
+        // rows of 31 rounds over a reference of the same round, whose own noise is in all of them: 1.2
+        // is the truth
+        let mut random = Random::new(12, "coverage of products");
+        let mut held = 0;
+        for trial in 0..500 {
+            let reference: Vec<f64> = (0..31).map(|_| log_normal(&mut random, 0.05)).collect();
+            let mut row = |median: f64| -> Vec<f64> {
+                reference.iter().map(|r| median * log_normal(&mut random, 0.05) / r).collect()
+            };
+            let [a, b] = [1.44, 1.2].map(&mut row);
+            let e = product_of_medians(&[(&a, 1.0), (&b, -1.0)], trial).unwrap();
+            held += u32::from(e.holds(1.2));
+        }
+        assert!(held >= 470, "{held} of 500");
+    }
+}

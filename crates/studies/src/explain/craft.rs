@@ -1,0 +1,224 @@
+//! What of a row is code and not structure: whose setup and tests, how triangles are tested, how rays
+//! are asked. Rows that differ in nothing else are the same structure.
+
+use accel_core::params::{ParamKind, Params};
+
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::Row;
+use measurement::record::query::Query;
+use measurement::record::{RowRecord, SceneRecord};
+
+/// The settings that are code, in the order of names.
+const SETTINGS: [&str; 3] = ["adapter", "kernel", "query"];
+/// Structures without a setting for it that always have their triangles in blocks.
+const ALWAYS_BLOCKS: [&str; 2] = ["irregular-grid", "wide-bvh"];
+
+/// Who sets rays up and tests primitives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Adapter {
+    /// A library, as its authors use it.
+    Direct,
+    /// A library with our tests of primitives, and nothing else of ours.
+    AsShipped,
+    /// We do, so that every answer is right.
+    Robust,
+}
+
+/// How triangles are tested.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kernel {
+    /// One by one.
+    Scalar,
+    /// Eight at a time.
+    Block,
+}
+
+/// What of a row is code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Craft {
+    /// Who sets rays up and tests.
+    pub adapter: Adapter,
+    /// How triangles are tested.
+    pub kernel: Kernel,
+    /// How rays are asked.
+    pub query: Query,
+}
+
+impl Craft {
+    /// As set, over triangles in f32.
+    fn of(params: &Params) -> Self {
+        let adapter = match params.get("adapter") {
+            Some("direct") => Adapter::Direct,
+            Some("as-shipped") => Adapter::AsShipped,
+            _ => Adapter::Robust,
+        };
+        let has_blocks = match params.get("kernel") {
+            Some(kernel) => kernel == "block" && adapter == Adapter::Robust,
+            None => ALWAYS_BLOCKS.contains(&params.structure()),
+        };
+        let is_batch = params.get("query") == Some("batch");
+        Self {
+            adapter,
+            kernel: if has_blocks && !has_mailbox(params) { Kernel::Block } else { Kernel::Scalar },
+            query: if is_batch { Query::Batch } else { Query::OneRay },
+        }
+    }
+
+    /// As it was in a scene: blocks serve triangles alone, a library's own triangles f32, too; whether
+    /// batches were answered is recorded.
+    pub fn in_scene(self, scene: &SceneRecord, row: &RowRecord, precision: &str) -> Self {
+        let only_triangles = scene.only_triangles.unwrap_or(true);
+        let adapter = match self.adapter {
+            Adapter::Direct if !only_triangles || precision != "f32" => Adapter::AsShipped,
+            same => same,
+        };
+        let kernel = if only_triangles { self.kernel } else { Kernel::Scalar };
+        Self { adapter, kernel, query: row.query }
+    }
+
+    /// The column of tables, and what CSV files call it.
+    pub fn name(self) -> &'static str {
+        match (self.adapter, self.kernel, self.query) {
+            (Adapter::Direct, ..) => "direct",
+            (Adapter::AsShipped, ..) => "as shipped",
+            (_, Kernel::Scalar, Query::OneRay) => "scalar",
+            (_, Kernel::Block, Query::OneRay) => "block",
+            (_, Kernel::Scalar, Query::Batch) => "scalar, batch",
+            (_, Kernel::Block, Query::Batch) => "block, batch",
+        }
+    }
+}
+
+impl Adapter {
+    /// As typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::AsShipped => "as-shipped",
+            Self::Robust => "robust",
+        }
+    }
+}
+
+impl Kernel {
+    /// As typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Block => "block",
+        }
+    }
+}
+
+/// A row of an explanation: a structure in a craft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// The structure and those of its settings that are not code.
+    pub structure: String,
+    /// The rest.
+    pub craft: Craft,
+}
+
+impl Variant {
+    /// What a row is.
+    pub fn of(row: &Row<'_>) -> Self {
+        let own = row.params.changed().filter(|(name, _)| !SETTINGS.contains(name));
+        let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();
+        Self { structure: format!("{}{settings}", row.structure()), craft: Craft::of(&row.params) }
+    }
+}
+
+fn has_mailbox(params: &Params) -> bool {
+    params.get("mailbox").is_some_and(|mailbox| mailbox != "none")
+}
+
+/// The row, and the same structure in its other crafts: adapters that are a library's own or give right
+/// answers, kernels, ways of asking. One with a mailbox, which excludes blocks and batches, stays alone.
+///
+/// # Errors
+/// [`PlanError::Param`] where the registry's own words are not valid.
+pub fn crafts_of<'r>(row: &Row<'r>) -> Result<Vec<Row<'r>>, PlanError> {
+    let mut rows = vec![row.clone()];
+    if has_mailbox(&row.params) {
+        return Ok(rows);
+    }
+    // a structure without the setting has one word that sets nothing
+    let words = |name: &'static str| {
+        let spec = row.entry.info.params.iter().find(|spec| spec.name == name);
+        match spec.map(|spec| spec.kind) {
+            Some(ParamKind::Choice(words)) => {
+                words.iter().map(|word| Some((name, *word))).collect()
+            }
+            _ => vec![None],
+        }
+    };
+    let is_other = |(name, _): &(&str, &str)| !SETTINGS.contains(name);
+    let [adapters, kernels, queries] = SETTINGS.map(words);
+    for adapter in adapters {
+        let word = adapter.map(|(_, word)| word);
+        if word == Some("as-shipped") {
+            continue;
+        }
+        // a library's own test reads no kernel
+        for kernel in if word == Some("direct") { &[None][..] } else { &kernels } {
+            for query in &queries {
+                let mut settings: Vec<(&str, &str)> =
+                    row.params.changed().filter(is_other).collect();
+                settings.extend([adapter, *kernel, *query].into_iter().flatten());
+                let other = Row::of(row.entry, &settings)?;
+                let craft = Craft::of(&other.params);
+                if rows.iter().all(|known| Craft::of(&known.params) != craft) {
+                    rows.push(other);
+                }
+            }
+        }
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use accel_core::structures::REGISTRY;
+
+    use super::*;
+
+    fn crafts(text: &str) -> Vec<&'static str> {
+        let row = Row::parse(REGISTRY, text).unwrap();
+        let rows = crafts_of(&row).unwrap();
+        assert_eq!(rows[0], row);
+        let variants: Vec<Variant> = rows.iter().map(Variant::of).collect();
+        assert!(variants.iter().all(|v| v.structure == variants[0].structure), "{variants:?}");
+        variants.iter().map(|v| v.craft.name()).collect()
+    }
+
+    #[test]
+    fn a_structure_has_the_crafts_of_its_settings() {
+        assert_eq!(crafts("uniform-grid"), ["block", "scalar"]);
+        assert_eq!(crafts("kd-tree:max-leaf=4"), ["scalar", "block"]);
+        assert_eq!(crafts("wide-bvh"), ["block", "block, batch"]);
+        assert_eq!(crafts("irregular-grid:query=batch"), ["block, batch", "block"]);
+        assert_eq!(crafts("recursive-grid"), ["scalar"]);
+        assert_eq!(crafts("uniform-grid:mailbox=hash"), ["scalar"]);
+        assert_eq!(crafts("irregular-grid:mailbox=hash"), ["scalar"]);
+        assert_eq!(crafts("obvhs-cwbvh:adapter=direct"), ["direct", "scalar", "block"]);
+        assert_eq!(crafts("obvhs-bvh2:preset=fastest"), ["block", "scalar", "direct"]);
+        assert_eq!(crafts("obvhs-bvh2:adapter=as-shipped").len(), 4);
+        // a setting that this adapter does not read is no other craft
+        assert_eq!(crafts("obvhs-bvh2:adapter=direct:kernel=scalar").len(), 3);
+    }
+
+    #[test]
+    fn what_always_has_blocks_is_there_and_cannot_be_asked_for_others() {
+        for name in ALWAYS_BLOCKS {
+            let entry = REGISTRY.iter().find(|entry| entry.info.name == name).unwrap();
+            assert!(entry.info.params.iter().all(|spec| spec.name != "kernel"), "{name}");
+        }
+    }
+
+    #[test]
+    fn settings_that_are_not_code_are_the_structure() {
+        let of = |text| Variant::of(&Row::parse(REGISTRY, text).unwrap()).structure;
+        assert_eq!(of("uniform-grid:kernel=scalar:density=4"), "uniform-grid density=4");
+        assert_eq!(of("obvhs-cwbvh:adapter=direct:preset=fast"), "obvhs-cwbvh preset=fast");
+    }
+}

@@ -1,0 +1,220 @@
+//! From one row to another in steps, each of which changes one thing.
+//!
+//! Rows stand at the corners of a cube whose edges are what the two differ in: adapter, kernel,
+//! structure, query. A way along edges that are all measured gives factors whose product is the whole.
+//! Where there are several, a factor is the geometric mean over all of them: what a thing brings, whichever
+//! of the others were changed before (L. S. Shapley, "A Value for n-Person Games", 1953, of logarithms).
+
+use crate::explain::craft::{Craft, Variant};
+
+/// What two rows may differ in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Who sets rays up and tests primitives.
+    Adapter,
+    /// How triangles are tested.
+    Kernel,
+    /// The structure with its settings.
+    Structure,
+    /// How rays are asked.
+    Query,
+}
+
+impl Axis {
+    /// In the order of tables.
+    const ALL: [Self; 4] = [Self::Adapter, Self::Kernel, Self::Structure, Self::Query];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Adapter => "adapter",
+            Self::Kernel => "kernel",
+            Self::Structure => "structure",
+            Self::Query => "query",
+        }
+    }
+
+    fn differs(self, a: &Variant, b: &Variant) -> bool {
+        match self {
+            Self::Adapter => a.craft.adapter != b.craft.adapter,
+            Self::Kernel => a.craft.kernel != b.craft.kernel,
+            Self::Structure => a.structure != b.structure,
+            Self::Query => a.craft.query != b.craft.query,
+        }
+    }
+}
+
+/// A factor of the whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// What changes; more than one thing where no row has only one of them changed.
+    pub axes: Vec<Axis>,
+    /// The factor: the product of the times of rows, by index, raised to these powers.
+    pub powers: Vec<(usize, f64)>,
+}
+
+/// The steps from the row at `from` to that at `to`; empty where one of them is none. `rows` holds none for
+/// those that have no time.
+pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
+    let at = |row: usize| rows.get(row).and_then(Option::as_ref);
+    let (Some(first), Some(last)) = (at(from), at(to)) else { return Vec::new() };
+    let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| axis.differs(first, last)).collect();
+    let whole = (1usize << axes.len()) - 1;
+    // the row at each corner: a bit for each axis, set where it is changed already
+    let corner = |corner: usize| {
+        let is_changed = |axis: Axis| {
+            axes.iter().position(|a| *a == axis).is_some_and(|bit| corner & (1 << bit) != 0)
+        };
+        let of = |axis| if is_changed(axis) { last } else { first };
+        let wanted = Variant {
+            structure: of(Axis::Structure).structure.clone(),
+            craft: Craft {
+                adapter: of(Axis::Adapter).craft.adapter,
+                kernel: of(Axis::Kernel).craft.kernel,
+                query: of(Axis::Query).craft.query,
+            },
+        };
+        match corner {
+            0 => Some(from),
+            _ if corner == whole => Some(to),
+            _ => rows.iter().position(|row| row.as_ref() == Some(&wanted)),
+        }
+    };
+    let corners: Vec<Option<usize>> = (0..=whole).map(corner).collect();
+    let mut ways = Vec::new();
+    follow(&corners, vec![0], &mut ways);
+    let longest = ways.iter().map(Vec::len).max().unwrap_or(0);
+    ways.retain(|way| way.len() == longest);
+    if longest <= axes.len() {
+        // some things are changed together: the mean over ways would mix them with others
+        ways.truncate(1);
+    }
+    let share = 1.0 / ways.len().max(1) as f64;
+    let mut steps: Vec<(usize, Step)> = Vec::new();
+    for way in &ways {
+        for pair in way.windows(2) {
+            let &[before, after] = pair else { continue };
+            let changed = before ^ after;
+            let known = steps.iter().position(|(of, _)| *of == changed);
+            let place = known.unwrap_or_else(|| {
+                let bits = axes.iter().enumerate().filter(|(bit, _)| changed & (1 << bit) != 0);
+                let axes = bits.map(|(_, axis)| *axis).collect();
+                steps.push((changed, Step { axes, powers: Vec::new() }));
+                steps.len() - 1
+            });
+            let Some((_, step)) = steps.get_mut(place) else { continue };
+            for (end, power) in [(after, share), (before, -share)] {
+                if let Some(row) = corners.get(end).copied().flatten() {
+                    step.powers.push((row, power));
+                }
+            }
+        }
+    }
+    steps.sort_by_key(|(changed, _)| changed.trailing_zeros());
+    steps.into_iter().map(|(_, step)| step).collect()
+}
+
+/// All ways from the last corner of `way` to the opposite one, over corners that have a row.
+fn follow(corners: &[Option<usize>], way: Vec<usize>, ways: &mut Vec<Vec<usize>>) {
+    let Some(&here) = way.last() else { return };
+    if here + 1 == corners.len() {
+        ways.push(way);
+        return;
+    }
+    let onward = |(next, row): (usize, &Option<usize>)| {
+        let is_beyond = next != here && next & here == here;
+        (is_beyond && row.is_some()).then_some(next)
+    };
+    for next in corners.iter().enumerate().filter_map(onward) {
+        follow(corners, way.iter().copied().chain([next]).collect(), ways);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use accel_core::structures::REGISTRY;
+    use measurement::plan::rows::Row;
+
+    use super::*;
+
+    /// The steps between the first two of these rows, in words.
+    fn told(rows: &[&str]) -> Vec<String> {
+        let of = |text: &&str| Some(Variant::of(&Row::parse(REGISTRY, text).unwrap()));
+        let rows: Vec<_> = rows.iter().map(of).collect();
+        let steps = steps(&rows, 0, 1);
+        // what is divided by is multiplied by elsewhere, but for the ends
+        let mut sums = vec![0.0; rows.len()];
+        steps.iter().flat_map(|s| &s.powers).for_each(|(row, power)| sums[*row] += power);
+        if !steps.is_empty() {
+            assert_eq!((sums[0], sums[1]), (-1.0, 1.0));
+            assert!(sums[2..].iter().all(|sum| sum.abs() < 1e-12), "{sums:?}");
+        }
+        let step = |step: &Step| {
+            let names: Vec<&str> = step.axes.iter().map(|axis| axis.name()).collect();
+            format!("{} {:?}", names.join("+"), step.powers)
+        };
+        steps.iter().map(step).collect()
+    }
+
+    const DIRECT: &str = "obvhs-cwbvh:adapter=direct";
+
+    #[test]
+    fn there_is_one_way_where_each_row_is_one_step_further() {
+        assert_eq!(
+            told(&[
+                DIRECT,
+                "wide-bvh:query=batch",
+                "obvhs-cwbvh:kernel=scalar",
+                "obvhs-cwbvh",
+                "wide-bvh"
+            ]),
+            [
+                "adapter [(2, 1.0), (0, -1.0)]",
+                "kernel [(3, 1.0), (2, -1.0)]",
+                "structure [(4, 1.0), (3, -1.0)]",
+                "query [(1, 1.0), (4, -1.0)]",
+            ]
+        );
+    }
+
+    #[test]
+    fn of_two_ways_factors_are_the_mean() {
+        assert_eq!(
+            told(&[
+                "obvhs-cwbvh:kernel=scalar",
+                "uniform-grid",
+                "obvhs-cwbvh",
+                "uniform-grid:kernel=scalar",
+            ]),
+            [
+                "kernel [(2, 0.5), (0, -0.5), (1, 0.5), (3, -0.5)]",
+                "structure [(1, 0.5), (2, -0.5), (3, 0.5), (0, -0.5)]",
+            ]
+        );
+        // a way over a row that has no time is none
+        assert_eq!(
+            told(&["obvhs-cwbvh:kernel=scalar", "uniform-grid", "obvhs-cwbvh"]),
+            ["kernel [(2, 1.0), (0, -1.0)]", "structure [(1, 1.0), (2, -1.0)]"]
+        );
+    }
+
+    #[test]
+    fn what_no_row_tells_apart_stays_together() {
+        assert_eq!(
+            told(&["recursive-grid", "wide-bvh"]),
+            ["kernel+structure [(1, 1.0), (0, -1.0)]"]
+        );
+        assert_eq!(
+            told(&[DIRECT, "recursive-grid", "obvhs-cwbvh"]),
+            ["adapter+structure [(1, 1.0), (0, -1.0)]"]
+        );
+        assert_eq!(told(&["octree", "kd-tree"]), ["structure [(1, 1.0), (0, -1.0)]"]);
+    }
+
+    #[test]
+    fn a_row_without_a_time_is_not_explained() {
+        let octree = Variant::of(&Row::parse(REGISTRY, "octree").unwrap());
+        assert!(steps(&[Some(octree.clone()), None], 0, 1).is_empty());
+        assert!(steps(&[Some(octree)], 0, 1).is_empty());
+    }
+}

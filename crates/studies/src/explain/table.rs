@@ -1,0 +1,142 @@
+//! An explanation as tables: the factors, and structure by kernel for each kind of ray.
+
+use std::io::{self, Write};
+
+use crate::explain::{Explain, Explanation, Rays, notes};
+use crate::run::kind_tables::kinds;
+use crate::run::markdown;
+use crate::run::tables::scene_title;
+use measurement::record::{RowRecord, RunRecord, SceneRecord};
+use presentation::numbers;
+use presentation::table::{Cell, Style, Table, dash};
+use presentation::text;
+
+/// The crafts across, as [`Craft::name`](crate::explain::craft::Craft::name) has them.
+const COLUMNS: [&str; 6] =
+    ["direct", "as shipped", "scalar", "block", "scalar, batch", "block, batch"];
+
+/// The rays that a scene is explained for: kind by kind, and all.
+pub fn rays_of<'k>(run: &RunRecord, scene: &SceneRecord) -> Vec<Rays<'k>> {
+    let own = kinds(run).into_iter().filter(|kind| scene.rays.get(*kind).is_some_and(|n| *n > 0));
+    own.map(Rays::Kind).chain([Rays::All]).collect()
+}
+
+/// Prints the tables of a scene.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write(
+    out: &mut dyn Write,
+    explain: &Explain<'_>,
+    run: &RunRecord,
+    scene: &SceneRecord,
+    colors: bool,
+) -> io::Result<()> {
+    let tables = tables(explain, run, scene);
+    tables.iter().try_for_each(|table| text::write_table(out, table, colors))
+}
+
+/// Prints what the words mean.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_glossary(out: &mut dyn Write, colors: bool) -> io::Result<()> {
+    text::write_notes(out, GLOSSARY, colors)
+}
+
+/// The whole explanation in Markdown.
+pub fn to_markdown(explain: &Explain<'_>, run: &RunRecord) -> String {
+    let tables: Vec<Table> =
+        run.scenes.iter().flat_map(|scene| tables(explain, run, scene)).collect();
+    markdown::document("rtbench explain", run, &tables, GLOSSARY)
+}
+
+/// The factors, and a table for each kind of ray.
+pub fn tables(explain: &Explain<'_>, run: &RunRecord, scene: &SceneRecord) -> Vec<Table> {
+    let explanation = Explanation::of(explain, run, scene);
+    let rays = rays_of(run, scene);
+    let mut tables = vec![factors(explain, &explanation, &rays)];
+    tables.extend(rays.iter().map(|rays| by_craft(explain, &explanation, *rays)));
+    if let Some(last) = tables.last_mut() {
+        last.notes = notes::of(explain, &explanation);
+    }
+    tables
+}
+
+/// Structures down, crafts across.
+fn by_craft(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: Rays<'_>) -> Table {
+    let known: Vec<(usize, &str, &'static str)> = explanation
+        .variants
+        .iter()
+        .enumerate()
+        .filter_map(|(i, variant)| variant.as_ref().map(|v| (i, &*v.structure, v.craft.name())))
+        .collect();
+    let is_there = |name: &&str| known.iter().any(|(_, _, craft)| craft == name);
+    let columns: Vec<&'static str> = COLUMNS.into_iter().filter(is_there).collect();
+    let mut structures: Vec<&str> = Vec::new();
+    for (_, structure, _) in &known {
+        if !structures.contains(structure) {
+            structures.push(structure);
+        }
+    }
+    let cell_of = |structure: &str, craft: &str| {
+        let found = known.iter().find(|(_, own, name)| *own == structure && *name == craft);
+        let row = found.and_then(|(i, ..)| Some((*i, explanation.scene.rows.get(*i)?)));
+        row.map_or_else(dash, |(i, row)| cell(row, rays, i == explain.row))
+    };
+    let line = |structure: &&str| {
+        let mut cells: Vec<Cell> = vec![(*structure).to_owned().into()];
+        cells.extend(columns.iter().map(|craft| cell_of(structure, craft)));
+        cells
+    };
+    let reference = explanation.run.settings.reference.as_str();
+    Table {
+        title: format!("{} rays: time over that of {reference} [95%]", rays.name()),
+        header: std::iter::once("structure").chain(columns.iter().copied()).collect(),
+        rows: structures.iter().map(line).collect(),
+        notes: Vec::new(),
+    }
+}
+
+fn cell(row: &RowRecord, rays: Rays<'_>, is_explained: bool) -> Cell {
+    if !row.verdict.is_timed() {
+        return Cell { text: row.verdict.name().into(), style: Style::Bad };
+    }
+    let style = if is_explained { Style::Best } else { Style::Plain };
+    rays.ratio(row).map_or_else(dash, |ratio| Cell { text: numbers::ratio(&ratio), style })
+}
+
+/// Factors down, kinds of rays across, the whole below.
+fn factors(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: &[Rays<'_>]) -> Table {
+    let number = |ratio| Option::map_or_else(ratio, dash, |r| numbers::ratio(&r).into());
+    let mut rows: Vec<Vec<Cell>> = Vec::new();
+    for factor in &explanation.factors {
+        let mut cells: Vec<Cell> = vec![factor.name.clone().into()];
+        cells.extend(rays.iter().map(|rays| number(explanation.factor(factor, *rays))));
+        rows.push(cells);
+    }
+    let row = explanation.scene.rows.get(explain.row).filter(|_| !rows.is_empty());
+    if let Some(row) = row {
+        let mut cells: Vec<Cell> = vec![format!("whole: {}", row.label()).into()];
+        cells.extend(rays.iter().map(|rays| cell(row, *rays, true)));
+        rows.push(cells);
+    }
+    let header = kinds(explanation.run).into_iter().filter(|kind| rays.contains(&Rays::Kind(kind)));
+    Table {
+        title: scene_title(explanation.scene),
+        header: std::iter::once("factor").chain(header).chain(["all"]).collect(),
+        rows,
+        notes: Vec::new(),
+    }
+}
+
+/// What the words mean.
+const GLOSSARY: &[&str] = &[
+    "Ratios of times for the same rays in the same rounds, with their 95% intervals; below 1 is faster, = \
+     where the interval holds 1. direct: a library as its authors use it; all others: our setup of rays \
+     and the watertight test, one triangle at a time (scalar) or eight (block), rays one by one or several \
+     of a batch on their way at once (batch).",
+    "structure: another structure, all else the same. kernel, query: the same structure, asked \
+     otherwise. adapter: what right answers cost: padded boxes, robust setup of rays, our test. A factor \
+     that can be had before and after another one is the geometric mean of both.",
+];
