@@ -47,7 +47,7 @@ instructions() { # TURNS -> instructions of all walks
 }
 seconds() { # TURNS -> the least trace times of all kinds of rays together: what no load adds to
     PLANTED_LOOPS=$1 "$new" -q run "$first" --quick --rounds 60 -s slowed-grid \
-        --export-json "$work/time.json" >/dev/null
+        --overwrite --export-json "$work/time.json" >/dev/null
     awk '/"samples": \[/ {on = 1} /"summary": \[/ {on = 0}
         on && /"(primary|shadow|reflected|refracted|diffuse)":/ {
             sub(",", "", $2); if (!($1 in least) || $2 + 0 < least[$1]) least[$1] = $2 + 0 }
@@ -64,7 +64,7 @@ echo "planted in slowed-grid on $first: $three turns a walk for 3% of instructio
 check() { # NAME TURNS ARGUMENTS... -> code; the CSV file at $csv
     csv=$keep/$1.csv
     local code=0
-    PLANTED_LOOPS=$2 "$new" -q check "${@:3}" --export-csv "$csv" >"$work/out" || code=$?
+    PLANTED_LOOPS=$2 "$new" -q check "${@:3}" --overwrite --export-csv "$csv" >"$work/out" || code=$?
     case $code in 0 | 3) ;; *) cat "$work/out" >&2; echo "check-trials: exit $code" >&2; exit 1 ;; esac
     return 0
 }

@@ -164,7 +164,7 @@ fn lights_with_an_extent_and_moving_things_cast_the_same_shadows() {
     for scene in ["effect-all", "effect-motion", "effect-soft-shadows"] {
         let image = |shadows: &str| {
             let png = format!("{}/{scene}.png", folder.path());
-            let options = format!("--size 48 -o {png} --shadows {shadows}");
+            let options = format!("--size 48 -o {png} --overwrite --shadows {shadows}");
             let ended = run_planted(&format!("render {scene} {options}"));
             assert_eq!(ended.code, 0, "{}", ended.err);
             std::fs::read(png).unwrap()

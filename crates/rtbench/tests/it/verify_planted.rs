@@ -315,7 +315,7 @@ fn out_of_time_prints_and_keeps_what_is_done() {
     let check = |limit: &str| {
         let arguments = format!(
             "verify -j 1 --cases R1,R2,R3 -s brute-force --rays 2000 --time-limit {limit} \
-             --export-csv {0}/results.csv --export-json {0}/verify.json",
+             --overwrite --export-csv {0}/results.csv --export-json {0}/verify.json",
             folder.path()
         );
         run_with(FAULTS, &Installed, &clock, &arguments)
