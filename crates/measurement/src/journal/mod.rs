@@ -228,12 +228,20 @@ impl Journal {
         let written =
             undisturbed(|| again.file.write_all(&bytes).and_then(|()| again.file.sync_data()));
         written.map_err(|source| JournalError::Io { path: self.path.clone(), source })?;
-        self.file = again.file;
+        std::mem::swap(&mut self.file, &mut again.file);
         Ok(true)
     }
 
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+}
+
+impl Drop for Journal {
+    /// The lock belongs to all descriptors of the file: that of [`LastLine`], and that of a process which is
+    /// just being started, are closed later.
+    fn drop(&mut self) {
+        let _ = self.file.unlock();
     }
 }
