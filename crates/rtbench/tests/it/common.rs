@@ -77,6 +77,18 @@ pub fn by_brute_force<S: Scalar, P: PrimSet<S>>(
     }
 }
 
+/// [`by_brute_force`] for occlusion, where all primitives are opaque.
+pub fn occluded_by_brute_force<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    rays: &[Ray<S>],
+    reach: S,
+    blocked: &mut [bool],
+) {
+    let mut hits = vec![Hit::NONE; rays.len()];
+    by_brute_force(prims, rays, reach, &mut hits);
+    blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
+}
+
 /// Brute force whose batches of shadow rays say that they are answered, and are not; with `ALL` those
 /// of closest hits, too.
 pub struct Silent<S, const ALL: bool> {

@@ -3,7 +3,9 @@
 
 use std::time::Duration;
 
-use crate::common::{Ended, Folder, by_brute_force, planted, row, run_with};
+use crate::common::{
+    Ended, Folder, by_brute_force, occluded_by_brute_force, planted, row, run_with,
+};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
@@ -220,9 +222,7 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
         blocked: &mut [bool],
     ) {
         // all primitives of the scene are opaque
-        let mut hits = vec![Hit::NONE; rays.len()];
-        by_brute_force(prims, rays, reach, &mut hits);
-        blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
+        occluded_by_brute_force(prims, rays, reach, blocked);
     }
 
     fn shape(&self) -> Shape {

@@ -4,8 +4,8 @@
 use std::time::Duration;
 
 use crate::common::{
-    Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, by_brute_force, planted,
-    run_with,
+    Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, by_brute_force,
+    occluded_by_brute_force, planted, run_with,
 };
 use accel_core::params::Params;
 use accel_core::primitives::{PrimSet, TriangleSet};
@@ -194,9 +194,7 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
         blocked: &mut [bool],
     ) {
         // all primitives of the cases are opaque
-        let mut hits = vec![Hit::NONE; rays.len()];
-        by_brute_force(prims, rays, reach, &mut hits);
-        blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
+        occluded_by_brute_force(prims, rays, reach, blocked);
     }
 
     fn shape(&self) -> Shape {
