@@ -3,7 +3,7 @@
 //! as scalars do.
 
 use std::fmt::Debug;
-use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 use wide::{f32x4, f32x8, f64x4, f64x8, i32x4};
 
@@ -49,9 +49,7 @@ pub trait Four: Lanes {
 
 /// Eight lanes. Comparisons give lanes of all ones or all zeros, of which operations on bits make
 /// others.
-pub trait Eight:
-    Lanes + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self>
-{
+pub trait Eight: Lanes + BitAnd<Output = Self> + BitOr<Output = Self> {
     /// Where `self == other`.
     fn equal(self, other: Self) -> Self;
     /// Where `self <= other`.
