@@ -67,6 +67,21 @@ pub(crate) fn references_in<S: Scalar>(frame: &GridFrame<S>, boxes: &[Aabb<S>]) 
         .sum()
 }
 
+/// The lists of a grid's cells, by position in `boxes`, where there are `cells` in all grids and `used`
+/// references before.
+fn lists<S: Scalar>(
+    frame: GridFrame<S>,
+    boxes: &[Aabb<S>],
+    [cells, used]: [u64; 2],
+    rules: &Rules<'_>,
+) -> Result<CellLists, BuildError> {
+    let rows = DenseRows::new(frame.resolution());
+    let room = rules.room.references_beside(cells).saturating_sub(used);
+    let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
+    block_lists(&rows, boxes.len(), rules.order, room, &placement)
+        .map_err(|TooManyReferences(n)| rules.room.refused([cells, n + used]))
+}
+
 impl<S: Scalar> NestedGrids<S> {
     pub(crate) fn new() -> Self {
         let starts = vec![CellStart { ids: 0, grids: 0 }];
@@ -89,22 +104,10 @@ impl<S: Scalar> NestedGrids<S> {
     ) -> Result<u32, BuildError> {
         let cells = (self.starts.len() - 1 + frame.cells()) as u64;
         rules.room.check([cells, self.ids.len() as u64])?;
-        let lists_of = |boxes: &[Aabb<S>], used: usize| {
-            let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
-            let room = rules.room.references_beside(cells).saturating_sub(used as u64);
-            block_lists(
-                &DenseRows::new(frame.resolution()),
-                boxes.len(),
-                rules.order,
-                room,
-                &placement,
-            )
-            .map_err(|TooManyReferences(n)| rules.room.refused([cells, n + used as u64]))
-        };
-        let id_lists = lists_of(id_boxes, self.ids.len())?;
+        let id_lists = lists(frame, id_boxes, [cells, self.ids.len() as u64], rules)?;
         let inner_lists = match inner {
             [] => CellLists::default(),
-            _ => lists_of(inner_boxes, self.inner.len())?,
+            _ => lists(frame, inner_boxes, [cells, self.inner.len() as u64], rules)?,
         };
         let number = self.grids.len() as u32;
         self.grids.push(Grid { frame, first_cell: (self.starts.len() - 1) as u32 });
@@ -130,16 +133,7 @@ impl<S: Scalar> NestedGrids<S> {
         let cells = (self.starts.len() - 1 + frame.cells()) as u64;
         let used = self.ids.len() as u64;
         rules.room.check([cells, used])?;
-        let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
-        let room = rules.room.references_beside(cells).saturating_sub(used);
-        let lists = block_lists(
-            &DenseRows::new(frame.resolution()),
-            boxes.len(),
-            rules.order,
-            room,
-            &placement,
-        )
-        .map_err(|TooManyReferences(n)| rules.room.refused([cells, n + used]))?;
+        let lists = lists(frame, boxes, [cells, used], rules)?;
         let number = self.grids.len() as u32;
         self.grids.push(Grid { frame, first_cell: (self.starts.len() - 1) as u32 });
         for cell in 0..frame.cells() {
