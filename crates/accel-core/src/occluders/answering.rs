@@ -1,9 +1,7 @@
 //! What an occluder answers.
 
-use glam::DVec3;
-
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::Scalar;
 use crate::query::counters::WorkCounters;
 use crate::structure::Shape;
 
@@ -27,16 +25,3 @@ pub trait Occluder<S: Scalar>: Send + Sync {
 
 /// A boxed occluder over a set of primitives.
 pub type BoxedOccluder<'a, S> = Box<dyn Occluder<S> + 'a>;
-
-/// The light nearest to where a shadow ray ends, for [`Occluder::occlusions`]; 0 without lights.
-pub fn nearest_light<S: Scalar>(ray: &Ray<S>, lights: &[DVec3]) -> u32 {
-    let end = ray.at(ray.t_max).to_dvec3();
-    let mut nearest = (0, f64::INFINITY);
-    for (i, light) in lights.iter().enumerate() {
-        let distance = light.distance_squared(end);
-        if distance < nearest.1 {
-            nearest = (i as u32, distance);
-        }
-    }
-    nearest.0
-}

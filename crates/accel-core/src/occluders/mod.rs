@@ -6,9 +6,11 @@
 
 mod answering;
 pub mod light_buffer;
+mod nearest_light;
 pub mod shadow_path;
 
-pub use answering::{BoxedOccluder, Occluder, nearest_light};
+pub use answering::{BoxedOccluder, Occluder};
+pub use nearest_light::NearestLight;
 
 use glam::DVec3;
 

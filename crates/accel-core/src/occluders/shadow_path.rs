@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::occluders::{BoxedOccluder, nearest_light};
+use crate::occluders::{BoxedOccluder, NearestLight};
 use crate::query::counters::WorkCounters;
 use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use crate::structure::Shape;
@@ -14,7 +14,7 @@ use crate::structure::Shape;
 pub struct ShadowPath<'a, S: Scalar> {
     structure: Box<dyn Tracer<S> + 'a>,
     occluder: BoxedOccluder<'a, S>,
-    lights: Vec<DVec3>,
+    lights: NearestLight,
 }
 
 impl<'a, S: Scalar> ShadowPath<'a, S> {
@@ -22,14 +22,14 @@ impl<'a, S: Scalar> ShadowPath<'a, S> {
     pub fn new(
         structure: Box<dyn Tracer<S> + 'a>,
         occluder: BoxedOccluder<'a, S>,
-        lights: Vec<DVec3>,
+        lights: &[DVec3],
     ) -> Self {
-        Self { structure, occluder, lights }
+        Self { structure, occluder, lights: NearestLight::new(lights) }
     }
 
     /// The light that each ray runs to.
     fn lights_of(&self, rays: &[Ray<S>]) -> Vec<u32> {
-        rays.iter().map(|ray| nearest_light(ray, &self.lights)).collect()
+        rays.iter().map(|ray| self.lights.of(ray)).collect()
     }
 }
 

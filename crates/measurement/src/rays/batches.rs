@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use accel_core::occluders::nearest_light;
+use accel_core::occluders::NearestLight;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
@@ -233,10 +233,11 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
         answers: Vec<(RayKind, Answers<S>)>,
         lights: &[DVec3],
     ) -> Self {
+        let nearest = NearestLight::new(lights);
         let batch = |(kind, expected): (RayKind, _)| {
             let rays = rays.rays(kind);
             let to_lights = if kind.is_occlusion() { rays } else { &[] };
-            let lights = to_lights.iter().map(|ray| nearest_light(ray, lights)).collect();
+            let lights = to_lights.iter().map(|ray| nearest.of(ray)).collect();
             Batch { kind, order: RayOrder::Scanline, rays: rays.into(), lights, expected }
         };
         Self { stride: 1, batches: answers.into_iter().map(batch).collect() }

@@ -63,7 +63,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
                     let lights = light_positions(&loaded.scene);
                     let shadows =
                         occluder.entry.build(geometry.prims(), &lights, &occluder.params)?;
-                    Box::new(ShadowPath::new(structure, shadows, lights))
+                    Box::new(ShadowPath::new(structure, shadows, &lights))
                 }
             };
             let table = args.plan.then(|| effect_table::of(&loaded.scene, &*tracer, &plan));

@@ -1,6 +1,6 @@
 //! The light buffer's resolution: its answers must be those of the structure, whatever it is.
 
-use accel_core::occluders::{BoxedOccluder, nearest_light};
+use accel_core::occluders::{BoxedOccluder, NearestLight};
 use renderer::RayKind;
 
 use crate::accuracy::axis::Axis;
@@ -98,7 +98,8 @@ impl<'a> Asked<'a> {
         sheets: &'a Sheets<f32>,
         positions: &[glam::DVec3],
     ) -> Self {
-        let to = |rays: &Vec<_>| rays.iter().map(|ray| nearest_light(ray, positions)).collect();
+        let nearest = NearestLight::new(positions);
+        let to = |rays: &Vec<_>| rays.iter().map(|ray| nearest.of(ray)).collect();
         let lights = sheets.iter().map(|(_, rays)| to(rays)).collect();
         let answers = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
         Self { occluder, sheets, lights, answers }
