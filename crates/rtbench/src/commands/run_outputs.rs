@@ -25,11 +25,12 @@ pub(super) struct Exporter {
     pub to_string: fn(&RunRecord) -> Result<String, FormatError>,
 }
 
-/// All formats.
+/// All formats, the record first: it says of which run the files beside it are, also when the program is
+/// killed between the first two.
 static EXPORTERS: [Exporter; 6] = [
+    exporter(|args| args.export_json.as_ref(), Some(file::NAME), json::written),
     exporter(|args| args.export_csv.as_ref(), Some("results.csv"), csv::to_string),
     exporter(|args| args.export_markdown.as_ref(), Some("results.md"), markdown::exported),
-    exporter(|args| args.export_json.as_ref(), Some(file::NAME), json::written),
     exporter(|args| args.export_github_smaller.as_ref(), None, github_action_benchmark::smaller),
     exporter(|args| args.export_github_bigger.as_ref(), None, github_action_benchmark::bigger),
     exporter(|args| args.export_bencher.as_ref(), None, bencher::to_string),
@@ -85,4 +86,15 @@ pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
         outputs.add((exporter.path)(args), exporter.to_string)?;
     }
     Ok(outputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_record_is_the_first_file_of_a_folder() {
+        let first = EXPORTERS.iter().find_map(|exporter| exporter.in_folder);
+        assert_eq!(first, Some(file::NAME));
+    }
 }

@@ -54,16 +54,30 @@ fn what_cannot_be_read_is_not_replaced_either() {
         let (code, _, err) = command(&folder, "--overwrite");
         assert_eq!(code, 0, "{name}: {err}");
     }
-    // nothing is lost with what finished nothing
-    let folder = Folder::new();
-    assert_eq!(command(&folder, "").0, 0);
-    let journal = folder.text("run.jsonl");
-    let first: String = journal.split_inclusive('\n').take(2).collect();
-    std::fs::write(format!("{}/run.jsonl", folder.path()), resealed(&first)).unwrap();
-    for name in ["results.csv", "results.md", "results.json"] {
-        std::fs::remove_file(format!("{}/{name}", folder.path())).unwrap();
+    // nothing is lost with what finished nothing, killed before the first file was written, or between two
+    let empty = |folder: &Folder| {
+        let mut record: serde_json::Value =
+            serde_json::from_str(&folder.text("results.json")).unwrap();
+        record["scenes"] = serde_json::json!([]);
+        record.to_string()
+    };
+    for written in [0, 1, 2, 3] {
+        let folder = Folder::new();
+        assert_eq!(command(&folder, "").0, 0);
+        let journal = folder.text("run.jsonl");
+        let first: String = journal.split_inclusive('\n').take(2).collect();
+        let of_nothing = [
+            ("results.json", empty(&folder)),
+            ("results.csv", "a\n".into()),
+            ("results.md", "a\n".into()),
+        ];
+        let there = |name: &str| format!("{}/{name}", folder.path());
+        std::fs::write(there("run.jsonl"), resealed(&first)).unwrap();
+        for (i, (name, text)) in of_nothing.into_iter().enumerate() {
+            std::fs::write(there(name), if i < written { text } else { String::new() }).unwrap();
+        }
+        assert_eq!(command(&folder, "").0, 0, "{written} files written");
     }
-    assert_eq!(command(&folder, "").0, 0);
 }
 
 /// All commands that fill a folder.
