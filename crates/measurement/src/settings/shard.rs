@@ -6,7 +6,8 @@
 //! together where they can, and the division depends on nothing but the two lists. The reference
 //! row is measured in every shard, in each of its scenes: ratios are taken within a shard.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// One of several parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,8 +92,10 @@ impl Matrix {
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct ShardRecord {
     /// Which part, from 1.
+    #[serde(deserialize_with = "of_parts")]
     pub index: u32,
     /// Of how many.
+    #[serde(deserialize_with = "of_parts")]
     pub count: u32,
     /// All scenes of the whole run, in order.
     pub scenes: Vec<String>,
@@ -102,6 +105,14 @@ pub struct ShardRecord {
     pub reference: usize,
     /// How many rounds were asked for.
     pub rounds: String,
+}
+
+/// A number of parts, or of one of them.
+fn of_parts<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+    let number = u32::deserialize(from)?;
+    let expected =
+        || D::Error::custom(format!("{number} parts, expected a number from 1 to {MOST}"));
+    (1..=MOST).contains(&number).then_some(number).ok_or_else(expected)
 }
 
 impl ShardRecord {
