@@ -226,12 +226,18 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
         if state.at & LEAF != 0 {
             sink.elementary_step(false);
             self.lists.test(state.at & !LEAF, sink)?;
-            state.end = state.parameters.bound(sink.t_max());
+            if !sink.is_any_hit() {
+                state.end = state.parameters.bound(sink.t_max());
+            }
         } else {
             sink.inner_step();
             let node = &self.nodes[state.at as usize];
-            if let Some(nearest) = state.stack.descend(node, &state.ray, state.end) {
-                state.at = nearest;
+            let next = match sink.is_any_hit() {
+                true => state.stack.descend_unordered(node, &state.ray, state.end),
+                false => state.stack.descend(node, &state.ray, state.end),
+            };
+            if let Some(next) = next {
+                state.at = next;
                 return ControlFlow::Continue(());
             }
         }

@@ -69,6 +69,32 @@ impl Stack {
         None
     }
 
+    /// One of a node's children that the ray meets before `end`; the others wait, in no order.
+    #[inline(always)]
+    pub(super) fn descend_unordered(
+        &mut self,
+        node: &Node,
+        ray: &NodeRay,
+        end: f32,
+    ) -> Option<u32> {
+        let (mut met, _) = ray.test(node, end);
+        if met == 0 {
+            return None;
+        }
+        let mut next = || {
+            let child = node.children[met.trailing_zeros() as usize & (WIDTH - 1)];
+            met &= met.wrapping_sub(1);
+            (child, met == 0)
+        };
+        let (first, mut is_last) = next();
+        while !is_last {
+            let child;
+            (child, is_last) = next();
+            self.push(u64::from(child));
+        }
+        Some(first)
+    }
+
     /// The nearest of a node's children that the ray meets before `end`; the others wait.
     #[inline(always)]
     pub(super) fn descend(&mut self, node: &Node, ray: &NodeRay, end: f32) -> Option<u32> {
