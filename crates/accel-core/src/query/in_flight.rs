@@ -19,15 +19,23 @@ use crate::structure::Structure;
 
 /// A structure whose traversal goes step by step.
 pub(crate) trait Resumable<S: Scalar>: Structure<S> {
-    /// Where a ray is.
+    /// Where a ray is: what can be in registers.
     type State;
+    /// The rest, whose content is of no use to the next ray.
+    type Room: Default;
 
-    /// The state of no ray.
-    fn idle() -> Self::State;
     /// Sets a ray on its way that ends at `t_max` at the latest.
-    fn begin(&self, ray: &Ray<S>, t_max: S, state: &mut Self::State);
+    fn begin(&self, ray: &Ray<S>, t_max: S) -> Self::State;
     /// Visits a node or a leaf; `Break` when nothing is left to visit, or the query is over.
-    fn next<K: Sink<S>>(&self, state: &mut Self::State, sink: &mut K) -> ControlFlow<()>;
+    ///
+    /// # Safety
+    /// All steps of a ray since it began were in the same room, and no other ray's among them.
+    unsafe fn next<K: Sink<S>>(
+        &self,
+        state: &mut Self::State,
+        room: &mut Self::Room,
+        sink: &mut K,
+    ) -> ControlFlow<()>;
 }
 
 /// One ray.
@@ -37,14 +45,16 @@ pub(crate) fn walk<S: Scalar, T: Resumable<S>, K: Sink<S>>(
     ray: &Ray<S>,
     sink: &mut K,
 ) {
-    let mut state = T::idle();
-    structure.begin(ray, sink.t_max(), &mut state);
-    while structure.next(&mut state, sink).is_continue() {}
+    let mut state = structure.begin(ray, sink.t_max());
+    let mut room = T::Room::default();
+    // SAFETY: one room, one ray
+    while unsafe { structure.next(&mut state, &mut room, sink) }.is_continue() {}
 }
 
 /// A ray on its way.
-struct Lane<State, K> {
+struct Lane<State, Room, K> {
     state: State,
+    room: Room,
     sink: K,
     /// In the batch.
     place: usize,
@@ -70,18 +80,20 @@ fn all<'r, S: Scalar, T: Resumable<S>, K: Sink<S>, const RAYS: usize>(
             }
         }
     };
-    let mut lanes: Vec<Lane<T::State, K>> = Vec::with_capacity(RAYS);
+    let mut lanes: Vec<Lane<T::State, T::Room, K>> = Vec::with_capacity(RAYS);
     while lanes.len() < RAYS
         && let Some(place) = next_near()
     {
-        let mut lane = Lane { state: T::idle(), sink: sink_of(&rays[place]), place };
-        structure.begin(&rays[place], lane.sink.t_max(), &mut lane.state);
-        lanes.push(lane);
+        let sink = sink_of(&rays[place]);
+        let state = structure.begin(&rays[place], sink.t_max());
+        lanes.push(Lane { state, room: T::Room::default(), sink, place });
     }
     while !lanes.is_empty() {
         let mut i = 0;
         while let Some(lane) = lanes.get_mut(i) {
-            if structure.next(&mut lane.state, &mut lane.sink).is_break() {
+            // SAFETY: a lane has one room, and one ray until that is over
+            let next = unsafe { structure.next(&mut lane.state, &mut lane.room, &mut lane.sink) };
+            if next.is_break() {
                 let Some(place) = next_near() else {
                     let lane = lanes.swap_remove(i);
                     finish(lane.place, lane.sink);
@@ -90,7 +102,7 @@ fn all<'r, S: Scalar, T: Resumable<S>, K: Sink<S>, const RAYS: usize>(
                 let sink = std::mem::replace(&mut lane.sink, sink_of(&rays[place]));
                 finish(lane.place, sink);
                 lane.place = place;
-                structure.begin(&rays[place], lane.sink.t_max(), &mut lane.state);
+                lane.state = structure.begin(&rays[place], lane.sink.t_max());
             }
             i += 1;
         }
@@ -98,7 +110,7 @@ fn all<'r, S: Scalar, T: Resumable<S>, K: Sink<S>, const RAYS: usize>(
 }
 
 /// Closest hits of a batch, `RAYS` on their way at once.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn closest<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usize>(
     structure: &T,
     prims: &P,
@@ -130,7 +142,7 @@ pub(crate) fn closest<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usi
 }
 
 /// [`closest`] for occlusion by opaque primitives.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn occlusions<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usize>(
     structure: &T,
     prims: &P,

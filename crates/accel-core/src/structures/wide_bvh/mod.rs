@@ -16,8 +16,6 @@ mod stack;
 
 use std::ops::ControlFlow;
 
-use glam::Vec3A;
-
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -32,7 +30,7 @@ use crate::structures::obvhs::adapter::{
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
 use collapse::{Collapse, Costs};
 use node::{LEAF, Node, NodeRay};
-use stack::{LEVELS, Stack};
+use stack::{LEVELS, Room, Stack};
 
 /// Rays of a batch on their way at once.
 const RAYS: usize = 2;
@@ -198,44 +196,54 @@ pub struct State<S: Scalar> {
     /// Where the query ends, on `ray`.
     end: f32,
     at: u32,
-    stack: Stack,
+    waiting: usize,
 }
 
 impl<S: Scalar> Resumable<S> for WideBvh<S> {
     type State = State<S>;
+    type Room = Room;
 
     #[inline(always)]
-    fn idle() -> State<S> {
-        let ray = NodeRay::of(Vec3A::ZERO, Vec3A::ONE, false);
-        State { parameters: BoxParameters::SAME, ray, end: 0.0, at: LEAF, stack: Stack::new() }
-    }
-
-    #[inline(always)]
-    fn begin(&self, ray: &Ray<S>, t_max: S, state: &mut State<S>) {
+    fn begin(&self, ray: &Ray<S>, t_max: S) -> State<S> {
         let BoxRay { ray, parameters } = self.setup.ray(ray, Length::Own);
         let is_exact = self.is_exact && !parameters.starts_earlier();
-        state.ray = NodeRay::of(ray.origin, ray.direction, is_exact);
-        state.parameters = parameters;
-        state.end = parameters.bound(t_max);
-        state.at = self.root;
-        state.stack.clear();
+        State {
+            parameters,
+            ray: NodeRay::of(ray.origin, ray.direction, is_exact),
+            end: parameters.bound(t_max),
+            at: self.root,
+            waiting: 0,
+        }
     }
 
     #[inline(always)]
-    fn next<K: Sink<S>>(&self, state: &mut State<S>, sink: &mut K) -> ControlFlow<()> {
+    unsafe fn next<K: Sink<S>>(
+        &self,
+        state: &mut State<S>,
+        room: &mut Room,
+        sink: &mut K,
+    ) -> ControlFlow<()> {
+        // SAFETY: the ray has been in this room since it began, and nothing waited then
+        let mut stack = unsafe { Stack::new(room, &mut state.waiting) };
         if state.at & LEAF != 0 {
             sink.elementary_step(false);
             self.lists.test(state.at & !LEAF, sink)?;
-            state.end = state.parameters.bound(sink.t_max());
+            if !sink.is_any_hit() {
+                state.end = state.parameters.bound(sink.t_max());
+            }
         } else {
             sink.inner_step();
             let node = &self.nodes[state.at as usize];
-            if let Some(nearest) = state.stack.descend(node, &state.ray, state.end) {
-                state.at = nearest;
+            let next = match sink.is_any_hit() {
+                true => stack.descend_unordered(node, &state.ray, state.end),
+                false => stack.descend(node, &state.ray, state.end),
+            };
+            if let Some(next) = next {
+                state.at = next;
                 return ControlFlow::Continue(());
             }
         }
-        match state.stack.pop(state.end) {
+        match stack.pop(state.end) {
             Some(next) => {
                 state.at = next;
                 ControlFlow::Continue(())

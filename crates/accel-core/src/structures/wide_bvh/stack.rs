@@ -15,33 +15,42 @@ type Entry = u64;
 
 const SIGN: u32 = 1 << 31;
 
-/// Children that wait, nearer ones of a node above farther ones.
-pub(super) struct Stack {
-    entries: [MaybeUninit<Entry>; ROOM],
-    waiting: usize,
+/// Room for a stack, apart from how many wait: that can be in a register.
+pub struct Room([MaybeUninit<Entry>; ROOM]);
+
+impl Default for Room {
+    #[inline(always)]
+    fn default() -> Self {
+        Self([const { MaybeUninit::uninit() }; ROOM])
+    }
 }
 
-impl Stack {
-    #[inline(always)]
-    pub(super) fn new() -> Self {
-        Self { entries: [const { MaybeUninit::uninit() }; ROOM], waiting: 0 }
-    }
+/// Children that wait, nearer ones of a node above farther ones.
+pub(super) struct Stack<'a> {
+    entries: &'a mut [MaybeUninit<Entry>; ROOM],
+    waiting: &'a mut usize,
+}
 
+impl<'a> Stack<'a> {
+    /// Of the first so many entries.
+    ///
+    /// # Safety
+    /// A stack wrote them.
     #[inline(always)]
-    pub(super) fn clear(&mut self) {
-        self.waiting = 0;
+    pub(super) unsafe fn new(room: &'a mut Room, waiting: &'a mut usize) -> Self {
+        Self { entries: &mut room.0, waiting }
     }
 
     #[inline(always)]
     fn push(&mut self, entry: Entry) {
-        self.entries[self.waiting].write(entry);
-        self.waiting += 1;
+        self.entries[*self.waiting].write(entry);
+        *self.waiting += 1;
     }
 
     /// Pushes an entry below the nearer ones among those from `first` on.
     #[inline(always)]
     fn insert(&mut self, entry: Entry, first: usize) {
-        let mut place = self.waiting;
+        let mut place = *self.waiting;
         while place > first {
             // SAFETY: what lies below `waiting` was written
             let above = unsafe { self.entries[place - 1].assume_init() };
@@ -52,21 +61,47 @@ impl Stack {
             place -= 1;
         }
         self.entries[place].write(entry);
-        self.waiting += 1;
+        *self.waiting += 1;
     }
 
     /// The next child that the ray enters before `end`.
     #[inline(always)]
     pub(super) fn pop(&mut self, end: f32) -> Option<u32> {
-        while self.waiting > 0 {
-            self.waiting -= 1;
+        while *self.waiting > 0 {
+            *self.waiting -= 1;
             // SAFETY: what lies below `waiting` was written
-            let entry = unsafe { self.entries[self.waiting].assume_init() };
+            let entry = unsafe { self.entries[*self.waiting].assume_init() };
             if f32::from_bits((entry >> 32) as u32) <= end {
                 return Some(entry as u32);
             }
         }
         None
+    }
+
+    /// One of a node's children that the ray meets before `end`; the others wait, in no order.
+    #[inline(always)]
+    pub(super) fn descend_unordered(
+        &mut self,
+        node: &Node,
+        ray: &NodeRay,
+        end: f32,
+    ) -> Option<u32> {
+        let (mut met, _) = ray.test(node, end);
+        if met == 0 {
+            return None;
+        }
+        let mut next = || {
+            let child = node.children[met.trailing_zeros() as usize & (WIDTH - 1)];
+            met &= met.wrapping_sub(1);
+            (child, met == 0)
+        };
+        let (first, mut is_last) = next();
+        while !is_last {
+            let child;
+            (child, is_last) = next();
+            self.push(u64::from(child));
+        }
+        Some(first)
     }
 
     /// The nearest of a node's children that the ray meets before `end`; the others wait.
@@ -101,7 +136,7 @@ impl Stack {
         let (c, is_last) = next();
         let (b, c) = (b.min(c), b.max(c));
         let (a, b) = (a.min(b), a.max(b));
-        let first = self.waiting;
+        let first = *self.waiting;
         self.push(c);
         self.push(b);
         let mut nearest = a;
