@@ -8,7 +8,8 @@
 //!
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays are
 //! padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013,
-//! pads the slabs' rounding alone; the children that a ray meets are sorted by where it enters them.
+//! pads the slabs' rounding alone; the children that a ray meets are sorted by where it enters them,
+//! unless any hit ends the query.
 
 mod collapse;
 mod node;
