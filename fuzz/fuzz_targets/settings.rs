@@ -13,8 +13,8 @@ use measurement::plan::measured_row::{Built, MeasuredRow, select};
 use renderer::Geometry;
 use scene_loading::nff::parse_nff;
 
-/// What a structure may take: enough for a million cells.
-const MEMORY: u64 = 8 << 20;
+/// What a structure may take: enough for a hundred thousand cells, and for many builds a second.
+const MEMORY: u64 = 1 << 20;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let text = String::from_utf8_lossy(bytes);
