@@ -23,16 +23,20 @@ impl NearestLight {
     pub fn new(lights: &[DVec3]) -> Self {
         let along = |(&place, number): (&DVec3, u32)| (place.dot(SWEPT), place, number);
         let mut lights: Vec<_> = lights.iter().zip(0..).map(along).collect();
-        let key = |&(along, place, number): &(f64, DVec3, u32)| (along, place.to_array(), number);
-        lights.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(a.2.cmp(&b.2)));
+        lights.sort_by(|a, b| a.0.total_cmp(&b.0));
         lights.dedup_by_key(|light| light.1);
         let farthest = lights.iter().map(|light| light.1.abs().max_element()).fold(0.0, f64::max);
         Self { lights, rounding: 8.0 * f64::EPSILON * farthest }
     }
 
+    /// The light that each ray runs to: the nearest to where it ends.
+    pub fn of_each<S: Scalar>(&self, rays: &[Ray<S>]) -> Vec<u32> {
+        rays.iter().map(|ray| self.of(ray)).collect()
+    }
+
     /// The light nearest to where the ray ends, the first of several; 0 without lights, or for a ray without an
     /// end.
-    pub fn of<S: Scalar>(&self, ray: &Ray<S>) -> u32 {
+    fn of<S: Scalar>(&self, ray: &Ray<S>) -> u32 {
         let end = ray.at(ray.t_max).to_dvec3();
         let along = end.dot(SWEPT);
         if !along.is_finite() {

@@ -26,11 +26,6 @@ impl<'a, S: Scalar> ShadowPath<'a, S> {
     ) -> Self {
         Self { structure, occluder, lights: NearestLight::new(lights) }
     }
-
-    /// The light that each ray runs to.
-    fn lights_of(&self, rays: &[Ray<S>]) -> Vec<u32> {
-        rays.iter().map(|ray| self.lights.of(ray)).collect()
-    }
 }
 
 impl<S: Scalar> Tracer<S> for ShadowPath<'_, S> {
@@ -39,7 +34,7 @@ impl<S: Scalar> Tracer<S> for ShadowPath<'_, S> {
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        self.occluder.occlusions(rays, &self.lights_of(rays), blocked);
+        self.occluder.occlusions(rays, &self.lights.of_each(rays), blocked);
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
@@ -57,7 +52,7 @@ impl<S: Scalar> Tracer<S> for ShadowPath<'_, S> {
             return self.structure.count_occlusions(rays, rule, answers);
         }
         let mut blocked = vec![false; rays.len().min(answers.len())];
-        let work = self.occluder.count_occlusions(rays, &self.lights_of(rays), &mut blocked);
+        let work = self.occluder.count_occlusions(rays, &self.lights.of_each(rays), &mut blocked);
         for (answer, blocked) in answers.iter_mut().zip(blocked) {
             *answer = ShadowCount { blocked, glass: 0 };
         }

@@ -237,7 +237,7 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
         let batch = |(kind, expected): (RayKind, _)| {
             let rays = rays.rays(kind);
             let to_lights = if kind.is_occlusion() { rays } else { &[] };
-            let lights = to_lights.iter().map(|ray| nearest.of(ray)).collect();
+            let lights = nearest.of_each(to_lights);
             Batch { kind, order: RayOrder::Scanline, rays: rays.into(), lights, expected }
         };
         Self { stride: 1, batches: answers.into_iter().map(batch).collect() }

@@ -54,8 +54,7 @@ pub fn refuse_occupied(
     manifest: Option<&Manifest>,
 ) -> Result<(), OccupiedError> {
     let Some(folder) = &args.output else { return Ok(()) };
-    let mut names: Vec<&str> = EXPORTERS.iter().filter_map(|e| e.in_folder).collect();
-    names.sort_by_key(|name| *name != file::NAME);
+    let names: Vec<&str> = EXPORTERS.iter().filter_map(|e| e.in_folder).collect();
     let (command_line, overwrite) = (&*context.command_line, context.overwrite);
     Wanted { names: &names, command_line, manifest, overwrite }.check(folder)
 }

@@ -392,7 +392,7 @@ impl<S: Scalar> BoxRay<S> {
 
 impl<S: Scalar> BoxParameters<S> {
     /// Ours.
-    pub(crate) const SAME: Self = Self { scale: S::ONE, lead: 0.0 };
+    const SAME: Self = Self { scale: S::ONE, lead: 0.0 };
 
     /// Whether its origin is not the true one.
     #[inline(always)]

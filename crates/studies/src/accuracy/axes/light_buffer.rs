@@ -99,8 +99,7 @@ impl<'a> Asked<'a> {
         positions: &[glam::DVec3],
     ) -> Self {
         let nearest = NearestLight::new(positions);
-        let to = |rays: &Vec<_>| rays.iter().map(|ray| nearest.of(ray)).collect();
-        let lights = sheets.iter().map(|(_, rays)| to(rays)).collect();
+        let lights = sheets.iter().map(|(_, rays)| nearest.of_each(rays)).collect();
         let answers = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
         Self { occluder, sheets, lights, answers }
     }
