@@ -6,7 +6,7 @@ use crate::normal::{student_95, upper_tail};
 use crate::random::Random;
 
 /// Resamples of a bootstrap.
-pub(crate) const RESAMPLES: usize = 2000;
+pub(crate) const RESAMPLES: usize = if cfg!(fuzzing) { 20 } else { 2000 };
 
 /// A median with its 95% bootstrap percentile interval, expanded by the factor of T. Hesterberg,
 /// "What Teachers Should Know About the Bootstrap", The American Statistician 69(4), 2015: the plain

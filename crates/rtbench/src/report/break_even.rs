@@ -8,7 +8,7 @@ use statistics::estimate::{interval, median};
 use statistics::random::Random;
 
 /// Resamples of an interval.
-const RESAMPLES: usize = 1000;
+const RESAMPLES: usize = if cfg!(fuzzing) { 10 } else { 1000 };
 
 /// For how many rays one structure takes less time than another.
 #[derive(Debug, Clone, Copy, PartialEq)]
