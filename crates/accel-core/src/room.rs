@@ -1,22 +1,27 @@
 //! Room for structures that grow in cells and references, part by part.
 
-use crate::memory::{Counted, OutOfMemory};
+use crate::memory::{Counted, MemoryLimit, OutOfMemory};
 use crate::params::Params;
 use crate::structure::BuildError;
 
 /// How many cells and references a structure may have: of each what its setting says, of both together what
 /// memory has room for.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Room<'a> {
-    params: &'a Params,
+pub(crate) struct Room {
+    structure: &'static str,
+    memory: MemoryLimit,
     /// Each with the most that there may be; they are numbered in 32 bits.
     parts: [(&'static Counted, u64); 2],
 }
 
-impl<'a> Room<'a> {
-    pub(crate) fn new(params: &'a Params, parts: [&'static Counted; 2]) -> Self {
+impl Room {
+    pub(crate) fn new(params: &Params, parts: [&'static Counted; 2]) -> Self {
         let most = |part: &Counted| params.integer(part.setting).min(u64::from(u32::MAX) - 1);
-        Self { params, parts: parts.map(|part| (part, most(part))) }
+        Self {
+            structure: params.structure(),
+            memory: params.memory(),
+            parts: parts.map(|part| (part, most(part))),
+        }
     }
 
     /// Refuses so many cells and references.
@@ -26,15 +31,14 @@ impl<'a> Room<'a> {
         // of numbers of 32 bits and a few bytes each
         let fits = needed[0] <= most_cells
             && needed[1] <= most_references
-            && cells.bytes * needed[0] + references.bytes * needed[1]
-                <= self.params.memory().count(1);
+            && cells.bytes * needed[0] + references.bytes * needed[1] <= self.memory.count(1);
         if fits { Ok(()) } else { Err(self.refused(needed)) }
     }
 
     /// The error where so many are too many.
     #[cold]
     pub(crate) fn refused(&self, needed: [u64; 2]) -> BuildError {
-        let structure = self.params.structure();
+        let structure = self.structure;
         let all = || self.parts.into_iter().zip(needed);
         let bytes = all().map(|((part, _), n)| u128::from(part.bytes) * u128::from(n)).sum();
         for ((part, limit), needed) in all() {
@@ -43,19 +47,25 @@ impl<'a> Room<'a> {
                 return BuildError::TooLarge { structure, what: part.what, needed, limit };
             }
         }
-        OutOfMemory { structure, needed: bytes, limit: self.params.memory().bytes() }.into()
+        OutOfMemory { structure, needed: bytes, limit: self.memory.bytes() }.into()
     }
 
     /// The most cells, were there no references.
     pub(crate) fn most_cells(&self) -> u64 {
-        let [(cells, most), _] = self.parts;
-        most.min(self.params.memory().count(cells.bytes))
+        self.cells_beside(0)
+    }
+
+    /// The most cells beside so many references.
+    pub(crate) fn cells_beside(&self, references: u64) -> u64 {
+        let [(cells, most), (counted, _)] = self.parts;
+        let left = self.memory.beside(counted.bytes.saturating_mul(references));
+        most.min(left.count(cells.bytes))
     }
 
     /// The most references beside so many cells.
     pub(crate) fn references_beside(&self, cells: u64) -> u64 {
         let [(counted, _), (references, most)] = self.parts;
-        let left = self.params.memory().beside(counted.bytes.saturating_mul(cells));
+        let left = self.memory.beside(counted.bytes.saturating_mul(cells));
         most.min(left.count(references.bytes))
     }
 }
@@ -63,7 +73,6 @@ impl<'a> Room<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::MemoryLimit;
     use crate::structures::find;
 
     #[test]
@@ -78,6 +87,10 @@ mod tests {
         let room = Room::new(&params, [&CELLS, &REFERENCES]);
         assert_eq!((room.most_cells(), room.references_beside(10)), (10, 10));
         assert_eq!((room.references_beside(0), room.references_beside(100)), (20, 0));
+        assert_eq!(
+            (room.cells_beside(0), room.cells_beside(20), room.cells_beside(50)),
+            (10, 7, 0)
+        );
         assert!(room.check([10, 10]).is_ok() && room.check([7, 20]).is_ok());
         // each within its limit, not both
         let said = |needed| room.check(needed).unwrap_err().to_string();

@@ -20,13 +20,13 @@ use crate::structure::BuildError;
 
 /// Limits and conventions of a build.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rules<'a> {
+pub(crate) struct Rules {
     /// Order of ids in a cell.
     pub order: ListOrder,
     /// Cells by division, as in 1999.
     pub by_division: bool,
     /// For the cells of all grids, and the references in them.
-    pub room: Room<'a>,
+    pub room: Room,
 }
 
 /// Voxels of nested grids: where the ids and the grids of each begin.
@@ -73,7 +73,7 @@ fn lists<S: Scalar>(
     frame: GridFrame<S>,
     boxes: &[Aabb<S>],
     [cells, used]: [u64; 2],
-    rules: &Rules<'_>,
+    rules: &Rules,
 ) -> Result<CellLists, BuildError> {
     let rows = DenseRows::new(frame.resolution());
     let room = rules.room.references_beside(cells).saturating_sub(used);
@@ -100,7 +100,7 @@ impl<S: Scalar> NestedGrids<S> {
         frame: GridFrame<S>,
         (ids, id_boxes): (&[u32], &[Aabb<S>]),
         (inner, inner_boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules<'_>,
+        rules: &Rules,
     ) -> Result<u32, BuildError> {
         let cells = (self.starts.len() - 1 + frame.cells()) as u64;
         rules.room.check([cells, self.ids.len() as u64])?;
@@ -127,7 +127,7 @@ impl<S: Scalar> NestedGrids<S> {
         &mut self,
         frame: GridFrame<S>,
         (ids, boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules<'_>,
+        rules: &Rules,
         mut divide: impl FnMut(Aabb<S>, &[u32]) -> Option<u32>,
     ) -> Result<u32, BuildError> {
         let cells = (self.starts.len() - 1 + frame.cells()) as u64;

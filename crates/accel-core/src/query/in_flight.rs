@@ -3,7 +3,9 @@
 //!
 //! A structure whose traversal can be interrupted is [`Resumable`]: one ray is driven to its end by
 //! [`walk`], a batch by [`closest`] and [`occlusions`]. The steps are the same, and so are answers and
-//! counters.
+//! counters. In a batch, rays that are at the same kind of place take their steps one after the other, and
+//! what kind that is decides no branch: one that waits for memory, and guesses wrong, would keep the others
+//! waiting.
 
 use std::ops::ControlFlow;
 
@@ -17,7 +19,7 @@ use crate::query::sink::{AnyHit, ClosestHit, Sink};
 use crate::query::tracer::nearby;
 use crate::structure::Structure;
 
-/// A structure whose traversal goes step by step.
+/// A structure whose traversal goes step by step: from inner places to others, and from a leaf on.
 pub(crate) trait Resumable<S: Scalar>: Structure<S> {
     /// Where a ray is: what can be in registers.
     type State;
@@ -26,16 +28,38 @@ pub(crate) trait Resumable<S: Scalar>: Structure<S> {
 
     /// Sets a ray on its way that ends at `t_max` at the latest.
     fn begin(&self, ray: &Ray<S>, t_max: S) -> Self::State;
-    /// Visits a node or a leaf; `Break` when nothing is left to visit, or the query is over.
+    /// Whether a ray that has just begun meets nothing.
+    fn is_nowhere(state: &Self::State) -> bool;
+    /// Looks up what is where the ray has come to from a leaf, or has begun: apart from the way there, so that
+    /// several rays' loads are begun before one is waited for.
+    fn arrive(&self, state: &mut Self::State);
+    /// Whether the ray is at a place that leads to others and holds no primitives.
+    fn is_inner(state: &Self::State) -> bool;
+    /// Whether the leaf that the ray is at holds nothing.
+    fn is_empty(state: &Self::State) -> bool;
+    /// Goes on from an inner place; false when nothing is left to visit.
     ///
     /// # Safety
     /// All steps of a ray since it began were in the same room, and no other ray's among them.
-    unsafe fn next<K: Sink<S>>(
+    unsafe fn descend<K: Sink<S>>(
         &self,
         state: &mut Self::State,
         room: &mut Self::Room,
         sink: &mut K,
-    ) -> ControlFlow<()>;
+    ) -> bool;
+    /// Tests the primitives of the leaf that the ray is at; `Break` when the query is over.
+    fn test<K: Sink<S>>(&self, state: &Self::State, sink: &mut K) -> ControlFlow<()>;
+    /// Goes on from a leaf; false when nothing is left to visit. Of a ray that is over it may be asked, too;
+    /// where that is then has no meaning.
+    ///
+    /// # Safety
+    /// As for [`Resumable::descend`].
+    unsafe fn leave<K: Sink<S>>(
+        &self,
+        state: &mut Self::State,
+        room: &mut Self::Room,
+        sink: &mut K,
+    ) -> bool;
 }
 
 /// One ray.
@@ -46,9 +70,49 @@ pub(crate) fn walk<S: Scalar, T: Resumable<S>, K: Sink<S>>(
     sink: &mut K,
 ) {
     let mut state = structure.begin(ray, sink.t_max());
+    let mut goes_on = !T::is_nowhere(&state);
     let mut room = T::Room::default();
-    // SAFETY: one room, one ray
-    while unsafe { structure.next(&mut state, &mut room, sink) }.is_continue() {}
+    while goes_on {
+        structure.arrive(&mut state);
+        while T::is_inner(&state) {
+            // SAFETY: one room, one ray
+            if !unsafe { structure.descend(&mut state, &mut room, sink) } {
+                return;
+            }
+        }
+        let is_empty = T::is_empty(&state);
+        sink.elementary_step(is_empty);
+        if !is_empty && structure.test(&state, sink).is_break() {
+            return;
+        }
+        // SAFETY: one room, one ray
+        goes_on = unsafe { structure.leave(&mut state, &mut room, sink) };
+    }
+}
+
+/// Some of the lanes.
+struct Chosen<const RAYS: usize> {
+    lanes: [u8; RAYS],
+    n: usize,
+}
+
+impl<const RAYS: usize> Chosen<RAYS> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { lanes: [0; RAYS], n: 0 }
+    }
+
+    /// Adds a lane when it is wanted; lanes in order, each once.
+    #[inline(always)]
+    fn add(&mut self, lane: usize, is_wanted: bool) {
+        self.lanes[self.n.min(RAYS - 1)] = lane as u8;
+        self.n += usize::from(is_wanted);
+    }
+
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = usize> {
+        self.lanes.iter().take(self.n).map(|&i| usize::from(i))
+    }
 }
 
 /// A ray on its way.
@@ -60,56 +124,120 @@ struct Lane<State, Room, K> {
     place: usize,
 }
 
-/// Answers rays that are near; calls `far` with the places of the others, which are few.
+/// What a batch asks of its rays. Compiled into the loop over rays: a sink that is made elsewhere and moved
+/// in is waited for.
+trait Batch<'r, S: Scalar> {
+    type Sink: Sink<S>;
+    /// The query of a ray.
+    fn sink(&self, ray: &'r Ray<S>) -> Self::Sink;
+    /// Keeps the answer of the ray at that place.
+    fn keep(&mut self, place: usize, sink: &Self::Sink);
+}
+
+/// Answers rays that are near; the places of the others, which are few.
 #[inline(always)]
-fn all<'r, S: Scalar, T: Resumable<S>, K: Sink<S>, const RAYS: usize>(
+fn all<'r, S: Scalar, T: Resumable<S>, B: Batch<'r, S>, const RAYS: usize>(
     structure: &T,
     rays: &'r [Ray<S>],
     reach: S,
-    sink_of: impl Fn(&'r Ray<S>) -> K,
-    mut finish: impl FnMut(usize, K),
-    mut far: impl FnMut(usize),
-) {
+    batch: &mut B,
+) -> Vec<usize> {
+    let mut far = Vec::new();
     let mut waiting = 0..rays.len();
     let mut next_near = || {
         loop {
             let place = waiting.next()?;
             match far_ray::place(&rays[place], reach) {
                 Place::Near => return Some(place),
-                Place::Moved(..) | Place::Nowhere => far(place),
+                Place::Moved(..) | Place::Nowhere => far.push(place),
             }
         }
     };
-    let mut lanes: Vec<Lane<T::State, T::Room, K>> = Vec::with_capacity(RAYS);
+    let mut lanes: Vec<Lane<T::State, T::Room, B::Sink>> = Vec::with_capacity(RAYS);
+    // a bit for each lane whose query is over
+    let mut over = 0u32;
     while lanes.len() < RAYS
         && let Some(place) = next_near()
     {
-        let sink = sink_of(&rays[place]);
+        let sink = batch.sink(&rays[place]);
         let state = structure.begin(&rays[place], sink.t_max());
+        over |= u32::from(T::is_nowhere(&state)) << lanes.len();
         lanes.push(Lane { state, room: T::Room::default(), sink, place });
     }
-    while !lanes.is_empty() {
-        let mut i = 0;
-        while let Some(lane) = lanes.get_mut(i) {
-            // SAFETY: a lane has one room, and one ray until that is over
-            let next = unsafe { structure.next(&mut lane.state, &mut lane.room, &mut lane.sink) };
-            if next.is_break() {
-                let Some(place) = next_near() else {
-                    let lane = lanes.swap_remove(i);
-                    finish(lane.place, lane.sink);
-                    continue;
-                };
-                let sink = std::mem::replace(&mut lane.sink, sink_of(&rays[place]));
-                finish(lane.place, sink);
-                lane.place = place;
-                lane.state = structure.begin(&rays[place], lane.sink.t_max());
+    loop {
+        // from the last: a lane that gets no other ray is replaced by one already looked at
+        while over != 0 {
+            let i = over.ilog2() as usize;
+            let Some(place) = next_near() else {
+                over ^= 1 << i;
+                let lane = lanes.swap_remove(i);
+                batch.keep(lane.place, &lane.sink);
+                continue;
+            };
+            let lane = &mut lanes[i];
+            batch.keep(lane.place, &lane.sink);
+            lane.place = place;
+            lane.sink = batch.sink(&rays[place]);
+            lane.state = structure.begin(&rays[place], lane.sink.t_max());
+            over ^= u32::from(!T::is_nowhere(&lane.state)) << i;
+        }
+        if lanes.is_empty() {
+            return far;
+        }
+        let mut inner = Chosen::<RAYS>::new();
+        for (i, lane) in lanes.iter_mut().enumerate() {
+            structure.arrive(&mut lane.state);
+            inner.add(i, T::is_inner(&lane.state));
+        }
+        while inner.n > 0 {
+            let mut still = Chosen::new();
+            for i in inner.iter() {
+                let Lane { state, room, sink, .. } = &mut lanes[i];
+                // SAFETY: a lane has one room, and one ray until that is over
+                let goes_on = unsafe { structure.descend(state, room, sink) };
+                over |= u32::from(!goes_on) << i;
+                still.add(i, goes_on & T::is_inner(state));
             }
-            i += 1;
+            inner = still;
+        }
+        let mut full = Chosen::<RAYS>::new();
+        for (i, lane) in lanes.iter().enumerate() {
+            full.add(i, !T::is_empty(&lane.state) & (over >> i & 1 == 0));
+        }
+        for i in full.iter() {
+            let Lane { state, sink, .. } = &mut lanes[i];
+            over |= u32::from(structure.test(state, sink).is_break()) << i;
+        }
+        for (i, Lane { state, room, sink, .. }) in lanes.iter_mut().enumerate() {
+            // SAFETY: as above
+            over |= u32::from(!unsafe { structure.leave(state, room, sink) }) << i;
         }
     }
 }
 
-/// Closest hits of a batch, `RAYS` on their way at once.
+struct Closest<'a, S: Scalar, P> {
+    prims: &'a P,
+    rays: &'a [Ray<S>],
+    hits: &'a mut [Hit<S>],
+}
+
+impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S> for Closest<'r, S, P> {
+    type Sink = ClosestHit<'r, S, P, NoCounters>;
+
+    #[inline(always)]
+    fn sink(&self, ray: &'r Ray<S>) -> Self::Sink {
+        ClosestHit::new(self.prims, ray)
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, place: usize, sink: &Self::Sink) {
+        let (found, miss) = (sink.hit(), Hit { t: self.rays[place].t_max, ..Hit::NONE });
+        self.hits[place] = if found.is_hit() { found } else { miss };
+    }
+}
+
+/// Closest hits of a batch, `RAYS` on their way at once. Compiled for triangles alone: for other sets
+/// [`Structure::batches`] says [`RayByRay`](crate::structure::Batches::RayByRay).
 #[inline(never)]
 pub(crate) fn closest<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usize>(
     structure: &T,
@@ -118,26 +246,36 @@ pub(crate) fn closest<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usi
     reach: S,
     hits: &mut [Hit<S>],
 ) {
-    let mut far = Vec::new();
-    all::<S, T, _, RAYS>(
-        structure,
-        rays,
-        reach,
-        |ray| ClosestHit::<S, P, NoCounters>::new(prims, ray),
-        |place, sink| {
-            let found = sink.finish().0;
-            hits[place] =
-                if found.is_hit() { found } else { Hit { t: rays[place].t_max, ..Hit::NONE } };
-        },
-        |place| far.push(place),
-    );
-    for place in far {
-        let (rays, hits) = (&rays[place..=place], &mut hits[place..=place]);
+    if !P::HAS_BLOCKS {
+        return;
+    }
+    let mut batch = Closest { prims, rays, hits };
+    for place in all::<S, T, _, RAYS>(structure, rays, reach, &mut batch) {
+        let (rays, hits) = (&rays[place..=place], &mut batch.hits[place..=place]);
         nearby::closest(reach, rays, hits, NoMailbox, |ray, _| {
             let mut sink = ClosestHit::<S, P, NoCounters>::new(prims, ray);
             structure.walk(ray, &mut sink);
             sink.finish().0
         });
+    }
+}
+
+struct Occlusions<'a, P> {
+    prims: &'a P,
+    blocked: &'a mut [bool],
+}
+
+impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S> for Occlusions<'r, P> {
+    type Sink = AnyHit<'r, S, P, NoCounters>;
+
+    #[inline(always)]
+    fn sink(&self, ray: &'r Ray<S>) -> Self::Sink {
+        AnyHit::new(self.prims, ray)
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, place: usize, sink: &Self::Sink) {
+        self.blocked[place] = sink.is_blocked();
     }
 }
 
@@ -150,17 +288,12 @@ pub(crate) fn occlusions<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: 
     reach: S,
     blocked: &mut [bool],
 ) {
-    let mut far = Vec::new();
-    all::<S, T, _, RAYS>(
-        structure,
-        rays,
-        reach,
-        |ray| AnyHit::<S, P, NoCounters>::new(prims, ray),
-        |place, sink| blocked[place] = sink.finish().0,
-        |place| far.push(place),
-    );
-    for place in far {
-        blocked[place] = nearby::near(reach, &rays[place], false, |ray, _| {
+    if !P::HAS_BLOCKS {
+        return;
+    }
+    let mut batch = Occlusions { prims, blocked };
+    for place in all::<S, T, _, RAYS>(structure, rays, reach, &mut batch) {
+        batch.blocked[place] = nearby::near(reach, &rays[place], false, |ray, _| {
             let mut sink = AnyHit::<S, P, NoCounters>::new(prims, ray);
             structure.walk(ray, &mut sink);
             sink.finish().0

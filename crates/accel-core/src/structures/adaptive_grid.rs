@@ -137,7 +137,7 @@ struct Maker<'a, S: Scalar> {
     density: f64,
     split: usize,
     levels: u64,
-    rules: Rules<'a>,
+    rules: Rules,
 }
 
 impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {

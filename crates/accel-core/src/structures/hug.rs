@@ -314,7 +314,7 @@ pub(super) fn historical_frame<S: Scalar>(
     bounds: Aabb<S>,
     n: usize,
     rounding: f64,
-    room: &Room<'_>,
+    room: &Room,
 ) -> Result<GridFrame<S>, BuildError> {
     let size = bounds.size().to_array().map(S::to_f64);
     let scale = (n as f64 / size.iter().product::<f64>()).cbrt();
@@ -332,7 +332,7 @@ pub(super) fn useful_frame<S: Scalar>(
     boxes: &[Aabb<S>],
     density: f64,
     padding: S,
-    room: &Room<'_>,
+    room: &Room,
 ) -> GridFrame<S> {
     let input = ResolutionInput {
         bounds,

@@ -22,6 +22,7 @@ use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::structures::bounding_volumes::{DIRECTIONS, MAX_CELLS};
@@ -47,6 +48,7 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Choice(&["2", "4", "8"]),
         },
         MAX_CELLS,
+        kernel::PARAM,
     ],
     variants: &[""],
     also_tested: &[
@@ -54,6 +56,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "directions=3",
         "directions=4 branching=8",
         "leaf-size=16",
+        "kernel=block leaf-size=8",
     ],
     known_defect: no_defect,
     sampled: false,
@@ -72,6 +75,7 @@ enum ByDirections<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for KayKajiya<S> {
+    const HAS_LISTS: bool = true;
     const DUPLICATES: bool = false;
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
@@ -92,6 +96,14 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
             ByDirections::Three(hierarchy) => hierarchy.walk(ray, sink),
             ByDirections::Four(hierarchy) => hierarchy.walk(ray, sink),
             ByDirections::Seven(hierarchy) => hierarchy.walk(ray, sink),
+        }
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        match &self.hierarchy {
+            ByDirections::Three(hierarchy) => hierarchy.lists().for_each(each),
+            ByDirections::Four(hierarchy) => hierarchy.lists().for_each(each),
+            ByDirections::Seven(hierarchy) => hierarchy.lists().for_each(each),
         }
     }
 

@@ -8,11 +8,14 @@
 //! outermost grid is made coarser, where a grid would multiply references too much (copies of one
 //! primitive would otherwise be divided for ever). `build=lazy` makes deep grids when a ray first
 //! enters their voxel, from any thread; where the paper has no limits, ours leave such a voxel
-//! undivided once they are reached.
+//! undivided once they are reached. Blocks of triangles (`kernel=block`) are made with the structure, so the
+//! lists of grids that are made later stay ids.
 //! `boxes=historical` is Havran and Sixta's (1999) grid as their counters show it: boxes enlarged
 //! by 0.01 on insertion, and a grid's first voxel that of the point 0.01 beyond its entry.
 
+mod budget;
 mod levels;
+mod voxel_lists;
 
 use std::ops::ControlFlow;
 
@@ -25,11 +28,13 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::too_many;
+use crate::room::Room;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
-use levels::{Budget, Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
+use budget::Budget;
+use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -89,6 +94,7 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::BOXES,
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
+        kernel::PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
@@ -97,6 +103,8 @@ pub static INFO: StructureInfo = StructureInfo {
         "max-depth=2",
         "max-depth=3",
         "resolution=cube-root",
+        "kernel=block",
+        "kernel=block build=lazy",
         "mailbox=array",
         "build=lazy mailbox=hash",
     ],
@@ -126,6 +134,8 @@ pub struct RecursiveGrid<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
+    const HAS_LISTS: bool = true;
+
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
         if prims.len() as u64 > MAX_PRIMITIVES {
@@ -146,6 +156,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         let bounds = BoundsOf::new(prims, rule)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let ids: Vec<u32> = (0..prims.len() as u32).collect();
+        let room = Room::new(params, [&VOXELS, &REFERENCES]);
         let lazy = params.text("build") == "lazy";
         let max_depth = params.integer("max-depth") as u32;
         let mut division = Division {
@@ -164,11 +175,13 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             narrowest: Division::narrowest_in(bounds.scene())
                 .greater(S::from_f64(bounds.smallest_cell())),
             padding: bounds.padding(),
-            cells: Budget::new(&VOXELS, params.most(&VOXELS)),
-            references: Budget::new(&REFERENCES, params.most(&REFERENCES)),
+            budget: Budget::new(room),
         };
-        let root =
-            division.root(&ids, bounds.scene()).map_err(|e| too_many(params, e.of, e.needed))?;
+        let mut root =
+            division.root(&ids, bounds.scene()).map_err(|over| room.refused(over.needed))?;
+        if params.text(kernel::PARAM.name) == "block" {
+            root.join_lists();
+        }
         if !lazy {
             division.boxes = Vec::new();
         }
@@ -183,6 +196,10 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         if let Some((t, _)) = bounds.clip(ray.origin, ray.direction, t_start, ray.t_max) {
             let _ = self.walk_grid(&self.root, 1, ray, inverse_direction(ray), t, sink);
         }
+    }
+
+    fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.root.lists(each);
     }
 
     fn shape(&self) -> Shape {
@@ -245,7 +262,7 @@ fn test<S: Scalar, K: Sink<S>>(ids: &[u32], t_exit: S, sink: &mut K) -> ControlF
 fn add_grid<S: Scalar>(grid: &Grid<S>, shape: &mut Shape) {
     shape.inner_cells += 1;
     shape.cells += (grid.frame.cells() - grid.children.len()) as u64;
-    shape.empty_cells += grid.lists.empty_cells() as u64;
+    shape.empty_cells += grid.lists.empty_voxels() as u64;
     shape.references += (grid.lists.references() - grid.children.len()) as u64;
     shape.bytes += (grid.lists.bytes() + size_of_val(grid.children.as_slice())) as u64;
     for child in &grid.children {

@@ -89,6 +89,12 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P,
         Self { mailbox, prims, ray, setup: prims.setup(ray), best, counters: C::default() }
     }
 
+    /// The answer so far.
+    #[inline(always)]
+    pub(crate) fn hit(&self) -> Hit<S> {
+        self.best
+    }
+
     /// The answer and what it took.
     #[inline(always)]
     pub fn finish(self) -> (Hit<S>, C) {
@@ -161,6 +167,12 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, 
     pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
         let (setup, counters) = (prims.setup(ray), C::default());
         Self { mailbox, prims, ray, setup, blocked: false, counters }
+    }
+
+    /// The answer so far.
+    #[inline(always)]
+    pub(crate) fn is_blocked(&self) -> bool {
+        self.blocked
     }
 
     /// The answer and what it took.

@@ -15,7 +15,6 @@
 //!
 //! Built by all threads of the pool in which it is built, to the same bits by any number of them.
 
-mod batch;
 mod cells;
 mod course;
 mod empty_boxes;
@@ -26,6 +25,8 @@ mod overlap;
 mod place;
 mod subdivide;
 mod voxels;
+
+use std::ops::ControlFlow;
 
 use glam::DVec3;
 
@@ -38,6 +39,7 @@ use crate::memory::Counted;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -48,7 +50,10 @@ use course::{Course, Place};
 use lattice::Lattice;
 use place::{Placement, Source};
 use subdivide::{Settings, subdivide};
-use voxels::Voxels;
+use voxels::{Point, Voxel, Voxels};
+
+/// Rays of a batch on their way at once.
+const RAYS: usize = 24;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -134,8 +139,6 @@ pub struct IrregularGrid<S: Scalar> {
     voxels: Voxels,
     lists: Lists<S>,
     place: Place<S>,
-    /// The scene's largest coordinate.
-    magnitude: S,
     /// Several rays of a batch are on their way at once.
     is_batch: bool,
     shape: Shape,
@@ -205,7 +208,6 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             voxels,
             lists,
             place: Place::new(boxes.scene().min, a_length, lattice.resolution()),
-            magnitude: prims.magnitude(),
             is_batch: params.text("query") == "batch",
             shape,
         })
@@ -213,38 +215,26 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let Some((course, mut at)) = Course::of(ray, &self.place) else { return };
-        loop {
-            let voxel = self.voxels.at(at);
-            sink.elementary_step(voxel.list() == 0);
-            if voxel.list() != 0 && self.lists.test(voxel.list(), sink).is_break() {
-                return;
-            }
-            if !course.leave(&mut at, &voxel, sink.t_max(), &self.place) {
-                return;
-            }
-        }
+        in_flight::walk(self, ray, sink);
     }
 
+    #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
-        match (&self.lists, self.is_batch) {
-            (Lists::Blocks(_), true) => Batches::InFlight,
-            _ => Batches::RayByRay,
-        }
+        if P::HAS_BLOCKS && self.is_batch { Batches::InFlight } else { Batches::RayByRay }
     }
 
+    #[inline(always)]
     fn closest_batch<P: PrimSet<S>>(
         &self,
-        _prims: &P,
+        prims: &P,
         rays: &[Ray<S>],
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        if let Lists::Blocks(blocks) = &self.lists {
-            self.trace_closest(blocks, rays, reach, hits);
-        }
+        in_flight::closest::<S, P, Self, RAYS>(self, prims, rays, reach, hits);
     }
 
+    #[inline(always)]
     fn occlusion_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
@@ -252,13 +242,76 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         blocked: &mut [bool],
     ) {
-        if let Lists::Blocks(blocks) = &self.lists {
-            self.trace_occlusions(blocks, prims, rays, reach, blocked);
-        }
+        in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
     }
 
     fn shape(&self) -> Shape {
         self.shape
+    }
+}
+
+/// A ray's way over the lattice.
+pub struct State<S: Scalar> {
+    course: Course<S>,
+    at: Point,
+    /// Of the part at that point.
+    voxel: Voxel,
+    /// It passes by.
+    is_nowhere: bool,
+}
+
+impl<S: Scalar> Resumable<S> for IrregularGrid<S> {
+    type State = State<S>;
+    type Room = ();
+
+    #[inline(always)]
+    fn begin(&self, ray: &Ray<S>, _: S) -> State<S> {
+        match Course::of(ray, &self.place) {
+            Some((course, at)) => State { course, at, voxel: Voxel::NOTHING, is_nowhere: false },
+            None => State {
+                course: Course::idle(),
+                at: Point::ZERO,
+                voxel: Voxel::NOTHING,
+                is_nowhere: true,
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn is_nowhere(state: &State<S>) -> bool {
+        state.is_nowhere
+    }
+
+    #[inline(always)]
+    fn arrive(&self, state: &mut State<S>) {
+        state.voxel = self.voxels.top(state.at);
+    }
+
+    #[inline(always)]
+    fn is_inner(state: &State<S>) -> bool {
+        state.voxel.is_divided()
+    }
+
+    #[inline(always)]
+    fn is_empty(state: &State<S>) -> bool {
+        state.voxel.list() == 0
+    }
+
+    #[inline(always)]
+    unsafe fn descend<K: Sink<S>>(&self, state: &mut State<S>, (): &mut (), _: &mut K) -> bool {
+        state.voxel = self.voxels.part(&state.voxel, state.at);
+        true
+    }
+
+    #[inline(always)]
+    fn test<K: Sink<S>>(&self, state: &State<S>, sink: &mut K) -> ControlFlow<()> {
+        self.lists.test(state.voxel.list(), sink)
+    }
+
+    #[inline(always)]
+    unsafe fn leave<K: Sink<S>>(&self, state: &mut State<S>, (): &mut (), sink: &mut K) -> bool {
+        let State { course, at, voxel, .. } = state;
+        course.leave(at, voxel, sink.t_max(), &self.place)
     }
 }
 

@@ -97,6 +97,14 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
         }
     }
 
+    /// The primitives of each leaf.
+    pub(super) fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.nodes.iter().filter_map(|node| match node.content {
+            Content::Leaf { first, count } => Some(&self.ids[range(first, count)]),
+            Content::Inner { .. } => None,
+        })
+    }
+
     /// What was built.
     pub(super) fn shape(&self) -> Shape {
         let inner = |node: &&Node<S, K>| matches!(node.content, Content::Inner { .. });

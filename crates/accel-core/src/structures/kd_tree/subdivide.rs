@@ -49,7 +49,7 @@ struct Rules<'a, S: Scalar> {
     max_depth: usize,
     max_leaf: usize,
     useless_splits: u64,
-    room: Room<'a>,
+    room: Room,
 }
 
 /// A cell that is to be divided, by itself.

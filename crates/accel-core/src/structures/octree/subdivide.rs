@@ -61,7 +61,7 @@ struct Rules<'a, S: Scalar> {
     max_leaf: usize,
     useless_splits: u64,
     max_growth: f64,
-    room: Room<'a>,
+    room: Room,
 }
 
 /// What the cuts on the way to a cell brought.

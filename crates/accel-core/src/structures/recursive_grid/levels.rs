@@ -1,8 +1,7 @@
 //! One level of a recursive grid: how many voxels it gets, what goes into them, and which of them
 //! are divided further.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
@@ -10,7 +9,8 @@ use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_walk::GridFrame;
-use crate::memory::Counted;
+use crate::structures::recursive_grid::budget::{Budget, OverLimit};
+use crate::structures::recursive_grid::voxel_lists::VoxelLists;
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -29,7 +29,7 @@ const ROOT_COARSENING: f64 = 8.0;
 pub(super) struct Grid<S: Scalar> {
     pub(super) frame: GridFrame<S>,
     /// Ids, or one entry with [`CHILD`] set.
-    pub(super) lists: CellLists,
+    pub(super) lists: VoxelLists,
     pub(super) children: Vec<Child<S>>,
 }
 
@@ -53,6 +53,46 @@ impl<S: Scalar> Grid<S> {
             return Voxel::Child(child);
         }
         Voxel::Ids(list)
+    }
+
+    /// Calls `visit` with this grid and all within it that are built.
+    pub(super) fn visit<'a>(&'a self, visit: &mut impl FnMut(&'a Self)) {
+        visit(self);
+        for child in &self.children {
+            if let Some(Content::Grid(inner)) = child.built_content() {
+                inner.visit(visit);
+            }
+        }
+    }
+
+    fn visit_mut(&mut self, visit: &mut impl FnMut(&mut Self)) {
+        visit(self);
+        for child in &mut self.children {
+            if let Some(Content::Grid(inner)) = child.content.get_mut() {
+                inner.visit_mut(visit);
+            }
+        }
+    }
+
+    /// Puts the lists of all grids that are built into one array.
+    pub(super) fn join_lists(&mut self) {
+        let mut all = Vec::new();
+        self.visit_mut(&mut |grid| {
+            grid.lists.move_to(&mut all);
+        });
+        let all = Arc::from(all);
+        self.visit_mut(&mut |grid| grid.lists.share(&all));
+    }
+
+    /// Calls `each` with the lists of primitives.
+    pub(super) fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
+        self.visit(&mut |grid| {
+            for voxel in 0..grid.lists.voxels() {
+                if let Voxel::Ids(ids) = grid.voxel(voxel) {
+                    each(ids);
+                }
+            }
+        });
     }
 }
 
@@ -106,7 +146,7 @@ impl<S: Scalar> Child<S> {
             };
             match division.grid(&ids, bounds(), depth) {
                 Ok(Some(grid)) => {
-                    division.references.give_back(ids.len() as u64);
+                    division.budget.give_back([0, ids.len() as u64]);
                     Content::Grid(grid)
                 }
                 Ok(None) | Err(_) => Content::List(ids),
@@ -124,47 +164,6 @@ pub(super) enum LevelRule {
     Heterogeneous,
     /// n^(1/3) on every axis, rounded up.
     CubeRoot,
-}
-
-/// A limit was exceeded.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct OverLimit {
-    pub(super) of: &'static Counted,
-    pub(super) needed: u64,
-}
-
-/// What is left of a limit; shared by the threads that build.
-#[derive(Debug)]
-pub(super) struct Budget {
-    of: &'static Counted,
-    limit: u64,
-    left: AtomicU64,
-}
-
-impl Budget {
-    pub(super) fn new(of: &'static Counted, limit: u64) -> Self {
-        Self { of, limit, left: AtomicU64::new(limit) }
-    }
-
-    fn left(&self) -> u64 {
-        self.left.load(Ordering::Relaxed)
-    }
-
-    fn exceeded_by(&self, amount: u64) -> OverLimit {
-        let needed = (self.limit - self.left().min(self.limit)).saturating_add(amount);
-        OverLimit { of: self.of, needed }
-    }
-
-    fn take(&self, amount: u64) -> Result<(), OverLimit> {
-        self.left
-            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(amount))
-            .map(|_| ())
-            .map_err(|_| self.exceeded_by(amount))
-    }
-
-    fn give_back(&self, amount: u64) {
-        self.left.fetch_add(amount, Ordering::Relaxed);
-    }
 }
 
 /// All that is needed to divide a voxel.
@@ -189,8 +188,7 @@ pub(super) struct Division<S: Scalar> {
     pub(super) narrowest: S,
     /// By so much the grid of a voxel reaches beyond it on every side; see `voxel_walk.rs`.
     pub(super) padding: S,
-    pub(super) cells: Budget,
-    pub(super) references: Budget,
+    pub(super) budget: Budget,
 }
 
 impl<S: Scalar> Division<S> {
@@ -234,23 +232,20 @@ impl<S: Scalar> Division<S> {
         depth: u32,
     ) -> Result<Option<Grid<S>>, OverLimit> {
         let cells = frame.cells() as u64;
-        self.cells.take(cells)?;
+        self.budget.take([cells, 0])?;
         let allowed = self.max_growth * ids.len() as f64;
-        let left = self.references.left();
+        let left = self.budget.references_left();
         let placement = BoxPlacement { frame, boxes: &self.boxes, by_division: self.by_division };
         let lists =
             match CellLists::build_of(frame.cells(), ids, left.min(allowed as u64), &placement) {
                 Ok(lists) => lists,
                 Err(needed) => {
-                    self.cells.give_back(cells);
-                    return if needed.0 as f64 > allowed {
-                        Ok(None)
-                    } else {
-                        Err(self.references.exceeded_by(needed.0))
-                    };
+                    let refused = self.budget.exceeded_by([0, needed.0]);
+                    self.budget.give_back([cells, 0]);
+                    return if needed.0 as f64 > allowed { Ok(None) } else { Err(refused) };
                 }
             };
-        self.references.take(lists.references() as u64)?;
+        self.budget.take([0, lists.references() as u64])?;
         let mut children = Vec::new();
         let lists = if depth < self.max_depth {
             lists.replaced(|cell, list| self.child(&mut children, &frame, cell, list, depth))?
@@ -258,7 +253,7 @@ impl<S: Scalar> Division<S> {
             lists
         };
         children.shrink_to_fit();
-        Ok(Some(Grid { frame, lists, children }))
+        Ok(Some(Grid { frame, lists: lists.into(), children }))
     }
 
     /// Divides a voxel of a grid of this depth, now or later, and returns the entry that stands
@@ -278,7 +273,7 @@ impl<S: Scalar> Division<S> {
             let Some(grid) = self.grid(list, frame.cell_bounds(cell), depth + 1)? else {
                 return Ok(None);
             };
-            self.references.give_back(list.len() as u64);
+            self.budget.give_back([0, list.len() as u64]);
             Child::built(grid)
         } else {
             Child::waiting(list)
@@ -301,7 +296,7 @@ impl<S: Scalar> Division<S> {
                     primitives: n,
                     density,
                     mean_longest_side: 0.0,
-                    max_cells: self.cells.left().max(1),
+                    max_cells: self.budget.cells_left().max(1),
                     smallest_cell: self.narrowest.to_f64(),
                 };
                 // never refused: a computed rule keeps within max_cells

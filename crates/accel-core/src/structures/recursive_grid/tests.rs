@@ -4,6 +4,7 @@ use crate::Vector;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Vec3;
+use crate::memory::MemoryLimit;
 use crate::primitives::PrimsRef;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight};
 use crate::query::tracer::Tracer;
@@ -210,6 +211,62 @@ fn a_lazy_grid_whose_limit_is_reached_stays_right() {
     assert_eq!(hits(grid.as_ref(), &rays), right);
     assert!(grid.shape().references <= root.references + 500, "{:?}", grid.shape());
     assert!(grid.shape().cells <= root.cells + 300);
+}
+
+/// Triangles in the unit cube, most of them crowded in a corner.
+fn triangles(n: usize, seed: u64) -> TriangleSet<f32, Watertight> {
+    let mut random = Random(seed);
+    let triangle = |i: usize| {
+        let scale = if i.is_multiple_of(8) { 1.0 } else { 0.05 };
+        let at = random.point() * scale;
+        let mut near = || (at + (random.point() - 0.5) * scale * 0.2).to_array().map(|x| x as f32);
+        [near(), near(), near()]
+    };
+    TriangleSet::new((0..n).map(triangle).collect(), |_| false).unwrap()
+}
+
+#[test]
+fn blocks_stand_for_the_lists_of_all_grids_made_with_the_structure() {
+    let set = triangles(3000, 51);
+    let prims = PrimsRef::Watertight(&set);
+    let rays = rays(2000, 52);
+    let right = hits(tracer(prims, "brute-force", "").unwrap().as_ref(), &rays);
+    for settings in ["threshold=2", "build=lazy", "build=lazy lazy-levels=2 max-depth=6"] {
+        let scalar = tracer(prims, "recursive-grid", settings).unwrap();
+        let block = format!("{settings} kernel=block");
+        let block = tracer(prims, "recursive-grid", &block).unwrap();
+        let [a, b] = [&scalar, &block].map(|tracer| tracer.shape());
+        let lists = a.cells - a.empty_cells - a.pending_cells.unwrap_or(0);
+        assert!(b.bytes >= a.bytes + lists * 320, "{settings}: {a:?} {b:?}");
+        assert_eq!((a.inner_cells, a.references), (b.inner_cells, b.references));
+        assert_eq!(hits(block.as_ref(), &rays), right, "{settings}");
+        assert_eq!(hits(scalar.as_ref(), &rays), right, "{settings}");
+    }
+}
+
+#[test]
+fn cells_and_references_share_the_memory() {
+    let set = triangles(2000, 61);
+    let prims = PrimsRef::Watertight(&set);
+    let entry = find("recursive-grid").unwrap();
+    let build = |settings: &[(&str, &str)], bytes: u64| {
+        let params = entry.params(settings.iter().copied()).unwrap();
+        entry.build(prims, &params.within(MemoryLimit::new(bytes)))
+    };
+    let shape = build(&[], u64::MAX).unwrap().shape();
+    // without the entries that stand for grids; cells and references alone would fit
+    let needed = 8 * shape.cells + 4 * shape.references;
+    assert!(8 * shape.cells < needed - 4000 && 4 * shape.references < needed - 4000);
+    let refused = build(&[], needed - 4000).err().expect("too little");
+    assert!(matches!(refused, BuildError::OutOfMemory(_)), "{refused}");
+    assert!(build(&[], 2 * needed).is_ok());
+    // on demand: no more than there is room for, and right
+    let lazy = build(&[("build", "lazy"), ("max-depth", "8")], needed / 2).unwrap();
+    let rays = rays(2000, 62);
+    let right = hits(tracer(prims, "brute-force", "").unwrap().as_ref(), &rays);
+    assert_eq!(hits(lazy.as_ref(), &rays), right);
+    let shape = lazy.shape();
+    assert!(8 * shape.cells + 4 * shape.references <= needed / 2, "{shape:?}");
 }
 
 #[test]

@@ -22,11 +22,11 @@ use crate::structures::uniform_grid::DenseCells;
 const REFERENCES_A_PRIMITIVE: u64 = 16;
 
 /// How leaf grids are made.
-pub(super) struct LeafRules<'a> {
+pub(super) struct LeafRules {
     /// Leaf cells for each reference of an upper cell.
     pub density: f64,
     /// For the cells of both levels, and the references in leaf cells.
-    pub room: Room<'a>,
+    pub room: Room,
 }
 
 /// A cell of the upper level.
@@ -92,7 +92,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     contents: &Contents<S, P>,
     division: &CellDivision<S>,
     lists: &DenseCells,
-    rules: &LeafRules<'_>,
+    rules: &LeafRules,
 ) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
     let upper = Upper { contents, division, lists, rules };
     let stretches = lists.stretches(rayon::current_num_threads());
@@ -178,7 +178,7 @@ struct Upper<'a, 'p, S: Scalar, P: PrimSet<S>> {
     contents: &'a Contents<'p, S, P>,
     division: &'a CellDivision<S>,
     lists: &'a DenseCells,
-    rules: &'a LeafRules<'a>,
+    rules: &'a LeafRules,
 }
 
 impl<S: Scalar, P: PrimSet<S>> Upper<'_, '_, S, P> {

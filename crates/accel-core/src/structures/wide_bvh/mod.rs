@@ -34,7 +34,7 @@ use node::{LEAF, Node, NodeRay};
 use stack::{LEVELS, Room, Stack};
 
 /// Rays of a batch on their way at once.
-const RAYS: usize = 2;
+const RAYS: usize = 16;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -45,7 +45,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec {
             name: "query",
-            summary: "one ray after the other, or two rays of a batch on their way at once",
+            summary: "one ray after the other, or 16 rays of a batch on their way at once",
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),
         },
@@ -166,10 +166,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        // compiled for triangles alone, as batches of the irregular grid are
-        if P::HAS_BLOCKS {
-            in_flight::closest::<S, P, Self, RAYS>(self, prims, rays, reach, hits);
-        }
+        in_flight::closest::<S, P, Self, RAYS>(self, prims, rays, reach, hits);
     }
 
     #[inline(always)]
@@ -180,9 +177,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         blocked: &mut [bool],
     ) {
-        if P::HAS_BLOCKS {
-            in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
-        }
+        in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
     }
 
     fn shape(&self) -> Shape {
@@ -218,38 +213,67 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
     }
 
     #[inline(always)]
-    unsafe fn next<K: Sink<S>>(
+    fn is_nowhere(_: &State<S>) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn arrive(&self, _: &mut State<S>) {}
+
+    #[inline(always)]
+    fn is_inner(state: &State<S>) -> bool {
+        state.at & LEAF == 0
+    }
+
+    #[inline(always)]
+    fn is_empty(_: &State<S>) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    unsafe fn descend<K: Sink<S>>(
         &self,
         state: &mut State<S>,
         room: &mut Room,
         sink: &mut K,
-    ) -> ControlFlow<()> {
+    ) -> bool {
+        sink.inner_step();
+        let node = &self.nodes[state.at as usize];
         // SAFETY: the ray has been in this room since it began, and nothing waited then
         let mut stack = unsafe { Stack::new(room, &mut state.waiting) };
-        if state.at & LEAF != 0 {
-            sink.elementary_step(false);
-            self.lists.test(state.at & !LEAF, sink)?;
-            if !sink.is_any_hit() {
-                state.end = state.parameters.bound(sink.t_max());
-            }
-        } else {
-            sink.inner_step();
-            let node = &self.nodes[state.at as usize];
-            let next = match sink.is_any_hit() {
-                true => stack.descend_unordered(node, &state.ray, state.end),
-                false => stack.descend(node, &state.ray, state.end),
-            };
-            if let Some(next) = next {
-                state.at = next;
-                return ControlFlow::Continue(());
-            }
-        }
-        match stack.pop(state.end) {
+        let next = match sink.is_any_hit() {
+            true => stack.descend_unordered(node, &state.ray, state.end),
+            false => stack.descend(node, &state.ray, state.end),
+        };
+        match next.or_else(|| stack.pop(state.end)) {
             Some(next) => {
                 state.at = next;
-                ControlFlow::Continue(())
+                true
             }
-            None => ControlFlow::Break(()),
+            None => false,
         }
+    }
+
+    #[inline(always)]
+    fn test<K: Sink<S>>(&self, state: &State<S>, sink: &mut K) -> ControlFlow<()> {
+        self.lists.test(state.at & !LEAF, sink)
+    }
+
+    #[inline(always)]
+    unsafe fn leave<K: Sink<S>>(
+        &self,
+        state: &mut State<S>,
+        room: &mut Room,
+        sink: &mut K,
+    ) -> bool {
+        if !sink.is_any_hit() {
+            state.end = state.parameters.bound(sink.t_max());
+        }
+        // SAFETY: as in `descend`
+        let next = unsafe { Stack::new(room, &mut state.waiting) }.pop(state.end);
+        if let Some(next) = next {
+            state.at = next;
+        }
+        next.is_some()
     }
 }
