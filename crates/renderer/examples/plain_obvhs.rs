@@ -60,7 +60,8 @@ macro_rules! plain {
                 let tree = $build(&triangles, BvhBuildParams::medium_build(), time);
                 let in_order = tree.primitive_indices.iter();
                 let in_order = in_order.map(|i| *i as usize);
-                let glass = in_order.clone().filter(|_| is_glass.contains(&true));
+                let has_glass = is_glass.contains(&true);
+                let glass = in_order.clone().filter(|_| has_glass);
                 let glass = glass.map(|i| is_glass[i]).collect();
                 let triangles = in_order.map(|i| (&triangles[i]).into()).collect();
                 Self { tree, triangles, glass }

@@ -73,3 +73,12 @@ pub(super) unsafe extern "C" fn test_triangle(arguments: *const FilterArguments)
         }
     }
 }
+
+/// Callback: a triangle that lets light pass, found by the library's own test in an occlusion query.
+///
+/// # Safety
+/// Called by the library.
+pub(super) unsafe extern "C" fn let_pass(arguments: *const FilterArguments) {
+    // SAFETY: the library passes valid pointers to one ray
+    unsafe { *(*arguments).valid = 0 };
+}

@@ -19,7 +19,7 @@ pub(super) const SCENE_ROBUST: c_int = 1 << 2;
 /// `RTC_INVALID_GEOMETRY_ID`.
 pub(super) const INVALID: c_uint = c_uint::MAX;
 
-/// `RTCRay`; all in units of the scene's size, see `obvhs_adapter.rs`.
+/// `RTCRay`; in units of the scene's size, see `obvhs/adapter.rs`, but for what `direct.rs` asks.
 #[repr(C, align(16))]
 #[derive(Clone, Copy)]
 pub(super) struct Ray {
@@ -43,6 +43,17 @@ pub(super) struct Hit {
     pub(super) primitive: c_uint,
     pub(super) geometry: c_uint,
     pub(super) instance: c_uint,
+}
+
+impl Hit {
+    /// Nothing found yet.
+    pub(super) const NONE: Self = Self {
+        normal: [0.0; 3],
+        uv: [0.0; 2],
+        primitive: INVALID,
+        geometry: INVALID,
+        instance: INVALID,
+    };
 }
 
 /// `RTCRayHit`.
@@ -103,7 +114,7 @@ pub(super) struct FilterArguments {
 type MemoryMonitor = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;
 type BoundsCallback = unsafe extern "C" fn(*const BoundsArguments);
 type PrimitiveCallback = unsafe extern "C" fn(*const PrimitiveArguments);
-type FilterCallback = unsafe extern "C" fn(*const FilterArguments);
+pub(super) type FilterCallback = unsafe extern "C" fn(*const FilterArguments);
 
 #[link(name = "embree3")]
 unsafe extern "C" {
@@ -149,3 +160,5 @@ unsafe extern "C" {
 
 /// Id of the geometry that holds triangles.
 pub(super) const TRIANGLES: u32 = 0;
+/// Id of the one that holds triangles which occlude nothing.
+pub(super) const GLASS: u32 = 2;

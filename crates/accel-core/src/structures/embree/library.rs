@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicI64, Ordering};
 
 use obvhs::aabb::Aabb as ObvhsAabb;
 
-use crate::structures::embree::callbacks::{occluded_primitive, test_primitive, test_triangle};
-use crate::structures::embree::ffi::{self, Handle};
+use crate::structures::embree::callbacks::{
+    let_pass, occluded_primitive, test_primitive, test_triangle,
+};
+use crate::structures::embree::ffi::{self, FilterCallback, Handle};
 
 /// Id of the geometry whose primitives are tested by callbacks.
 const CALLBACKS: u32 = 1;
@@ -15,6 +17,10 @@ const CALLBACKS: u32 = 1;
 pub(super) struct Input<'a> {
     /// Triangles that it tests itself, in the scene's unit.
     pub(super) triangles: Vec<[[f32; 3]; 3]>,
+    /// Whether a callback is asked if one of them that it finds in an occlusion query counts.
+    pub(super) has_filter: bool,
+    /// Triangles that it tests itself, and that occlude nothing.
+    pub(super) glass: Vec<[[f32; 3]; 3]>,
     /// Boxes of the primitives that callbacks test.
     pub(super) boxes: Vec<&'a ObvhsAabb>,
     /// `RTCBuildQuality`.
@@ -75,7 +81,12 @@ impl Library {
             ffi::rtcSetSceneBuildQuality(this.scene, input.quality);
             ffi::rtcSetSceneFlags(this.scene, if input.robust { ffi::SCENE_ROBUST } else { 0 });
             if !input.triangles.is_empty() {
-                this.attach_triangles(input)?;
+                let filter: Option<FilterCallback> =
+                    if input.has_filter { Some(test_triangle) } else { None };
+                this.attach_triangles(&input.triangles, input.quality, ffi::TRIANGLES, filter)?;
+            }
+            if !input.glass.is_empty() {
+                this.attach_triangles(&input.glass, input.quality, ffi::GLASS, Some(let_pass))?;
             }
             if !input.boxes.is_empty() {
                 this.attach_callbacks(input);
@@ -88,13 +99,19 @@ impl Library {
 
     /// # Safety
     /// Before the commit of the scene.
-    unsafe fn attach_triangles(&self, input: &Input) -> Result<(), String> {
-        let count = input.triangles.len();
+    unsafe fn attach_triangles(
+        &self,
+        triangles: &[[[f32; 3]; 3]],
+        quality: c_int,
+        id: u32,
+        occluded: Option<FilterCallback>,
+    ) -> Result<(), String> {
+        let count = triangles.len();
         // SAFETY: the buffers have the size asked for, and the library has checked that; each
         // triangle has three vertices of its own, one after the other
         unsafe {
             let geometry = ffi::rtcNewGeometry(self.device, ffi::GEOMETRY_TRIANGLE);
-            ffi::rtcSetGeometryBuildQuality(geometry, input.quality);
+            ffi::rtcSetGeometryBuildQuality(geometry, quality);
             let buffer =
                 |kind, format, n| ffi::rtcSetNewGeometryBuffer(geometry, kind, 0, format, 12, n);
             let vertices = buffer(ffi::BUFFER_VERTEX, ffi::FORMAT_FLOAT3, 3 * count);
@@ -104,14 +121,16 @@ impl Library {
                 self.check()?;
                 return Err("no buffer for the triangles".to_owned());
             }
-            std::ptr::copy_nonoverlapping(input.triangles.as_ptr(), vertices.cast(), count);
+            std::ptr::copy_nonoverlapping(triangles.as_ptr(), vertices.cast(), count);
             let indices = indices.cast::<u32>();
             for i in 0..3 * count {
                 indices.add(i).write(i as u32);
             }
-            ffi::rtcSetGeometryOccludedFilterFunction(geometry, test_triangle);
+            if let Some(filter) = occluded {
+                ffi::rtcSetGeometryOccludedFilterFunction(geometry, filter);
+            }
             ffi::rtcCommitGeometry(geometry);
-            ffi::rtcAttachGeometryByID(self.scene, geometry, ffi::TRIANGLES);
+            ffi::rtcAttachGeometryByID(self.scene, geometry, id);
             ffi::rtcReleaseGeometry(geometry);
         }
         Ok(())

@@ -23,6 +23,10 @@ impl<S: Scalar, K: Sink<S>> Query<'_, S, K> {
             Candidate::Triangle(number) => self.structure.triangle_ids[number as usize],
             Candidate::Boxed(number) => self.structure.boxed_ids[number as usize],
         };
+        self.test_id(id)
+    }
+
+    fn test_id(&mut self, id: u32) -> f32 {
         self.sink.elementary_step(false);
         match self.sink.test(&[id]) {
             ControlFlow::Break(()) => f32::NEG_INFINITY,
@@ -54,15 +58,11 @@ pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, si
             id: 0,
             flags: 0,
         },
-        hit: ffi::Hit {
-            normal: [0.0; 3],
-            uv: [0.0; 2],
-            primitive: ffi::INVALID,
-            geometry: ffi::INVALID,
-            instance: ffi::INVALID,
-        },
+        hit: ffi::Hit::NONE,
     };
     let is_any_hit = sink.is_any_hit();
+    // without its filter, an occlusion query would not say what it found
+    let is_occlusion = is_any_hit && !structure.is_direct;
     let mut query = Query { structure, start: &start.parameters, sink };
     let mut context = QueryContext {
         context: Context { flags: 0, filter: std::ptr::null(), instance: ffi::INVALID },
@@ -70,16 +70,24 @@ pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, si
         test: test::<S, K>,
     };
     let (scene, context) = (structure.library.scene(), std::ptr::from_mut(&mut context));
-    // SAFETY: the scene is committed; context and ray live until the call returns, and the
-    // callbacks find behind the context what they expect
-    unsafe {
-        if is_any_hit {
-            ffi::rtcOccluded1(scene, context.cast(), &raw mut asked.ray);
-        } else {
+    loop {
+        // SAFETY: the scene is committed; context and ray live until the call returns, and the
+        // callbacks find behind the context what they expect
+        unsafe {
+            if is_occlusion {
+                ffi::rtcOccluded1(scene, context.cast(), &raw mut asked.ray);
+                return;
+            }
             ffi::rtcIntersect1(scene, context.cast(), &raw mut asked);
         }
-    }
-    if !is_any_hit && asked.hit.geometry == ffi::TRIANGLES {
-        query.test(Candidate::Triangle(asked.hit.primitive));
+        let Some(id) = structure.id(&asked.hit) else { return };
+        let end = query.test_id(id);
+        if !is_any_hit || end == f32::NEG_INFINITY {
+            return;
+        }
+        // what occludes nothing was found: on from behind it
+        asked.ray.t_near = asked.ray.t_far.next_up();
+        asked.ray.t_far = end;
+        asked.hit = ffi::Hit::NONE;
     }
 }

@@ -1,5 +1,6 @@
 //! What a query needs: the committed scene and whose ids its primitives have.
 
+use super::ffi;
 use super::library::Library;
 use crate::geometry::scalar::Scalar;
 use crate::structures::obvhs::adapter::RaySetup;
@@ -13,4 +14,20 @@ pub(super) struct Scene<S: Scalar> {
     /// Ids of the primitives that it knows the boxes of.
     pub(super) boxed_ids: Vec<u32>,
     pub(super) is_native: bool,
+    /// All are triangles at rest in f32, and native: they are as they came, and batches are the library's.
+    pub(super) is_direct: bool,
+    /// Ids of the triangles that occlude nothing, where it is direct; `triangle_ids` has the others then.
+    pub(super) glass_ids: Vec<u32>,
+}
+
+impl<S: Scalar> Scene<S> {
+    /// The id of a triangle that the library found; `None` where it found nothing.
+    #[inline(always)]
+    pub(super) fn id(&self, hit: &ffi::Hit) -> Option<u32> {
+        match hit.geometry {
+            ffi::TRIANGLES => Some(self.triangle_ids[hit.primitive as usize]),
+            ffi::GLASS => Some(self.glass_ids[hit.primitive as usize]),
+            _ => None,
+        }
+    }
 }

@@ -81,7 +81,8 @@ pub(crate) fn triangles<S: Scalar, P: PrimSet<S>>(prims: &P) -> Option<Vec<Trian
     (0..prims.len() as u32).map(triangle).collect()
 }
 
-fn is_served<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
+/// Whether triangles of the set are in f32, under the test of triangles that is the default.
+pub(crate) fn is_served<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
     S::NAME == <f32 as Scalar>::NAME && prims.is_watertight()
 }
 

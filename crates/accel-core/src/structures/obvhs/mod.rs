@@ -4,6 +4,6 @@ pub(crate) mod adapter;
 pub(crate) mod builder;
 pub mod bvh2;
 pub mod cwbvh;
-mod direct;
+pub(crate) mod direct;
 mod direct_builder;
 mod leaf_blocks;
