@@ -19,7 +19,7 @@ for scene in "${scenes[@]}"; do
         obvhs-cwbvh:adapter=direct obvhs-bvh2:adapter=direct "${others[@]}" | tee -a "$lines"
 done
 # SCENE KIND ROW RATE Mrays/s RATIO [LOW, HIGH] fastest RATIO
-sort -k2,2 -k3,3 -k6,6g "$lines" | awk '
+sort -k2b,2 -k3b,3 -k6,6g "$lines" | awk '
     function show(  middle) {
         if (!n) return
         middle = n % 2 ? of[(n + 1) / 2] : (of[n / 2] + of[n / 2 + 1]) / 2

@@ -142,6 +142,7 @@ fn all<'r, S: Scalar, T: Resumable<S>, B: Batch<'r, S>, const RAYS: usize>(
     reach: S,
     batch: &mut B,
 ) -> Vec<usize> {
+    const { assert!(RAYS <= u32::BITS as usize, "a bit for each lane") };
     let mut far = Vec::new();
     let mut waiting = 0..rays.len();
     let mut next_near = || {
