@@ -148,10 +148,10 @@ fn queries_and_what_a_scene_does_not_serve_are_said() {
     for said in ["query: one ray to batch", "wide-bvh has no kernel=scalar.", "block, batch"] {
         assert!(out.contains(said), "{said}: {out}");
     }
-    let out = run("tetra:2 -s recursive-grid");
-    assert!(out.contains("recursive-grid has no kernel=block, no query=batch."), "{out}");
+    let out = run("tetra:2 -s brute-force");
+    assert!(out.contains("brute-force has no kernel=block, no query=batch."), "{out}");
     assert!(!out.contains("kernel: "), "both are tested one by one: {out}");
-    let out = run("tetra:2 -s recursive-grid --reference wide-bvh");
+    let out = run("tetra:2 -s brute-force --reference wide-bvh");
     assert!(out.contains("No row tells these apart: kernel: block to scalar; structure:"), "{out}");
     let out = run("balls:2 -s kd-tree");
     for said in

@@ -197,7 +197,8 @@ mod tests {
         assert_eq!(crafts("kd-tree:max-leaf=4"), ["scalar", "block"]);
         assert_eq!(crafts("wide-bvh"), ["block", "block, batch"]);
         assert_eq!(crafts("irregular-grid:query=batch"), ["block, batch", "block"]);
-        assert_eq!(crafts("recursive-grid"), ["scalar"]);
+        assert_eq!(crafts("brute-force"), ["scalar"]);
+        assert_eq!(crafts("recursive-grid"), ["scalar", "block"]);
         assert_eq!(crafts("uniform-grid:mailbox=hash"), ["scalar"]);
         assert_eq!(crafts("irregular-grid:mailbox=hash"), ["scalar"]);
         assert_eq!(crafts("obvhs-cwbvh:adapter=direct"), ["direct", "scalar", "block"]);
