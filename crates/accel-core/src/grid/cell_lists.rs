@@ -3,14 +3,15 @@
 //! Built here for any placement of primitives; where each goes to a block of cells of a dense grid,
 //! `block_lists.rs` is faster.
 
-use std::ops::Range;
+use std::ops::{Deref, Range};
+use std::sync::Arc;
 
-/// For every cell, the slice of ids it holds.
+/// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other lists.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct CellLists {
+pub struct CellLists<I = Vec<u32>> {
     /// `ids[starts[c]..starts[c + 1]]` belongs to cell `c`.
     starts: Vec<u32>,
-    ids: Vec<u32>,
+    ids: I,
 }
 
 /// The order of ids within a cell.
@@ -143,20 +144,6 @@ impl CellLists {
         Ok(self)
     }
 
-    /// The ids of a cell; empty for a cell that does not exist.
-    #[inline(always)]
-    pub fn list(&self, cell: usize) -> &[u32] {
-        match self.starts.get(cell..cell + 2) {
-            Some(&[a, b]) => self.ids.get(a as usize..b as usize).unwrap_or(&[]),
-            _ => &[],
-        }
-    }
-
-    /// All lists.
-    pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
-        self.starts.windows(2).map(|at| &self.ids[at[0] as usize..at[1] as usize])
-    }
-
     /// Cuts the cells into stretches of about as many ids each: at most `most`, at least one, none
     /// of few ids.
     pub fn stretches(&self, most: usize) -> Vec<Range<usize>> {
@@ -176,6 +163,22 @@ impl CellLists {
     pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
         (self.starts, self.ids)
     }
+}
+
+impl<I: Deref<Target = [u32]>> CellLists<I> {
+    /// The ids of a cell; empty for a cell that does not exist.
+    #[inline(always)]
+    pub fn list(&self, cell: usize) -> &[u32] {
+        match self.starts.get(cell..cell + 2) {
+            Some(&[a, b]) => self.ids.get(a as usize..b as usize).unwrap_or(&[]),
+            _ => &[],
+        }
+    }
+
+    /// All lists.
+    pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|at| &self.ids[at[0] as usize..at[1] as usize])
+    }
 
     /// Number of cells.
     pub fn cells(&self) -> usize {
@@ -189,12 +192,41 @@ impl CellLists {
 
     /// Number of ids in all cells together.
     pub fn references(&self) -> usize {
-        self.ids.len()
+        match (self.starts.first(), self.starts.last()) {
+            (Some(&first), Some(&last)) => (last - first) as usize,
+            _ => 0,
+        }
     }
 
     /// Bytes occupied.
     pub fn bytes(&self) -> usize {
-        (self.starts.len() + self.ids.len()) * 4
+        (self.starts.len() + self.references()) * 4
+    }
+}
+
+impl From<CellLists> for CellLists<Arc<[u32]>> {
+    fn from(CellLists { starts, ids }: CellLists) -> Self {
+        Self { starts, ids: ids.into() }
+    }
+}
+
+impl CellLists<Arc<[u32]>> {
+    /// Moves ids that are these lists' alone to the end of an array that is to be shared; the lists have none
+    /// until it [is](Self::share). Nothing is changed where the array has no room for them.
+    pub(crate) fn move_to(&mut self, all: &mut Vec<u32>) {
+        let base = u32::try_from(all.len()).ok();
+        if let Some(base) = base.filter(|b| b.checked_add(self.ids.len() as u32).is_some()) {
+            all.extend_from_slice(&self.ids);
+            self.starts.iter_mut().for_each(|start| *start += base);
+            self.ids = Arc::default();
+        }
+    }
+
+    /// Takes the array that ids were moved to.
+    pub(crate) fn share(&mut self, all: &Arc<[u32]>) {
+        if self.ids.is_empty() {
+            self.ids = Arc::clone(all);
+        }
     }
 }
 

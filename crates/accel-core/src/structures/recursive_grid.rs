@@ -15,7 +15,6 @@
 
 mod budget;
 mod levels;
-mod voxel_lists;
 
 use std::ops::ControlFlow;
 
@@ -262,7 +261,7 @@ fn test<S: Scalar, K: Sink<S>>(ids: &[u32], t_exit: S, sink: &mut K) -> ControlF
 fn add_grid<S: Scalar>(grid: &Grid<S>, shape: &mut Shape) {
     shape.inner_cells += 1;
     shape.cells += (grid.frame.cells() - grid.children.len()) as u64;
-    shape.empty_cells += grid.lists.empty_voxels() as u64;
+    shape.empty_cells += grid.lists.empty_cells() as u64;
     shape.references += (grid.lists.references() - grid.children.len()) as u64;
     shape.bytes += (grid.lists.bytes() + size_of_val(grid.children.as_slice())) as u64;
     for child in &grid.children {

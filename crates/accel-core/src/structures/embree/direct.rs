@@ -23,14 +23,10 @@ fn own<S: Scalar>(ray: &Ray<S>) -> ffi::Ray {
     }
 }
 
-fn context() -> Context {
-    Context { flags: 0, filter: std::ptr::null(), instance: ffi::INVALID }
-}
-
 /// See [`crate::structure::Structure::closest_batch`].
 #[inline(always)]
 pub(super) fn closest_hits<S: Scalar>(scene: &Scene<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-    let mut context = context();
+    let mut context = Context::NEW;
     for (ray, hit) in rays.iter().zip(hits) {
         let mut asked = ffi::RayHit { ray: own(ray), hit: ffi::Hit::NONE };
         // SAFETY: the scene is committed; context and ray live until the call returns
@@ -45,7 +41,7 @@ pub(super) fn closest_hits<S: Scalar>(scene: &Scene<S>, rays: &[Ray<S>], hits: &
 /// See [`crate::structure::Structure::occlusion_batch`].
 #[inline(always)]
 pub(super) fn occlusions<S: Scalar>(scene: &Scene<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
-    let mut context = context();
+    let mut context = Context::NEW;
     for (ray, blocked) in rays.iter().zip(blocked) {
         let mut asked = own(ray);
         // SAFETY: as above

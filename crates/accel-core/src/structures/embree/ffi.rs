@@ -71,6 +71,11 @@ pub(super) struct Context {
     pub(super) instance: c_uint,
 }
 
+impl Context {
+    /// As `rtcInitIntersectContext` makes it.
+    pub(super) const NEW: Self = Self { flags: 0, filter: std::ptr::null(), instance: INVALID };
+}
+
 /// `RTCBounds`.
 #[repr(C, align(16))]
 pub(super) struct Bounds {

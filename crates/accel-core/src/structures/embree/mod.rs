@@ -160,6 +160,9 @@ mod tests {
     use crate::structures::find;
     use crate::structures::test_scenes::{Random, closest_hits, occlusions};
 
+    /// The closest hit, and whether the ray is blocked.
+    type Answer = (Hit<f32>, bool);
+
     fn soup(n: usize) -> TriangleSet<f32, Watertight> {
         soup_of(n, |id| id % 9 == 0)
     }
@@ -173,11 +176,7 @@ mod tests {
         TriangleSet::new(triangles.collect(), is_transmissive).unwrap()
     }
 
-    fn answers(
-        set: &TriangleSet<f32>,
-        name: &str,
-        settings: &[(&str, &str)],
-    ) -> Vec<(Hit<f32>, bool)> {
+    fn answers(set: &TriangleSet<f32>, name: &str, settings: &[(&str, &str)]) -> Vec<Answer> {
         let mut random = Random(6);
         let rays: Vec<_> = (0..3000)
             .map(|_| {
@@ -193,12 +192,11 @@ mod tests {
     }
 
     /// How many answers are not those: another triangle, or its parameter by more than rounding.
-    fn wrong(got: &[(Hit<f32>, bool)], expected: &[(Hit<f32>, bool)]) -> usize {
+    fn wrong(got: &[Answer], expected: &[Answer]) -> usize {
         let is_near = |a: &Hit<f32>, b: &Hit<f32>| (a.t - b.t).abs() <= 1e-4 * b.t.abs();
-        let differs =
-            |((a, a_blocked), (b, b_blocked)): &(&(Hit<f32>, bool), &(Hit<f32>, bool))| {
-                a.id != b.id || a_blocked != b_blocked || a.is_hit() && !is_near(a, b)
-            };
+        let differs = |((a, a_blocked), (b, b_blocked)): &(&Answer, &Answer)| {
+            a.id != b.id || a_blocked != b_blocked || a.is_hit() && !is_near(a, b)
+        };
         got.iter().zip(expected).filter(differs).count()
     }
 

@@ -65,7 +65,7 @@ pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, si
     let is_occlusion = is_any_hit && !structure.is_direct;
     let mut query = Query { structure, start: &start.parameters, sink };
     let mut context = QueryContext {
-        context: Context { flags: 0, filter: std::ptr::null(), instance: ffi::INVALID },
+        context: Context::NEW,
         query: std::ptr::from_mut(&mut query).cast(),
         test: test::<S, K>,
     };

@@ -42,14 +42,13 @@ impl Budget {
 
     /// What would be there with so many more cells and references.
     pub(super) fn exceeded_by(&self, more: [u64; 2]) -> OverLimit {
-        let taken = *self.taken();
-        OverLimit { needed: [0, 1].map(|k| taken[k].saturating_add(more[k])) }
+        OverLimit { needed: sum(*self.taken(), more) }
     }
 
     /// Takes so many cells and references.
     pub(super) fn take(&self, more: [u64; 2]) -> Result<(), OverLimit> {
         let mut taken = self.taken();
-        let needed = [0, 1].map(|k| taken[k].saturating_add(more[k]));
+        let needed = sum(*taken, more);
         if self.room.check(needed).is_err() {
             return Err(OverLimit { needed });
         }
@@ -62,4 +61,8 @@ impl Budget {
         let mut taken = self.taken();
         *taken = [0, 1].map(|k| taken[k].saturating_sub(fewer[k]));
     }
+}
+
+fn sum(a: [u64; 2], b: [u64; 2]) -> [u64; 2] {
+    [0, 1].map(|k| a[k].saturating_add(b[k]))
 }

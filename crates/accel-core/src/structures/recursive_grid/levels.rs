@@ -10,7 +10,6 @@ use crate::grid::cell_lists::CellLists;
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_walk::GridFrame;
 use crate::structures::recursive_grid::budget::{Budget, OverLimit};
-use crate::structures::recursive_grid::voxel_lists::VoxelLists;
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -29,7 +28,7 @@ const ROOT_COARSENING: f64 = 8.0;
 pub(super) struct Grid<S: Scalar> {
     pub(super) frame: GridFrame<S>,
     /// Ids, or one entry with [`CHILD`] set.
-    pub(super) lists: VoxelLists,
+    pub(super) lists: CellLists<Arc<[u32]>>,
     pub(super) children: Vec<Child<S>>,
 }
 
@@ -77,9 +76,7 @@ impl<S: Scalar> Grid<S> {
     /// Puts the lists of all grids that are built into one array.
     pub(super) fn join_lists(&mut self) {
         let mut all = Vec::new();
-        self.visit_mut(&mut |grid| {
-            grid.lists.move_to(&mut all);
-        });
+        self.visit_mut(&mut |grid| grid.lists.move_to(&mut all));
         let all = Arc::from(all);
         self.visit_mut(&mut |grid| grid.lists.share(&all));
     }
@@ -87,7 +84,7 @@ impl<S: Scalar> Grid<S> {
     /// Calls `each` with the lists of primitives.
     pub(super) fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
         self.visit(&mut |grid| {
-            for voxel in 0..grid.lists.voxels() {
+            for voxel in 0..grid.lists.cells() {
                 if let Voxel::Ids(ids) = grid.voxel(voxel) {
                     each(ids);
                 }
