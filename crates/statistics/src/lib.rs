@@ -23,4 +23,5 @@ pub mod power_law;
 pub mod product_of_medians;
 pub mod random;
 pub mod ratio_of_medians;
+pub mod series;
 pub mod sign_test;

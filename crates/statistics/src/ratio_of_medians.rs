@@ -39,7 +39,7 @@ pub fn geometric_mean_of_ratios(groups: &[(&[f64], &[f64])]) -> Option<Estimate>
 }
 
 /// The variance of the logarithm of the median of samples.
-fn log_median_variance(samples: &[f64]) -> Option<f64> {
+pub(crate) fn log_median_variance(samples: &[f64]) -> Option<f64> {
     let n = samples.len();
     if n < FEWEST || samples.iter().any(|x| x.is_nan() || *x <= 0.0) {
         return None;
