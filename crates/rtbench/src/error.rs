@@ -5,10 +5,12 @@ use std::io;
 use measurement::journal::JournalError;
 use measurement::plan::error::PlanError;
 use measurement::record::file::RecordError;
+use measurement::record::machines::MachinesError;
 use measurement::record::merge::MergeError;
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::LoadError;
 use measurement::system::files::WriteError;
+use measurement::system::program_copy::CopyError;
 use presentation::format_error::FormatError;
 use renderer::GeometryError;
 use studies::error::{StudyError, UnsavedImage};
@@ -90,9 +92,15 @@ pub enum Error {
     /// The parts of a run cannot be joined.
     #[error(transparent)]
     Merge(#[from] MergeError),
+    /// Runs of several machines are not the same run.
+    #[error(transparent)]
+    Machines(#[from] MachinesError),
     /// What a report is made from cannot be read.
     #[error(transparent)]
     Report(#[from] ReportError),
+    /// The copy of this program that the floor is measured with.
+    #[error(transparent)]
+    Copy(#[from] CopyError),
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),

@@ -176,6 +176,7 @@ fn settings_of(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunSettings,
             .filter(|text| text.starts_with("rays."))
             .collect(),
         measuring,
+        processes: of.processes,
         ..RunSettings::default()
     })
 }

@@ -13,6 +13,10 @@
 //! tests). Sums of series of unequal spread have the degrees of F. E. Satterthwaite, "An Approximate Distribution of
 //! Estimates of Variance Components", Biometrics Bulletin 2(6), 1946.
 
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
 use crate::estimate::{Estimate, estimate, geometric_mean_of_medians, median};
 use crate::mann_whitney;
 use crate::normal::{student_95, student_tails};
@@ -58,14 +62,16 @@ impl Series {
 
     /// The values of each process, in the order of their numbers.
     pub fn by_process(&self) -> Vec<Vec<f64>> {
-        let mut names: Vec<u32> = self.processes.clone();
-        names.sort_unstable();
-        names.dedup();
-        let of = |name: &u32| {
-            let pairs = self.processes.iter().zip(&self.values);
-            pairs.filter(|(process, _)| *process == name).map(|(_, value)| *value).collect()
-        };
-        names.iter().map(of).collect()
+        self.by_numbered_process().into_values().collect()
+    }
+
+    /// The values of each process, by its number.
+    pub fn by_numbered_process(&self) -> BTreeMap<u32, Vec<f64>> {
+        let mut groups: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+        for (process, value) in self.processes.iter().zip(&self.values) {
+            groups.entry(*process).or_default().push(*value);
+        }
+        groups
     }
 
     fn has_levels(&self) -> bool {
@@ -210,7 +216,8 @@ pub fn p_value(a: &Series, b: &Series) -> Option<f64> {
 }
 
 /// What several processes have in common with none of their rounds: two levels.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TwoLevels {
     /// The median of the processes on the lower level.
     pub low: f64,
@@ -315,9 +322,8 @@ mod tests {
         let mut random = Random::new(17, "coverage of means of processes");
         let (mut means, mut ratios, mut false_alarms) = (0, 0, 0);
         for _ in 0..2000 {
-            let scenes: Vec<Series> = [1.0, 1.44, 1.2, 1.2]
-                .map(|truth| drawn(&mut random, truth, 3, 0.05, 0.05))
-                .into();
+            let scenes: Vec<Series> =
+                [1.0, 1.44, 1.2, 1.2].map(|truth| drawn(&mut random, truth, 3, 0.05, 0.05)).into();
             let refs: Vec<&Series> = scenes.iter().collect();
             means += u32::from(geometric_mean_of(&refs, 1).unwrap().holds(1.2));
             let ratio = ratio_of(&scenes[2], &scenes[3]).unwrap();

@@ -336,6 +336,7 @@ pub(super) mod tests {
                 order: "scanline".into(),
                 lights: "each".into(),
                 by_kind: false,
+                processes: 1,
             },
             rounds: "Fixed(3)".into(),
             scenes: vec!["a".into(), "b".into()],

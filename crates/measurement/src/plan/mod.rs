@@ -98,6 +98,15 @@ impl Limits {
     }
 }
 
+/// One of the processes of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct OneProcess {
+    /// Its number, from 0.
+    pub number: u32,
+    /// Its first round: those of all processes are counted through.
+    pub first_round: usize,
+}
+
 /// A validated run.
 #[derive(Debug)]
 pub struct Plan<'r> {
@@ -138,6 +147,13 @@ pub struct Plan<'r> {
     pub strides: FixedStrides,
     /// Where this is a part of a run: that part.
     pub part: Option<PlannedPart>,
+    /// Processes in which each scene is built and timed: this one, and those that it starts.
+    pub processes: u32,
+    /// Which of them this is.
+    pub process: OneProcess,
+    /// Where there is but one: a process of a copy of this program times each scene, too, for the floor
+    /// below which nothing is claimed.
+    pub has_copy: bool,
     /// What a build may take, where each is tried in a process of its own first.
     pub build_limits: Option<BuildLimits>,
     /// The most memory of a structure; its rows know it.
@@ -171,6 +187,7 @@ impl<'r> Plan<'r> {
         let mut plan = Self::over(scenes, rows, baseline, &args.measuring, registry)?;
         plan.settings.offset = ray_settings.offset;
         plan.by_kind = args.by_kind;
+        plan.processes = args.processes.max(1);
         if plan.kinds.iter().any(|k| k.is_occlusion()) {
             let within = |row: Row<'r, _>| Row { params: row.params.within(plan.memory), ..row };
             plan.rows.extend(occluding.into_iter().map(within).map(MeasuredRow::Occluder));
@@ -242,6 +259,9 @@ impl<'r> Plan<'r> {
             quick: args.quick,
             strides: FixedStrides::default(),
             part: None,
+            processes: 1,
+            process: OneProcess::default(),
+            has_copy: false,
             build_limits: None,
             memory,
         })

@@ -36,6 +36,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
             order: "scanline".into(),
             lights: "each".into(),
             by_kind: false,
+            processes: 1,
         },
         scenes: scenes.iter().map(|(name, rows)| scene(name, rows)).collect(),
         summary: Vec::new(),
@@ -46,6 +47,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
         warnings: Vec::new(),
         shard: None,
         parts: Vec::new(),
+        floor: None,
         scale: None,
     }
 }
@@ -67,6 +69,7 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
             .iter()
             .enumerate()
             .map(|(round, &seconds)| Sample {
+                process: 0,
                 round: round as u32,
                 position: i as u32,
                 build_s: seconds / 10.0,

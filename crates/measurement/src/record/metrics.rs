@@ -4,9 +4,10 @@
 //! have a sample a round.
 
 use crate::plan::error::PlanError;
-use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
-use crate::record::{RowRecord, Sample, SceneRecord, ShapeRecord, WorkRecord};
+use crate::record::ratios::{build_ratios, kind_ratios, series, trace_ratios};
+use crate::record::{RowRecord, SceneRecord, ShapeRecord, WorkRecord};
 use crate::settings::suggest::hint;
+use statistics::series::Series;
 
 /// A metric of a row.
 #[derive(Debug, Clone, Copy)]
@@ -31,9 +32,9 @@ pub enum Reading {
     /// Of the work of the rays that were counted, per ray; no machine changes it.
     Work(fn(&WorkRecord) -> u64),
     /// Of the builds of a row of a scene, a sample a round.
-    Build(fn(&SceneRecord, &RowRecord) -> Vec<f64>),
+    Build(fn(&SceneRecord, &RowRecord) -> Series),
     /// Of the rays that were timed, a sample a round.
-    Trace(fn(&RowRecord) -> Vec<f64>),
+    Trace(fn(&RowRecord) -> Series),
     /// Of those of a kind and order: the ratio to the reference, a sample a round.
     RatioOf(&'static str),
 }
@@ -97,9 +98,11 @@ impl Metric {
     }
 
     /// Its values in a row of a scene: none, one, or one a round.
-    pub fn values(&self, scene: &SceneRecord, row: &RowRecord) -> Vec<f64> {
+    pub fn values(&self, scene: &SceneRecord, row: &RowRecord) -> Series {
         match self.reading {
-            Reading::Shape(_) | Reading::Work(_) => self.exact(row).into_iter().collect(),
+            Reading::Shape(_) | Reading::Work(_) => {
+                self.exact(row).into_iter().collect::<Vec<_>>().into()
+            }
             Reading::Build(read) => read(scene, row),
             Reading::Trace(read) => read(row),
             Reading::RatioOf(kind) => kind_ratios(row, kind),
@@ -138,8 +141,8 @@ pub static METRICS: &[Metric] = &[
         is_cost: false,
         ..cost("saved", "", "tests per ray that a mailbox spared", Reading::Work(|work| work.tests_saved))
     },
-    cost("build", "s", "build time", Reading::Build(|_, row| row.samples.iter().map(|s| s.build_s).collect())),
-    cost("trace", "s", "trace time of all rays", Reading::Trace(|row| row.samples.iter().map(Sample::total_trace_s).collect())),
+    cost("build", "s", "build time", Reading::Build(|_, row| series(row, |s| Some(s.build_s)))),
+    cost("trace", "s", "trace time of all rays", Reading::Trace(|row| series(row, |s| Some(s.total_trace_s())))),
     cost("build-ratio", "", "build time over the reference's of the same round", Reading::Build(build_ratios)),
     cost("ratio", "", "trace time over the reference's of the same round", Reading::Trace(trace_ratios)),
     cost("ratio-primary", "", "the same of primary rays", Reading::RatioOf("primary")),

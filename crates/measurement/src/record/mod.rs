@@ -1,7 +1,10 @@
 //! The record of a run: everything that tables, CSV and plots are made from, and what JSON holds.
 
+mod figures;
 pub mod file;
+pub mod floor;
 pub mod label;
+pub mod machines;
 #[cfg(any(test, feature = "testing"))]
 #[allow(clippy::unwrap_used)]
 pub mod made_up;
@@ -26,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings::shard::ShardRecord;
 
+pub use floor::FloorRecord;
 pub use label::label;
 pub use row::{Answered, Outliers, RowRecord, Sample};
 pub use scale::ScaleRecord;
@@ -83,6 +87,9 @@ pub struct RunRecord {
     /// The parts that it was joined of; empty unless `rtbench merge` made it.
     #[serde(default)]
     pub parts: Vec<PartRecord>,
+    /// How far a copy of the program was from the program; none where none was timed.
+    #[serde(default)]
+    pub floor: Option<FloorRecord>,
     /// The sizes and slopes, where the scenes are the sizes of one (`rtbench scale`).
     #[serde(default)]
     pub scale: Option<ScaleRecord>,

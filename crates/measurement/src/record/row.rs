@@ -10,6 +10,7 @@ use crate::record::verdict::Verdict;
 use crate::record::work::{ShapeRecord, WorkRecord};
 use statistics::estimate::Estimate;
 use statistics::outliers::outliers;
+use statistics::series::TwoLevels;
 
 /// Which rays a row answers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,7 +39,11 @@ impl Answered {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Sample {
-    /// Round, from 0.
+    /// The process that it was made in, from 0: that of the run, and those that it started
+    /// (`--processes`).
+    #[serde(default)]
+    pub process: u32,
+    /// Round, from 0; those of the next process go on from the last one's.
     pub round: u32,
     /// Position within the round, from 0.
     pub position: u32,
@@ -117,6 +122,10 @@ pub struct RowRecord {
     /// The same for each kind of ray. Empty in records from before.
     #[serde(default)]
     pub ratio_by_kind: BTreeMap<String, Estimate>,
+    /// The levels of the ratio where processes disagree about it more than their rounds do; of the
+    /// reference, those of its trace time in seconds.
+    #[serde(default)]
+    pub levels: Option<TwoLevels>,
     /// Build time divided by the reference's in the same round.
     pub build_ratio: Option<Estimate>,
     /// The whole image through the renderer, seconds.

@@ -35,6 +35,14 @@ pub struct Settings {
     /// Tables of each kind of ray, and of the time to a picture, were asked for.
     #[serde(default)]
     pub by_kind: bool,
+    /// Processes in which rows were built and timed, each scene in each of them.
+    #[serde(default = "one")]
+    pub processes: u32,
+}
+
+/// Of records from before there could be more.
+fn one() -> u32 {
+    1
 }
 
 /// Of records from before there were orders.

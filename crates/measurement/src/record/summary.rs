@@ -6,7 +6,7 @@ use crate::record::query::Query;
 use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
 use crate::record::reference;
 use crate::record::{RowRecord, SceneRecord, Settings, SummaryRow, Verdict};
-use statistics::estimate::geometric_mean_of_medians;
+use statistics::series::{Series, geometric_mean_of};
 
 /// One row for each row of the scenes, in their order; a part of a run may have rows in some of its
 /// scenes only. Means leave out scenes whose ratios are to another row than
@@ -46,7 +46,7 @@ struct Own<'a> {
 fn summarize_row(row: &RowRecord, rows: &[Own<'_>], seed: u64) -> SummaryRow {
     let mut ratios = Vec::new();
     let mut builds = Vec::new();
-    let mut kinds: BTreeMap<&str, Vec<Vec<f64>>> = BTreeMap::new();
+    let mut kinds: BTreeMap<&str, Vec<Series>> = BTreeMap::new();
     let mut batch_scenes = 0;
     let mut verdicts = Vec::new();
     let mut mismatches = 0;
@@ -66,9 +66,9 @@ fn summarize_row(row: &RowRecord, rows: &[Own<'_>], seed: u64) -> SummaryRow {
             }
         }
     }
-    let mean = |groups: &[Vec<f64>]| {
-        let groups: Vec<&[f64]> = groups.iter().map(Vec::as_slice).collect();
-        if groups.is_empty() { None } else { geometric_mean_of_medians(&groups, seed) }
+    let mean = |groups: &[Series]| {
+        let groups: Vec<&Series> = groups.iter().collect();
+        if groups.is_empty() { None } else { geometric_mean_of(&groups, seed) }
     };
     let count = |v: Verdict| verdicts.iter().filter(|x| **x == v).count() as u64;
     let (wrong, shipped) = (count(Verdict::Wrong), count(Verdict::WrongAsShipped));

@@ -11,7 +11,7 @@ use crate::plan::measured_row::{Built, MeasuredRow};
 use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
-use crate::rounds::interleaved::{Visit, interleaved};
+use crate::rounds::interleaved::{Visit, interleaved_from};
 use crate::rounds::row_log::RowLog;
 use crate::rounds::schedule::round_order;
 use crate::rounds::scope::Scope;
@@ -72,13 +72,14 @@ pub fn measure<S: Buildable>(
     // the reference's seconds on each sample of rays, by round
     let mut of_reference: Vec<BTreeMap<usize, Seconds>> = Vec::new();
     let (seed, scene) = (plan.seed, &scope.stage.scene.name);
-    let goes_on = |round| round < at_least || goes_on(scope, round, deadline);
-    interleaved(rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
+    let first = plan.process.first_round;
+    let goes_on = |round| round - first < at_least || goes_on(scope, round - first, deadline);
+    interleaved_from(first, rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
         of_reference.resize_with(round + 1, BTreeMap::new);
         let row = rows[row];
         let Some(stride) = strides[row].filter(|_| timed[row].panicked.is_none()) else { return };
         let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == baseline };
-        if round == 0 {
+        if round == first {
             log.row_begins(&asked.row.label());
         } else {
             log.rows_passed();
@@ -96,6 +97,7 @@ pub fn measure<S: Buildable>(
         out.stride = stride;
         out.mismatches = out.mismatches.max(seen.mismatches);
         out.samples.push(Sample {
+            process: plan.process.number,
             round: round as u32,
             position: position as u32,
             build_s: seen.build_s,

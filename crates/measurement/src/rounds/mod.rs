@@ -2,6 +2,7 @@
 
 pub mod error;
 pub mod interleaved;
+pub mod joined;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
 pub mod row_log;

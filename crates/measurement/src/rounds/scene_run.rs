@@ -16,10 +16,8 @@ use crate::plan::Plan;
 use crate::plan::measured_row::MeasuredRow;
 use crate::rays::batches::BatchSet;
 use crate::record::query::Query;
-use crate::record::ratios::{
-    builds_by_round, kind_ratios, ratios_of_builds, seconds_of, trace_ratios,
-};
-use crate::record::{Answered, Outliers, RowRecord, Sample, SceneRecord, Verdict};
+use crate::record::ratios::{builds_by_round, seconds_of};
+use crate::record::{Answered, Outliers, RowRecord, SceneRecord, Verdict};
 use crate::rounds::error::MeasureError;
 use crate::rounds::measure::{Timed, measure};
 use crate::rounds::row_log::RowLog;
@@ -32,7 +30,6 @@ use crate::system::panics::{Panicked, caught};
 use crate::system::pools::Pools;
 use crate::system::progress::Progress;
 use crate::system::world::World;
-use statistics::estimate::{estimate, median};
 
 /// What a scene is measured with.
 pub struct Equipment<'a> {
@@ -118,7 +115,7 @@ pub fn run_scene<S: Buildable>(
         .zip(refused)
         .zip(timed)
         .map(|(((row, checked), refused), timed)| RowParts { row, checked, refused, timed })
-        .map(|parts| parts.record(&all, plan.seed))
+        .map(|parts| parts.record(&all))
         .collect();
     if let Some(reference) = rows.get_mut(baseline) {
         reference.is_reference = true;
@@ -186,7 +183,7 @@ struct RowParts<'a, 'r> {
 }
 
 impl RowParts<'_, '_> {
-    fn record<S: Buildable>(self, all: &BatchSet<'_, S>, seed: u64) -> RowRecord {
+    fn record<S: Buildable>(self, all: &BatchSet<'_, S>) -> RowRecord {
         let Self { row, checked, refused, timed } = self;
         // one that panics once is not trusted any more
         let refused = timed.panicked.map(Refused::Panic).or(refused);
@@ -219,16 +216,6 @@ impl RowParts<'_, '_> {
                 .map(|(k, n)| (k, n.div_ceil(stride as u64)))
                 .collect()
         };
-        let of = |f: fn(&Sample) -> f64| {
-            let values: Vec<f64> = samples.iter().map(f).collect();
-            estimate(&values, seed)
-        };
-        let rate = |(kind, rays): (&String, &u64)| {
-            let seconds: Vec<f64> =
-                samples.iter().filter_map(|s| s.trace_s.get(kind).copied()).collect();
-            let seconds = median(&seconds).filter(|s| *s > 0.0)?;
-            Some((kind.clone(), *rays as f64 / seconds / 1e6))
-        };
         RowRecord {
             shape: checked.as_ref().map(|c| c.shape.clone()),
             work: checked.as_ref().map(|c| c.work.clone()),
@@ -238,14 +225,9 @@ impl RowParts<'_, '_> {
             example: checked.as_ref().and_then(|c| c.example.clone()),
             stride: stride as u64,
             rays: rays_by_kind.values().sum(),
-            build_s: of(|s| s.build_s),
-            // an occluder in a scene without shadow rays has nothing to trace
-            trace_s: of(Sample::total_trace_s).filter(|_| !rays_by_kind.is_empty()),
-            mrays: rays_by_kind.iter().filter_map(rate).collect(),
             rays_by_kind,
             query: checked.as_ref().map(|c| c.query).unwrap_or_default(),
             render_s: timed.render_s.filter(|_| verdict.is_timed()),
-            outliers: Outliers::of(&samples),
             samples,
             ..unmeasured(row, verdict, error)
         }
@@ -280,6 +262,7 @@ pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>
         query: Query::default(),
         ratio: None,
         ratio_by_kind: BTreeMap::new(),
+        levels: None,
         build_ratio: None,
         render_s: None,
         samples: Vec::new(),
@@ -301,11 +284,6 @@ fn compare_with_baseline(rows: &mut [RowRecord], baseline: usize, seed: u64) {
             sample.reference_build_s = seconds_of(sample.round, &baseline);
             sample.reference_by_kind.retain(|_, _| is_timed);
         }
-        let kinds = row.rays_by_kind.keys();
-        let ratios =
-            kinds.filter_map(|kind| Some((kind.clone(), estimate(&kind_ratios(row, kind), seed)?)));
-        row.ratio_by_kind = ratios.collect();
-        row.ratio = estimate(&trace_ratios(row), seed);
-        row.build_ratio = estimate(&ratios_of_builds(row, &[]), seed);
+        row.figure(seed);
     }
 }

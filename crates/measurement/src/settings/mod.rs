@@ -131,6 +131,8 @@ pub struct RunSettings {
     pub shard: Option<Shard>,
     /// Tables of each kind of ray are wanted, too.
     pub by_kind: bool,
+    /// Processes in which each scene is built and timed; 0 is 1.
+    pub processes: u32,
 }
 
 #[cfg(test)]

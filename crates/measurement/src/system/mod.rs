@@ -12,6 +12,7 @@ pub mod memory_limit;
 pub mod panics;
 pub mod pools;
 pub mod pressure;
+pub mod program_copy;
 pub mod progress;
 pub mod world;
 pub mod write_error;

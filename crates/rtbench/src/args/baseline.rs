@@ -59,7 +59,7 @@ pub struct SaveArgs {
     pub name: String,
     /// Take the results of an earlier run: its folder, or its results.json
     #[arg(long, value_name = "DIR|FILE", conflicts_with_all = ["scenes", "structures",
-          "overrides", "rays", "rounds", "time_budget", "quick", "seed", "reference", "size"])]
+          "overrides", "rays", "rounds", "processes", "time_budget", "quick", "seed", "reference", "size"])]
     pub from: Option<PathBuf>,
     /// Count instructions under valgrind, too, so that `check` finds what is 1% slower
     #[arg(long)]

@@ -1,5 +1,6 @@
 //! `rtbench check`, and what commands start as processes of their own.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -21,13 +22,24 @@ pub struct CheckArgs {
     /// What to check against: the name of a baseline, a results.json, or the folder of `run -o`
     #[arg(short, long, value_name = "FILE|NAME", required_unless_present = "against")]
     pub baseline: Option<String>,
-    /// An older binary of this program, measured in turns with this one
+    /// An older binary of this program, measured in turns with this one; with ARGS, any program that
+    /// prints times
     #[arg(long, value_name = "BINARY")]
     pub against: Option<PathBuf>,
+    /// The newer program, where it is not this one: what it and BINARY print when called with ARGS is
+    /// compared
+    #[arg(long, value_name = "BINARY", requires = "against", requires = "arguments")]
+    pub new: Option<PathBuf>,
+    /// Arguments for both programs, which print rtbench's JSON or lines that end in a time, like
+    /// `name: 12.5 ms`
+    #[arg(last = true, value_name = "ARGS", requires = "against",
+          conflicts_with_all = ["baseline", "scenes", "structures", "instructions", "rays", "quick",
+          "threads", "reference", "precision", "size"])]
+    pub arguments: Vec<OsString>,
     /// Rows, of those that the baseline has: a structure, or a label [default: all]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Rounds; with --against, pairs of processes [default: 15, or those of the baseline if more]
+    /// Rounds; with --against, turns of a process of each [default: 15, or those of the baseline if more]
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
@@ -72,7 +84,7 @@ pub struct ThresholdArgs {
     /// More instructions than that are a regression, percent [default: 1]
     #[arg(long, value_name = "PCT", value_parser = percent)]
     pub instruction_threshold: Option<f64>,
-    /// A time longer by more than that is one, where that is certain, percent [default: 10]
+    /// A time longer by more than that is one, where that is certain, percent [default: 5]
     #[arg(short = 't', long, value_name = "PCT", value_parser = percent)]
     pub time_threshold: Option<f64>,
     /// Probability of one false alarm in all times of a check [default: 0.05]
@@ -170,6 +182,12 @@ pub enum ChildAction {
         /// Check few answers: an earlier child checked them all
         #[arg(long)]
         lightly: bool,
+        /// Its number among the processes of a run.
+        #[arg(long, default_value_t = 0)]
+        process: u32,
+        /// Its first round: those of all processes are counted through.
+        #[arg(long, default_value_t = 0)]
+        first_round: u32,
     },
     /// Build and ask each row once, for a counter of instructions
     CountInstructions,
@@ -200,7 +218,7 @@ mod tests {
     fn what_is_typed_comes_before_what_is_configured() {
         let args = ThresholdArgs { instruction_threshold: Some(0.02), ..ThresholdArgs::default() };
         let thresholds = args.over(Thresholds::default());
-        assert_eq!((thresholds.instructions, thresholds.time), (0.02, 0.1));
+        assert_eq!((thresholds.instructions, thresholds.time), (0.02, 0.05));
     }
 
     #[test]

@@ -32,6 +32,11 @@ pub struct RunArgs {
     /// Measure one part of the table only: 2/8 is the second of eight; `rtbench merge` joins them
     #[arg(long, value_name = "I/N", value_parser = measurement::settings::shard::Shard::parse)]
     pub shard: Option<measurement::settings::shard::Shard>,
+    /// Build and time each scene in that many processes, and take intervals over both levels; every
+    /// second process runs a copy of the program's file
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub processes: u32,
     /// Also print ratios of each kind of ray, and the time to a picture of a million primary rays
     #[arg(long)]
     pub by_kind: bool,
@@ -45,7 +50,7 @@ pub struct RunArgs {
     /// and other files than those in DIR are written where this command line says so
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
           "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
-          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "max_memory", "output"])]
+          "size", "shard", "order", "lights", "by_kind", "processes", "pass_limit", "as_set", "max_memory", "output"])]
     pub resume: Option<PathBuf>,
 }
 
@@ -62,6 +67,7 @@ impl RunArgs {
             },
             shard: self.shard,
             by_kind: self.by_kind,
+            processes: self.processes,
         }
     }
 }

@@ -86,7 +86,9 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     if run.measuring.time_budget.is_none() {
         run.measuring.rounds.get_or_insert(ROUNDS);
     }
-    let plan = Plan::of_run(&run.settings(), context.registry, context.occluders, context.scenes)?;
+    let mut plan =
+        Plan::of_run(&run.settings(), context.registry, context.occluders, context.scenes)?;
+    plan.has_copy = true;
     run_outputs::refuse_occupied(context, &run.exports, None)?;
     let mut outputs = run_outputs::of_run(&run.exports)?;
     let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
@@ -94,6 +96,9 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
         warn_of(context, scene);
         Ok(())
     })?;
+    if let Some(floor) = &measured.record.floor {
+        context.say(floor.in_words());
+    }
     let code = exit_code(&measured);
     let cpu_pressure = watch.share();
     Ok((Baseline { record: measured.record, instructions: None, cpu_pressure }, code))

@@ -11,7 +11,9 @@ use crate::commands::measuring::{measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::{Outputs, write_file};
-use crate::gate::against::{Contest, PairedRow, own_program};
+use crate::gate::against::{Contest, own_program};
+use crate::gate::command::Commands;
+use crate::gate::contest::{self, Pace, PairedTimes};
 use crate::gate::report::{GLOSSARY, Report};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{
@@ -26,6 +28,7 @@ use measurement::system::created::create;
 use measurement::system::files::WriteError;
 use measurement::system::interrupt::undisturbed;
 use measurement::system::pressure::Watch;
+use measurement::system::program_copy::ProgramCopy;
 use measurement::system::progress::Progress;
 use presentation::json;
 use presentation::outside::line;
@@ -59,6 +62,7 @@ pub fn run(
     }
     let check = Check { args, thresholds, wants_counts };
     let report = match (&args.against, baseline) {
+        (Some(old), _) if !args.arguments.is_empty() => check.commands(context, old)?,
         (Some(old), baseline) => check.against_binary(context, old, baseline.as_ref())?,
         (None, Some(baseline)) => check.against_baseline(context, &baseline)?,
         (None, None) => return Err(GateError::from(LikeError::Empty).into()),
@@ -106,7 +110,7 @@ struct Found<'a> {
     against: String,
     findings: Vec<Finding>,
     failures: usize,
-    pairs: Vec<PairedRow>,
+    pairs: Vec<PairedTimes>,
 }
 
 impl Check<'_> {
@@ -125,6 +129,7 @@ impl Check<'_> {
         };
         let mut plan = like::plan(&base, &wanted, context)?;
         plan.limits.render_pass = 0.0;
+        plan.has_copy = true;
         let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
         let (now, failures) = measured(context, &plan)?;
         let cpu_pressure = [watch.share(), baseline.cpu_pressure].into_iter().flatten();
@@ -144,6 +149,7 @@ impl Check<'_> {
         let first = Evidence { thresholds, base: &base, now: &now, instructions, times };
         let findings = confirmed(context, &first, |context, suspects| {
             plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
+            plan.has_copy = false;
             let (again, _) = measured(context, &plan)?;
             Ok((wall_clock::RUNG.judge)(&Evidence { now: &again, ..first }))
         })?;
@@ -177,9 +183,10 @@ impl Check<'_> {
         }
         let program = context.environment.program.clone();
         let new = own_program(program.as_ref()).map_err(GateError::from)?;
-        let (rounds, time_budget) = (args.rounds, args.time_budget);
+        let copied = copied(context, new)?;
+        let (copy, pace) = (copied.path(), self.pace(now.settings.seed));
         let (like, allow_outside) = (now.clone(), context.scenes.allows_outside());
-        let mut contest = Contest { old, new, like, rounds, time_budget, allow_outside };
+        let mut contest = Contest { old, new, copy, like, pace, allow_outside };
         context.say(format_args!("asking {}", old.display()));
         let base = contest.record_of_old().map_err(GateError::from)?;
         refuse(&base, &now)?;
@@ -195,18 +202,65 @@ impl Check<'_> {
             Some((base, now)) => Instructions::Counted { base: &base.rows, now: &now.rows },
             None => Instructions::NotAsked,
         };
-        let pairs = raced(context, &contest)?;
+        let pairs = raced(context, &pace, |progress| {
+            contest.times(context.clock, progress).map_err(GateError::from)
+        })?;
         let thresholds = &self.thresholds;
         let times = Times::Paired(&pairs);
         let first = Evidence { thresholds, base: &base, now: &now, instructions, times };
         let findings = confirmed(context, &first, |context, suspects| {
             contest.like.scenes.retain(|s| suspects.contains(&s.name));
-            let times = raced(context, &contest)?;
+            let times = raced(context, &pace, |progress| {
+                contest.times(context.clock, progress).map_err(GateError::from)
+            })?;
             Ok((wall_clock::RUNG.judge)(&Evidence { times: Times::Paired(&times), ..first }))
         })?;
         let against = format!("binary {}", old.display());
         Ok(self
             .report(context, Found { base: &base, now: &now, against, findings, failures, pairs }))
+    }
+
+    /// Two programs that print times; nothing is asked of them but these.
+    fn commands(&self, context: &mut Context<'_>, old: &Path) -> Result<Report, Error> {
+        let args = self.args;
+        let program = args.new.as_ref().or(context.environment.program.as_ref()).cloned();
+        let new = own_program(program.as_ref()).map_err(GateError::from)?;
+        let copied = copied(context, new)?;
+        let seed = args.measuring.seed.unwrap_or(1);
+        let pace = self.pace(seed);
+        let commands = Commands { old, new, copy: copied.path(), arguments: &args.arguments, pace };
+        let raced = |context: &Context<'_>| {
+            raced(context, &pace, |progress| {
+                commands.times(context.clock, progress).map_err(GateError::from)
+            })
+        };
+        let pairs = raced(context)?;
+        let judged = |pairs: &[PairedTimes]| wall_clock::judge_times(pairs, &self.thresholds, seed);
+        let mut findings = judged(&pairs);
+        if findings.iter().any(wall_clock::is_suspect) {
+            context.say("measuring again");
+            wall_clock::confirm(&mut findings, &judged(&raced(context)?));
+        }
+        Ok(Report {
+            tool: context.world.tool(),
+            command_line: context.command_line.clone(),
+            against: format!("program {}", old.display()),
+            baseline_tool: None,
+            baseline_machine: context.world.machine(),
+            machine: context.world.machine(),
+            thresholds: self.thresholds,
+            outcome: Report::worst(&findings),
+            remarks: Vec::new(),
+            findings,
+            times: "seconds".to_owned(),
+            failures: 0,
+            floor: contest::floor(&pairs),
+            pairs,
+        })
+    }
+
+    fn pace(&self, seed: u64) -> Pace {
+        Pace { rounds: self.args.rounds, time_budget: self.args.time_budget, seed }
     }
 
     fn narrowed(&self) -> Narrowed<'_> {
@@ -238,7 +292,7 @@ impl Check<'_> {
             tool: now.tool.clone(),
             command_line: context.command_line.clone(),
             against,
-            baseline_tool: base.tool.clone(),
+            baseline_tool: Some(base.tool.clone()),
             baseline_machine: base.machine.clone(),
             machine: now.machine.clone(),
             thresholds: self.thresholds,
@@ -247,9 +301,19 @@ impl Check<'_> {
             findings,
             times,
             failures,
+            floor: match pairs.is_empty() {
+                true => now.floor.clone(),
+                false => contest::floor(&pairs),
+            },
             pairs,
         }
     }
+}
+
+/// A copy of the program's file.
+fn copied(context: &Context<'_>, program: &Path) -> Result<ProgramCopy, Error> {
+    let temporary = context.environment.temporary.clone().unwrap_or_else(std::env::temp_dir);
+    Ok(ProgramCopy::of(program, &temporary)?)
 }
 
 /// Measures a plan; what goes wrong in a scene is said.
@@ -261,11 +325,15 @@ fn measured(context: &mut Context<'_>, plan: &Plan<'_>) -> Result<(RunRecord, us
     Ok((measured.record, measured.failures))
 }
 
-/// The pairs of a contest, with a bar.
-fn raced(context: &Context<'_>, contest: &Contest<'_>) -> Result<Vec<PairedRow>, Error> {
-    let steps = u64::from(contest.expected());
-    let progress = Progress::new(context.shows_progress(), steps, contest.time_budget);
-    let pairs = contest.pairs(context.clock, &progress).map_err(GateError::from);
+/// The times of all turns, with a bar.
+fn raced(
+    context: &Context<'_>,
+    pace: &Pace,
+    times: impl FnOnce(&Progress) -> Result<Vec<PairedTimes>, GateError>,
+) -> Result<Vec<PairedTimes>, Error> {
+    let steps = u64::from(pace.expected());
+    let progress = Progress::new(context.shows_progress(), steps, pace.time_budget);
+    let pairs = times(&progress);
     progress.finish();
     Ok(pairs?)
 }

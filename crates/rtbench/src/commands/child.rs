@@ -14,6 +14,7 @@ use crate::exports::outputs::Outputs;
 use crate::like::{self, Narrowed};
 use measurement::callgrind::caches::ask_all;
 use measurement::callgrind::counted::count_all;
+use measurement::plan::OneProcess;
 use measurement::plan::strides::FixedStrides;
 use measurement::record::RunRecord;
 use presentation::format_error::FormatError;
@@ -34,12 +35,14 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     };
     let (answer, failures) = match &args.action {
         ChildAction::Build(build) => return trial_build::run(context, build).map(|()| SUCCESS),
-        ChildAction::Measure { rounds, lightly } => {
+        ChildAction::Measure { rounds, lightly, process, first_round } => {
             let record = record()?;
             let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };
             let mut plan = like::plan(&record, &wanted, context)?;
             // whole images are not compared
             plan.limits.render_pass = 0.0;
+            plan.processes = 1;
+            plan.process = OneProcess { number: *process, first_round: *first_round as usize };
             if *lightly {
                 plan.limits.oracle_tests = 0;
                 plan.strides = FixedStrides::of(&record, LIGHTLY);

@@ -8,12 +8,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
+use crate::commands::processes::Processes;
 use crate::commands::row_deaths::{RowJournal, refuse_deadly, skip_deadly};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
 use crate::exports::elsewhere;
 use crate::exports::outputs::Outputs;
+use crate::gate::GateError;
+use crate::gate::against::AgainstError;
 use measurement::journal::Journal;
 use measurement::journal::lines::{Deaths, Line};
 use measurement::plan::{Plan, Rounds};
@@ -108,6 +111,7 @@ pub fn measure_rest(
     mut show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
 ) -> Result<Measured, Error> {
     outputs.write(&record, false)?;
+    let mut processes = Processes::of(context, plan)?;
     let pools = Pools::new(plan.threads)?;
     let unfinished = (0..plan.scenes.len()).filter(|i| !kept.finished.contains_key(i));
     let progress = progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum());
@@ -148,7 +152,23 @@ pub fn measure_rest(
             }
         };
         let scene = match measured {
-            Ok(scene) => scene,
+            Ok(mut scene) => {
+                let others = processes.as_mut().filter(|_| is_new);
+                let joined = others.map_or(Ok(()), |processes| {
+                    let own = plan.of_scene(i);
+                    processes.measure(own.as_ref().unwrap_or(plan), &record, &mut scene, &progress)
+                });
+                if let Err(error) = joined {
+                    // a floor that is missing costs nothing but itself
+                    failures += usize::from(plan.processes > 1);
+                    let error = GateError::from(AgainstError::New(error));
+                    progress.suspend(|| match plan.processes {
+                        1 => context.warn(&error),
+                        _ => context.error(&Error::from(error)),
+                    });
+                }
+                scene
+            }
             Err(error) => {
                 // One bad scene does not cost the others.
                 failures += 1;
@@ -189,6 +209,7 @@ pub fn measure_rest(
         sum_up(&mut record);
     }
     record.complete = true;
+    record.floor = processes.and_then(|processes| processes.floor(&record.scenes));
     record.load[1] = context.world.load();
     record.warnings = warnings::of(&record);
     let kept_well =
@@ -326,6 +347,7 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
                 ShadowRays::FirstLight => Lights::First.name().into(),
             },
             by_kind: plan.by_kind,
+            processes: plan.processes,
         },
         scenes: Vec::new(),
         summary: Vec::new(),
@@ -336,6 +358,7 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         warnings: Vec::new(),
         shard: plan.part.as_ref().map(|part| part.record.clone()),
         parts: Vec::new(),
+        floor: None,
         scale: None,
     }
 }
@@ -346,7 +369,7 @@ fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
         Rounds::Fixed(n) => n,
         Rounds::Budget { at_least, .. } => at_least,
     };
-    (plan.rows_in(scene) * (rounds + 2)) as u64
+    (plan.rows_in(scene) * (rounds * plan.processes as usize + 2)) as u64
 }
 
 fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
@@ -360,6 +383,8 @@ fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
 /// The time budget of a run, if it has one.
 struct Budget {
     total: Option<Duration>,
+    /// That share it.
+    processes: u32,
     /// When this part of the run began.
     start: Duration,
     /// What earlier parts of the run had: their scenes' shares.
@@ -375,14 +400,14 @@ impl Budget {
             }
             Rounds::Fixed(_) => (None, Duration::ZERO),
         };
-        Self { total, start: now, before }
+        Self { total, processes: plan.processes.max(1), start: now, before }
     }
 
     /// When the rounds of the next scene end: what is left of the budget, shared by the scenes left.
     fn deadline(&self, now: Duration, left: usize) -> Option<Duration> {
         let spent = now.saturating_sub(self.start) + self.before;
-        let share =
-            self.total?.saturating_sub(spent) / u32::try_from(left.max(1)).unwrap_or(u32::MAX);
+        let left = u32::try_from(left.max(1)).unwrap_or(u32::MAX);
+        let share = self.total?.saturating_sub(spent) / left.saturating_mul(self.processes);
         Some(now + share)
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::args::{Color, MergeArgs};
 use crate::commands::measuring::{Measured, exit_code, warn_of};
-use crate::commands::run_outputs;
+use crate::commands::{merge_machines, run_outputs};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::record::file;
@@ -16,6 +16,9 @@ use studies::run::text;
 /// # Errors
 /// [`Error`] for parts that cannot be read or joined, and for outputs.
 pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
+    if args.machines {
+        return merge_machines::run(context, args, color);
+    }
     let mut parts = Vec::with_capacity(args.parts.len());
     for path in &args.parts {
         parts.push(Part { record: file::read(path)?, path: path.clone() });

@@ -4,9 +4,8 @@ use serde::Serialize;
 
 use measurement::record::metrics::Metric;
 use measurement::record::{RowRecord, SceneRecord, label};
-use statistics::estimate::{Estimate, median};
-use statistics::mann_whitney::p_value;
-use statistics::ratio_of_medians::ratio_of_medians;
+use statistics::estimate::Estimate;
+use statistics::series::{p_value, ratio_of};
 
 /// Probability of chance from which a difference is not called one.
 const SIGNIFICANT: f64 = 0.05;
@@ -92,7 +91,7 @@ pub struct Entry {
     pub new: f64,
     /// After over before; of exact metrics without width, none where the old one is 0.
     pub ratio: Option<Estimate>,
-    /// Mann and Whitney's probability of samples this unlike by chance; none of exact metrics.
+    /// The probability of samples this unlike by chance, see [`p_value`]; none of exact metrics.
     pub p: Option<f64>,
     /// What comes of it.
     pub outcome: Outcome,
@@ -107,11 +106,11 @@ impl Entry {
     ) -> Option<Self> {
         let before = metric.values(old_scene, old_row);
         let after = metric.values(new_scene, new_row);
-        let (old, new) = (median(&before)?, median(&after)?);
+        let (old, new) = (before.middle()?, after.middle()?);
         let (ratio, p, outcome) = if metric.is_exact() {
             (exact_ratio(old, new), None, Outcome::of_exact(old, new))
         } else {
-            let ratio = ratio_of_medians(&after, &before);
+            let ratio = ratio_of(&after, &before);
             let p = p_value(&before, &after);
             (ratio, p, Outcome::of_measured(ratio, p))
         };

@@ -8,7 +8,7 @@ use crate::comparison::entry::{Outcome, exact_ratio, exceeds};
 use measurement::record::RowRecord;
 use measurement::record::metrics::Metric;
 use statistics::estimate::{Estimate, geometric_mean};
-use statistics::ratio_of_medians::geometric_mean_of_ratios;
+use statistics::series::{Series, geometric_mean_of_ratios_of};
 
 /// A metric of a row over all scenes: the geometric mean of the ratios.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,13 +65,14 @@ fn mean<'p, 'r: 'p>(
     row: &RowRecord,
     pairs: impl Iterator<Item = &'p Pair<'r>>,
 ) -> Option<Mean> {
-    let values: Vec<[Vec<f64>; 2]> = pairs
+    let values: Vec<[Series; 2]> = pairs
         .map(|(scenes, rows)| [0, 1].map(|i| metric.values(scenes[i], rows[i])))
         .filter(|sides| sides.iter().all(|values| !values.is_empty()))
         .collect();
     let scenes = values.len() as u64;
     let (ratio, outcome) = if metric.is_exact() {
-        let all = values.iter().map(|[old, new]| Some((*old.first()?, *new.first()?)));
+        let first = |side: &Series| side.values().first().copied();
+        let all = values.iter().map(|[old, new]| Some((first(old)?, first(new)?)));
         let all: Vec<(f64, f64)> = all.collect::<Option<_>>()?;
         let ratios = all.iter().map(|&(old, new)| Some(exact_ratio(old, new)?.median));
         let ratios: Option<Vec<f64>> = ratios.collect();
@@ -84,9 +85,8 @@ fn mean<'p, 'r: 'p>(
         };
         (mean.and_then(|mean| exact_ratio(1.0, mean)), outcome)
     } else {
-        let groups: Vec<(&[f64], &[f64])> =
-            values.iter().map(|[old, new]| (&new[..], &old[..])).collect();
-        let ratio = geometric_mean_of_ratios(&groups);
+        let groups: Vec<(&Series, &Series)> = values.iter().map(|[old, new]| (new, old)).collect();
+        let ratio = geometric_mean_of_ratios_of(&groups);
         (ratio, Outcome::of_measured(ratio, None))
     };
     let (structure, settings) = (row.structure.clone(), row.settings.clone());

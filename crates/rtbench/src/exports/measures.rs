@@ -5,8 +5,8 @@
 //! reference are left out, too: they would be another series under the same name.
 
 use measurement::record::metrics::{METRICS, Reading};
+use measurement::record::ratios::series;
 use measurement::record::{RowRecord, RunRecord, reference};
-use statistics::estimate::estimate;
 
 /// A number of a row of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,8 +33,8 @@ pub fn costs(run: &RunRecord) -> Vec<Measure> {
             let of_all = METRICS.iter().filter(|m| !matches!(m.reading, Reading::RatioOf(_)));
             let of_all = of_all.filter(|m| has_ratios || !m.is_to_reference());
             for metric in of_all {
-                let values = metric.values(scene, row);
-                let Some(found) = estimate(&values, run.settings.seed) else { continue };
+                let found = metric.values(scene, row).estimate(run.settings.seed);
+                let Some(found) = found else { continue };
                 let is_exact = metric.is_exact();
                 measures.push(Measure {
                     row: name_of(&scene.name, row),
@@ -59,8 +59,8 @@ pub fn rates(run: &RunRecord) -> Vec<Measure> {
     for scene in &run.scenes {
         for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
             for (kind, &rays) in &row.rays_by_kind {
-                let seconds = row.samples.iter().filter_map(|s| s.trace_s.get(kind).copied());
-                let found = estimate(&seconds.collect::<Vec<_>>(), run.settings.seed);
+                let seconds = series(row, |s| s.trace_s.get(kind).copied());
+                let found = seconds.estimate(run.settings.seed);
                 let Some(found) = found.filter(|seconds| seconds.low > 0.0) else { continue };
                 let rate = |seconds: f64| rays as f64 / seconds / 1e6;
                 measures.push(Measure {

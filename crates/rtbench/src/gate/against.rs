@@ -1,25 +1,15 @@
-//! Two binaries measured in turns: pairs of processes, old and new in seeded random order.
-//!
-//! What drifts while the job runs then falls on both, and where code and memory happen to lie is
-//! drawn anew in each process instead of once for all rounds.
+//! Two binaries of rtbench, and a copy of the newer, as contenders: the same rows and rays for each.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Duration;
 
-use serde::Serialize;
-
+use crate::gate::contest::{Contender, Key, Pace, PairedTimes, Timed};
 use measurement::answers::check::stride_for;
 use measurement::record::{RowRecord, RunRecord};
 use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
 use measurement::system::clock::Clock;
 use measurement::system::progress::Progress;
 use statistics::estimate::median;
-use statistics::random::Random;
-
-/// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can
-/// be significant among thousands of rows; that of the 5 of `run` cannot even be among ten.
-pub const ROUNDS: u32 = 15;
 
 /// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The median
 /// of their times counts, of each kind of rays by itself.
@@ -30,8 +20,6 @@ const VISIT_SECONDS: f64 = 0.5;
 /// a thread is interrupted every few milliseconds: most visits that are shorter are spared, and the
 /// median is of those.
 const PASS_SECONDS: f64 = 0.001;
-/// Pairs within a time budget, at the least: fewer could not be significant.
-const FEWEST: u32 = 9;
 
 /// Why two binaries could not be compared.
 #[derive(Debug, thiserror::Error)]
@@ -47,34 +35,19 @@ pub enum AgainstError {
     NoProgram,
 }
 
-/// Times of a row, old and new of each pair, seconds.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PairedRow {
-    /// Scene.
-    pub scene: String,
-    /// Structure.
-    pub structure: String,
-    /// What differs from its defaults.
-    pub settings: String,
-    /// Build.
-    pub build: Vec<[f64; 2]>,
-    /// Trace.
-    pub trace: Vec<[f64; 2]>,
-}
-
-/// Two binaries and what they measure.
+/// The binaries and what they measure.
 #[derive(Debug)]
 pub struct Contest<'a> {
     /// The older.
     pub old: &'a Path,
     /// The newer: this one.
     pub new: &'a Path,
+    /// A copy of this one.
+    pub copy: &'a Path,
     /// The record that says what to measure, with one round at least.
     pub like: RunRecord,
-    /// Pairs; none asks for the default.
-    pub rounds: Option<u32>,
-    /// Time for all pairs.
-    pub time_budget: Option<Duration>,
+    /// How many turns.
+    pub pace: Pace,
     /// Sources of scene files may lie outside their folders.
     pub allow_outside: bool,
 }
@@ -88,50 +61,26 @@ impl Contest<'_> {
         self.measured(self.old, &self.like, 1, false).map_err(AgainstError::Old)
     }
 
-    /// Pairs of processes, until there are as many as asked for.
+    /// Build and trace times of all rows that all have.
     ///
     /// # Errors
     /// [`AgainstError`].
-    pub fn pairs(
+    pub fn times(
         &self,
         clock: &dyn Clock,
         progress: &Progress,
-    ) -> Result<Vec<PairedRow>, AgainstError> {
-        let mut rows: Vec<PairedRow> = Vec::new();
+    ) -> Result<Vec<PairedTimes>, AgainstError> {
         let like = thinned(&self.like);
         let visits = visits(&like);
-        let start = clock.now();
-        let mut round = 0;
-        while self.goes_on(round, clock.now().saturating_sub(start)) {
-            progress.message(format!("pair {}", round + 1));
-            let purpose = format!("pairs/{round}");
-            let old_first = Random::new(self.like.settings.seed, &purpose).below(2) == 0;
-            let old = || self.measured(self.old, &like, visits, true).map_err(AgainstError::Old);
-            let new = || self.measured(self.new, &like, visits, true).map_err(AgainstError::New);
-            let (old, new) = if old_first {
-                let old = old()?;
-                (old, new()?)
-            } else {
-                let new = new()?;
-                (old()?, new)
+        self.pace.take_turns(clock, progress, |contender| {
+            let asked = |program| self.measured(program, &like, visits, true);
+            let record = match contender {
+                Contender::Old => asked(self.old).map_err(AgainstError::Old),
+                Contender::New => asked(self.new).map_err(AgainstError::New),
+                Contender::Copy => asked(self.copy).map_err(AgainstError::New),
             };
-            add(&mut rows, &old, &new);
-            round += 1;
-            progress.step(clock.now());
-        }
-        Ok(rows)
-    }
-
-    /// Pairs that will be made, as far as is known.
-    pub fn expected(&self) -> u32 {
-        self.rounds.unwrap_or(ROUNDS)
-    }
-
-    fn goes_on(&self, round: u32, elapsed: Duration) -> bool {
-        match self.time_budget {
-            Some(budget) => round < FEWEST || elapsed < budget,
-            None => round < self.expected(),
-        }
+            record.map(|record| times_of(&record))
+        })
     }
 
     fn measured(
@@ -177,36 +126,18 @@ fn visits(like: &RunRecord) -> u32 {
     (visits as u32).max(VISITS.0)
 }
 
-/// Adds the pair of times of each row that both have.
-fn add(rows: &mut Vec<PairedRow>, old: &RunRecord, new: &RunRecord) {
-    for (scene, row) in new.scenes.iter().flat_map(|s| s.rows.iter().map(move |r| (s, r))) {
-        let of_old = old.scenes.iter().find(|s| s.name == scene.name);
-        let of_old = of_old.and_then(|s| s.rows.iter().find(|r| r.is_same(row)));
-        let Some(pair) = of_old.and_then(|old| pair(old, row)) else { continue };
-        let at = rows.iter().position(|p| {
-            let same = p.structure == row.structure && p.settings == row.settings;
-            p.scene == scene.name && same
-        });
-        let (build, trace) = pair;
-        match at.and_then(|i| rows.get_mut(i)) {
-            Some(known) => {
-                known.build.push(build);
-                known.trace.push(trace);
-            }
-            None => rows.push(PairedRow {
-                scene: scene.name.clone(),
-                structure: row.structure.clone(),
-                settings: row.settings.clone(),
-                build: vec![build],
-                trace: vec![trace],
-            }),
-        }
-    }
-}
-
-/// The median times of the row on both sides: build, trace.
-fn pair(old: &RowRecord, new: &RowRecord) -> Option<([f64; 2], [f64; 2])> {
-    Some(([build(old)?, build(new)?], [trace(old)?, trace(new)?]))
+/// The median build and trace times of all rows of a record.
+pub fn times_of(record: &RunRecord) -> Vec<Timed> {
+    let rows = record.scenes.iter().flat_map(|s| s.rows.iter().map(move |r| (s, r)));
+    let times = rows.flat_map(|(scene, row)| {
+        [("build", build(row)), ("trace", trace(row))].into_iter().filter_map(
+            move |(quantity, s)| {
+                let key = Key { scene: scene.name.clone(), row: row.label(), quantity };
+                Some(Timed { key, seconds: s? })
+            },
+        )
+    });
+    times.collect()
 }
 
 fn build(row: &RowRecord) -> Option<f64> {

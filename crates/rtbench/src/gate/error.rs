@@ -2,6 +2,7 @@
 
 use crate::baselines::BaselineError;
 use crate::gate::against::AgainstError;
+use crate::gate::command::CommandError;
 use crate::gate::thresholds::ThresholdError;
 use crate::like::LikeError;
 use measurement::callgrind::CallgrindError;
@@ -22,6 +23,9 @@ pub enum GateError {
     /// The other binary.
     #[error(transparent)]
     Against(#[from] AgainstError),
+    /// A program that is no rtbench.
+    #[error(transparent)]
+    Command(#[from] CommandError),
     /// The thresholds.
     #[error(transparent)]
     Threshold(#[from] ThresholdError),

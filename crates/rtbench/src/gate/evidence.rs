@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use crate::gate::against::PairedRow;
+use crate::gate::contest::PairedTimes;
 use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
-use measurement::record::{RowRecord, RunRecord, SceneRecord};
+use measurement::record::{FloorRecord, RowRecord, RunRecord, SceneRecord};
 use statistics::estimate::Estimate;
 
 /// What became of something, best first.
@@ -74,10 +74,22 @@ impl Finding {
         outcome: Outcome,
         note: impl Into<String>,
     ) -> Self {
+        Self::named(rung, &row.scene.1.name, row.now.label(), quantity, outcome, note)
+    }
+
+    /// A finding of what has that name, without figures.
+    pub fn named(
+        rung: &'static str,
+        scene: &str,
+        row: String,
+        quantity: &'static str,
+        outcome: Outcome,
+        note: impl Into<String>,
+    ) -> Self {
         Self {
             rung,
-            scene: row.scene.1.name.clone(),
-            row: row.now.label(),
+            scene: scene.to_owned(),
+            row,
             quantity,
             baseline: None,
             now: None,
@@ -114,8 +126,8 @@ pub enum Times<'a> {
         /// runs; none where that is not known.
         cpu_pressure: Option<f64>,
     },
-    /// Two binaries measured in turns: ratios within each pair.
-    Paired(&'a [PairedRow]),
+    /// Two binaries measured in turns: ratios within each turn.
+    Paired(&'a [PairedTimes]),
 }
 
 /// Everything that rungs look at.
@@ -153,6 +165,12 @@ impl MatchedRow<'_> {
 }
 
 impl<'a> Evidence<'a> {
+    /// The larger of both records' floors.
+    pub fn floor(&self) -> Option<FloorRecord> {
+        let both = [&self.base.floor, &self.now.floor].into_iter().flatten();
+        both.max_by(|a, b| a.floor.total_cmp(&b.floor)).cloned()
+    }
+
     /// The rows that both records have, in the order of the newer one.
     pub fn rows(&self) -> Vec<MatchedRow<'a>> {
         let (base, now) = (self.base, self.now);

@@ -6,7 +6,9 @@
 pub mod against;
 pub mod annotations;
 pub mod answers;
+pub mod command;
 pub mod comparable;
+pub mod contest;
 pub mod counters;
 mod error;
 mod evidence;
@@ -16,7 +18,7 @@ pub mod report;
 pub mod thresholds;
 pub mod wall_clock;
 
-pub use against::ROUNDS;
+pub use contest::ROUNDS;
 pub use error::GateError;
 pub use evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung, Times};
 

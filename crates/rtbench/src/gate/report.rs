@@ -3,11 +3,11 @@
 use serde::Serialize;
 
 use crate::exit_code::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
-use crate::gate::against::PairedRow;
+use crate::gate::contest::PairedTimes;
 use crate::gate::evidence::{Finding, Outcome, Rung};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{RUNGS, wall_clock};
-use measurement::record::{Machine, Tool};
+use measurement::record::{FloorRecord, Machine, Tool};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
 
@@ -20,8 +20,8 @@ pub struct Report {
     pub command_line: Vec<String>,
     /// What it was held against, in words.
     pub against: String,
-    /// The program that the baseline is of.
-    pub baseline_tool: Tool,
+    /// The program that the baseline is of; none where it is no rtbench.
+    pub baseline_tool: Option<Tool>,
     /// What the baseline was measured on.
     pub baseline_machine: Machine,
     /// What this was measured on.
@@ -38,8 +38,10 @@ pub struct Report {
     pub times: String,
     /// Scenes that could not be measured.
     pub failures: usize,
-    /// Times of the pairs of processes, with `--against`.
-    pub pairs: Vec<PairedRow>,
+    /// How far a copy of the program was from it.
+    pub floor: Option<FloorRecord>,
+    /// Times of the turns, with `--against`.
+    pub pairs: Vec<PairedTimes>,
 }
 
 /// What the columns mean.
@@ -110,6 +112,7 @@ impl Report {
         notes.extend(self.reasons(&own).filter(|_| !all));
         if rung.name == wall_clock::RUNG.name {
             notes.push(format!("baseline, now: {}.", self.times));
+            notes.extend(self.floor.as_ref().map(FloorRecord::in_words));
         }
         Some(Table {
             title: format!("{}: {}", rung.name, rung.summary),
@@ -155,7 +158,10 @@ fn cells(finding: &Finding) -> Vec<Cell> {
         false => format!("{}: {}", finding.outcome.name(), finding.note),
     };
     vec![
-        format!("{}: {}", finding.scene, finding.row).into(),
+        match finding.scene.is_empty() {
+            true => finding.row.clone().into(),
+            false => format!("{}: {}", finding.scene, finding.row).into(),
+        },
         finding.quantity.to_owned().into(),
         number(finding.baseline).into(),
         number(finding.now).into(),

@@ -2,9 +2,10 @@
 //!
 //! Why these defaults. Counters are exact and have no threshold. Instruction counts of one binary
 //! repeat to within a few of a million, so 1% is far beyond chance, and less is seldom worth a
-//! failed job. Times of unchanged code differ between two builds and two processes by several
-//! percent (where code and memory happen to lie), and by more on shared machines; 10% is beyond
-//! most of that, and what is slower by less is what instruction counts are for.
+//! failed job. Times of unchanged code differ between two processes by several percent (where code and
+//! memory happen to lie), and by more on shared machines: how much a copy of the program differs
+//! by is measured each time, and is the threshold where it is more than 5%. What is slower by less is
+//! what instruction counts are for.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +28,7 @@ pub struct Thresholds {
 
 impl Default for Thresholds {
     fn default() -> Self {
-        Self { instructions: 0.01, time: 0.10, significance: 0.05, shortest: 200e-6, busiest: 0.2 }
+        Self { instructions: 0.01, time: 0.05, significance: 0.05, shortest: 200e-6, busiest: 0.2 }
     }
 }
 

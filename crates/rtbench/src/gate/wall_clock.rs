@@ -8,16 +8,18 @@
 //!
 //! A regression needs both: the whole 95% interval beyond the threshold, which says that the
 //! change is large, and a test, corrected for all that are tested, which says that it is no
-//! chance. An interval that reaches beyond the threshold says that it may be: inconclusive.
+//! chance. An interval that reaches beyond the threshold says that it may be: inconclusive. Where a copy of
+//! the program was timed, too, the threshold is no less than what that differs by.
 
 use crate::comparison::differences::other_reference;
-use crate::gate::against::PairedRow;
+use crate::gate::contest::{self, PairedTimes};
 use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung, Times};
-use measurement::record::SceneRecord;
+use crate::gate::thresholds::Thresholds;
 use measurement::record::metrics::METRICS;
+use measurement::record::{FloorRecord, SceneRecord};
 use statistics::estimate::{Estimate, estimate, median};
-use statistics::ratio_of_medians::ratio_of_medians;
-use statistics::{holm, mann_whitney, sign_test};
+use statistics::series::{Series, p_value, ratio_of};
+use statistics::{holm, sign_test};
 
 /// Registry line.
 pub const RUNG: Rung =
@@ -38,29 +40,107 @@ struct Tested {
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let rows = evidence.rows();
+    let shortest = evidence.thresholds.shortest;
     let mut tested = Vec::new();
     for row in &rows {
+        let (scene, label) = (&*row.scene.1.name, row.now.label());
         for (what, ratio, time) in QUANTITIES {
             let found = match evidence.times {
-                Times::InRun { .. } => in_run(row, ratio, time, evidence.thresholds.shortest),
+                Times::InRun { .. } => in_run(row, ratio, time, shortest),
                 Times::Paired(pairs) => {
-                    let own = pairs.iter().find(|p| row.is(&p.scene, &p.structure, &p.settings));
-                    paired(own, what, evidence.thresholds.shortest, evidence.now.settings.seed)
+                    let is_own = |p: &&PairedTimes| {
+                        p.key.scene == scene && p.key.row == label && p.key.quantity == what
+                    };
+                    let own = pairs.iter().find(is_own);
+                    own.ok_or_else(|| Untested::Because("no times".into()))
+                        .and_then(|own| paired(own, shortest, evidence.now.settings.seed))
                 }
             };
-            tested.push((row, what, found));
+            tested.push(((scene, label.clone(), what), found));
         }
     }
-    let p: Vec<f64> = tested.iter().filter_map(|(_, _, t)| t.as_ref().ok().map(|t| t.p)).collect();
-    let mut corrected = holm::adjusted(&p).into_iter();
-    let findings = tested.into_iter().filter_map(|(row, what, found)| match found {
-        Ok(tested) => Some(judged(row, what, &tested, corrected.next()?, evidence)),
-        Err(Untested::Reference) => None,
-        Err(Untested::Because(why)) => {
-            Some(Finding::of(RUNG.name, row, what, Outcome::NotJudged, why))
-        }
+    let floor = match evidence.times {
+        Times::Paired(pairs) => contest::floor(pairs),
+        Times::InRun { .. } => evidence.floor(),
+    };
+    let busy = match evidence.times {
+        Times::InRun { cpu_pressure } => cpu_pressure,
+        Times::Paired(_) => None,
+    };
+    Bar { thresholds: evidence.thresholds, floor: floor.as_ref(), busy }.findings(tested)
+}
+
+/// What is said of times that any programs printed, in turns.
+pub fn judge_times(pairs: &[PairedTimes], thresholds: &Thresholds, seed: u64) -> Vec<Finding> {
+    let tested = pairs.iter().map(|own| {
+        let contest::Key { scene, row, quantity } = &own.key;
+        ((&**scene, row.clone(), *quantity), paired(own, thresholds.shortest, seed))
     });
-    findings.collect()
+    let floor = contest::floor(pairs);
+    Bar { thresholds, floor: floor.as_ref(), busy: None }.findings(tested.collect())
+}
+
+/// Scene, row, quantity.
+type Named<'a> = (&'a str, String, &'static str);
+
+/// What a difference has to be beyond.
+struct Bar<'a> {
+    thresholds: &'a Thresholds,
+    /// How far a copy of the program is from it.
+    floor: Option<&'a FloorRecord>,
+    /// The share of the time in which some thread waited, where that counts.
+    busy: Option<f64>,
+}
+
+impl Bar<'_> {
+    fn findings(&self, tested: Vec<(Named<'_>, Result<Tested, Untested>)>) -> Vec<Finding> {
+        let p: Vec<f64> = tested.iter().filter_map(|(_, t)| t.as_ref().ok().map(|t| t.p)).collect();
+        let mut corrected = holm::adjusted(&p).into_iter();
+        let findings = tested.into_iter().filter_map(|((scene, row, what), found)| match found {
+            Ok(tested) => {
+                let p = corrected.next()?;
+                let (outcome, note) = self.judged(&tested, p);
+                let note = if outcome == Outcome::Unchanged { String::new() } else { note };
+                Some(Finding {
+                    baseline: Some(tested.before),
+                    now: Some(tested.now),
+                    change: Some(tested.change),
+                    p: Some(p),
+                    ..Finding::named(RUNG.name, scene, row, what, outcome, note)
+                })
+            }
+            Err(Untested::Reference) => None,
+            Err(Untested::Because(why)) => {
+                Some(Finding::named(RUNG.name, scene, row, what, Outcome::NotJudged, why))
+            }
+        });
+        findings.collect()
+    }
+
+    fn judged(&self, tested: &Tested, p: f64) -> (Outcome, String) {
+        let thresholds = self.thresholds;
+        let floor = self.floor.map_or(0.0, |floor| floor.floor);
+        let above = thresholds.time.max(floor);
+        let (most, least) = (1.0 + above, 1.0 / (1.0 + above));
+        let Estimate { low, high, .. } = tested.change;
+        let is_significant = p < thresholds.significance;
+        let (outcome, note) = match () {
+            () if low > most && is_significant => (Outcome::Regression, ""),
+            () if low > most => (Outcome::Inconclusive, "longer, but not significant: more rounds"),
+            () if low > 1.0 + thresholds.time => {
+                (Outcome::Inconclusive, "longer, but not beyond the A/A floor")
+            }
+            () if high > most => (Outcome::Inconclusive, "may be longer: more rounds would tell"),
+            () if high < least && is_significant => (Outcome::Improved, ""),
+            () => (Outcome::Unchanged, ""),
+        };
+        match self.busy {
+            Some(share) if share > thresholds.busiest => {
+                (if_busy(outcome), format!("{BUSY} {:.0}% of the time", share * 100.0))
+            }
+            _ => (outcome, note.to_owned()),
+        }
+    }
 }
 
 /// Why nothing is tested.
@@ -86,17 +166,17 @@ fn in_run(
     for (scene, own) in [(row.scene.0, row.base), (row.scene.1, row.now)] {
         let reference = scene.rows.iter().find(|r| r.is_reference);
         for timed in std::iter::once(own).chain(reference) {
-            long_enough(&values(time, scene, timed), shortest)?;
+            long_enough(values(time, scene, timed).values(), shortest)?;
         }
     }
     let before = values(ratio, row.scene.0, row.base);
     let now = values(ratio, row.scene.1, row.now);
     let tested = || {
         Some(Tested {
-            before: median(&before)?,
-            now: median(&now)?,
-            change: ratio_of_medians(&now, &before)?,
-            p: mann_whitney::p_value(&now, &before)?,
+            before: before.middle()?,
+            now: now.middle()?,
+            change: ratio_of(&now, &before)?,
+            p: p_value(&now, &before)?,
         })
     };
     tested().ok_or_else(|| {
@@ -104,7 +184,7 @@ fn in_run(
     })
 }
 
-fn values(metric: &str, scene: &SceneRecord, row: &measurement::record::RowRecord) -> Vec<f64> {
+fn values(metric: &str, scene: &SceneRecord, row: &measurement::record::RowRecord) -> Series {
     let metric = METRICS.iter().find(|m| m.name == metric);
     metric.map(|m| m.values(scene, row)).unwrap_or_default()
 }
@@ -117,16 +197,10 @@ fn long_enough(seconds: &[f64], shortest: f64) -> Result<(), Untested> {
     }
 }
 
-/// The ratio of new to old within each pair.
-fn paired(
-    pairs: Option<&PairedRow>,
-    what: &str,
-    shortest: f64,
-    seed: u64,
-) -> Result<Tested, Untested> {
-    let pairs = pairs.ok_or_else(|| Untested::Because("no times".into()))?;
-    let pairs = if what == "build" { &pairs.build } else { &pairs.trace };
-    let (old, new): (Vec<f64>, Vec<f64>) = pairs.iter().map(|[old, new]| (*old, *new)).unzip();
+/// The ratio of new to old within each turn.
+fn paired(own: &PairedTimes, shortest: f64, seed: u64) -> Result<Tested, Untested> {
+    let (old, new): (Vec<f64>, Vec<f64>) =
+        own.times.iter().map(|[old, new, _]| (*old, *new)).unzip();
     long_enough(&old, shortest)?;
     let ratios: Vec<f64> = old.iter().zip(&new).map(|(old, new)| new / old).collect();
     let tested = || {
@@ -138,40 +212,6 @@ fn paired(
         })
     };
     tested().ok_or_else(|| Untested::Because("no times".into()))
-}
-
-fn judged(
-    row: &MatchedRow<'_>,
-    what: &'static str,
-    tested: &Tested,
-    p: f64,
-    evidence: &Evidence<'_>,
-) -> Finding {
-    let thresholds = evidence.thresholds;
-    let (most, least) = (1.0 + thresholds.time, 1.0 / (1.0 + thresholds.time));
-    let Estimate { low, high, .. } = tested.change;
-    let is_significant = p < thresholds.significance;
-    let (outcome, note) = match () {
-        () if low > most && is_significant => (Outcome::Regression, ""),
-        () if low > most => (Outcome::Inconclusive, "longer, but not significant: more rounds"),
-        () if high > most => (Outcome::Inconclusive, "may be longer: more rounds would tell"),
-        () if high < least && is_significant => (Outcome::Improved, ""),
-        () => (Outcome::Unchanged, ""),
-    };
-    let (outcome, note) = match evidence.times {
-        Times::InRun { cpu_pressure: Some(share) } if share > thresholds.busiest => {
-            (if_busy(outcome), format!("{BUSY} {:.0}% of the time", share * 100.0))
-        }
-        _ => (outcome, note.to_owned()),
-    };
-    let note = if outcome == Outcome::Unchanged { String::new() } else { note };
-    Finding {
-        baseline: Some(tested.before),
-        now: Some(tested.now),
-        change: Some(tested.change),
-        p: Some(p),
-        ..Finding::of(RUNG.name, row, what, outcome, note)
-    }
 }
 
 /// What is said where the machine was too busy for ratios within a run.

@@ -75,7 +75,7 @@ pub fn envelope(costs: &[Cost]) -> Vec<Reign> {
 /// resampled rounds, paired; 0 where a resample has it always, infinite where never. None without
 /// common rounds.
 pub fn count_interval(slower_to_build: &Profile, other: &Profile, seed: u64) -> Option<[f64; 2]> {
-    let pairs: Vec<[Cost; 2]> = slower_to_build.paired(other).collect();
+    let pairs: Vec<[Cost; 2]> = slower_to_build.paired(other).map(|(_, both)| both).collect();
     if pairs.is_empty() {
         return None;
     }
@@ -148,7 +148,8 @@ mod tests {
         let mut held = 0;
         for trial in 0..200 {
             let mut profile = |number, build_s, ray_s| {
-                let rounds = (0..15).map(|i| (i, cost(noisy(build_s), noisy(ray_s)))).collect();
+                let rounds =
+                    (0..15).map(|i| ((0, i), cost(noisy(build_s), noisy(ray_s)))).collect();
                 Profile::new(number, String::new(), rounds).unwrap()
             };
             let (bvh, grid) = (profile(1, 4.0, 0.2), profile(2, 1.0, 0.5));

@@ -7,7 +7,8 @@
 use std::collections::BTreeMap;
 
 use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
-use statistics::estimate::{Estimate, estimate, geometric_mean, geometric_mean_of_medians, median};
+use statistics::estimate::{Estimate, geometric_mean, median};
+use statistics::series::{Series, geometric_mean_of};
 
 /// Seconds of a round.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,40 +33,47 @@ pub struct Profile {
     pub number: usize,
     /// Structure and settings.
     pub label: String,
-    /// By round.
-    pub rounds: BTreeMap<u32, Cost>,
+    /// By process and round.
+    pub rounds: BTreeMap<(u32, u32), Cost>,
     /// Medians over the rounds.
     pub cost: Cost,
 }
 
 impl Profile {
     /// Of rounds; none without any.
-    pub fn new(number: usize, label: String, rounds: BTreeMap<u32, Cost>) -> Option<Self> {
+    pub fn new(number: usize, label: String, rounds: BTreeMap<(u32, u32), Cost>) -> Option<Self> {
         let of = |f: fn(&Cost) -> f64| median(&rounds.values().map(f).collect::<Vec<_>>());
         let cost = Cost { build_s: of(|c| c.build_s)?, ray_s: of(|c| c.ray_s)? };
         Some(Self { number, label, rounds, cost })
     }
 
-    /// Both costs of the rounds that both have.
-    pub fn paired<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = [Cost; 2]> + 'a {
-        self.rounds.iter().filter_map(|(round, cost)| Some([*cost, *other.rounds.get(round)?]))
+    /// Both costs of the rounds that both have, with their process.
+    pub fn paired<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = (u32, [Cost; 2])> + 'a {
+        let both = |(visit, cost): (&(u32, u32), &Cost)| {
+            Some((visit.0, [*cost, *other.rounds.get(visit)?]))
+        };
+        self.rounds.iter().filter_map(both)
     }
 
     /// Seconds for a ray, with their interval.
     pub fn ray_s(&self, seed: u64) -> Option<Estimate> {
-        estimate(&self.rounds.values().map(|c| c.ray_s).collect::<Vec<_>>(), seed)
+        let rounds = self.rounds.iter().map(|((process, _), c)| (*process, c.ray_s));
+        rounds.collect::<Series>().estimate(seed)
     }
 
     /// Time per ray over that of another row, paired by round.
-    pub fn ray_quotients(&self, other: &Self) -> Vec<f64> {
-        let quotients = self.paired(other).map(|[own, other]| own.ray_s / other.ray_s);
-        quotients.filter(|q| q.is_finite()).collect()
+    pub fn ray_quotients(&self, other: &Self) -> Series {
+        self.quotients(other, |[own, other]| own.ray_s / other.ray_s)
     }
 
     /// Time for so many rays, build included, over that of another row, paired by round.
-    pub fn total_quotients(&self, other: &Self, rays: f64) -> Vec<f64> {
-        let of = |[own, other]: [Cost; 2]| own.total_s(rays) / other.total_s(rays);
-        self.paired(other).map(of).filter(|q| q.is_finite()).collect()
+    pub fn total_quotients(&self, other: &Self, rays: f64) -> Series {
+        self.quotients(other, |[own, other]| own.total_s(rays) / other.total_s(rays))
+    }
+
+    fn quotients(&self, other: &Self, of: impl Fn([Cost; 2]) -> f64) -> Series {
+        let quotients = self.paired(other).map(|(process, both)| (process, of(both)));
+        quotients.filter(|(_, q)| q.is_finite()).collect()
     }
 }
 
@@ -76,7 +84,8 @@ pub fn profiles(scene: &SceneRecord) -> Vec<Profile> {
         if row.verdict != Verdict::Ok || row.answers != Answered::AllRays || row.rays == 0 {
             return None;
         }
-        let rounds = row.samples.iter().map(|s| (s.round, cost(s, row, reference))).collect();
+        let rounds =
+            row.samples.iter().map(|s| ((s.process, s.round), cost(s, row, reference))).collect();
         Profile::new(i + 1, row.label_with_query(), rounds)
     };
     scene.rows.iter().enumerate().filter_map(of).collect()
@@ -111,18 +120,17 @@ const FEW: usize = 6;
 struct Other {
     label: String,
     /// By scene, at the end of which they are resampled.
-    groups: Vec<Vec<f64>>,
+    groups: Vec<Series>,
 }
 
 impl Other {
     fn quotient(&self, seed: u64) -> Option<Estimate> {
-        let groups: Vec<&[f64]> = self.groups.iter().map(Vec::as_slice).collect();
-        geometric_mean_of_medians(&groups, seed)
+        geometric_mean_of(&self.groups.iter().collect::<Vec<_>>(), seed)
     }
 
     /// The quotient without its interval.
     fn middle(&self) -> Option<f64> {
-        let medians = self.groups.iter().map(|group| median(group)).collect::<Option<Vec<_>>>()?;
+        let medians = self.groups.iter().map(Series::middle).collect::<Option<Vec<_>>>()?;
         match &medians[..] {
             [one] => Some(*one),
             _ => geometric_mean(&medians),
@@ -133,14 +141,17 @@ impl Other {
     /// largest quotient, as [`Estimate`] says, and need not be resampled.
     fn is_tied_by_few(&self) -> bool {
         match &self.groups[..] {
-            [group] => group.len() < FEW && group.iter().any(|quotient| *quotient >= 1.0),
+            [group] => {
+                let is_one_process = group.by_process().len() < 2;
+                is_one_process && group.len() < FEW && group.values().iter().any(|q| *q >= 1.0)
+            }
             _ => false,
         }
     }
 
     /// Whether it is slower in every round: resampling them does not change that.
     fn is_always_slower(&self) -> bool {
-        self.groups.iter().flatten().all(|quotient| *quotient < 1.0)
+        self.groups.iter().flat_map(Series::values).all(|quotient| *quotient < 1.0)
     }
 }
 
@@ -184,7 +195,7 @@ pub fn lead_for(profiles: &[Profile], rays: f64, seed: u64) -> Option<Lead> {
 fn lead_by(
     profiles: &[Profile],
     time: impl Fn(&Profile) -> f64,
-    quotients: impl Fn(&Profile, &Profile) -> Vec<f64>,
+    quotients: impl Fn(&Profile, &Profile) -> Series,
     seed: u64,
 ) -> Option<Lead> {
     let first = profiles.iter().min_by(|a, b| time(a).total_cmp(&time(b)))?;
@@ -224,7 +235,7 @@ mod tests {
 
     fn profile(number: usize, costs: &[(f64, f64)]) -> Profile {
         let rounds =
-            costs.iter().zip(0..).map(|(&(build_s, ray_s), i)| (i, Cost { build_s, ray_s }));
+            costs.iter().zip(0..).map(|(&(build_s, ray_s), i)| ((0, i), Cost { build_s, ray_s }));
         Profile::new(number, format!("row {number}"), rounds.collect()).unwrap()
     }
 
@@ -234,13 +245,13 @@ mod tests {
             for largest in [0.9, 1.0, 1.1] {
                 let mut group: Vec<f64> = (1..n).map(|i| 0.5 + 0.05 * i as f64).collect();
                 group.push(largest);
-                let other = Other { label: String::new(), groups: vec![group] };
+                let other = Other { label: String::new(), groups: vec![group.into()] };
                 let interval = other.quotient(1).unwrap();
                 assert_eq!(interval.high, largest, "{n}");
                 assert_eq!(other.is_tied_by_few(), interval.high >= 1.0, "{n} {largest}");
             }
         }
-        let many = Other { label: String::new(), groups: vec![vec![1.1; FEW]] };
+        let many = Other { label: String::new(), groups: vec![vec![1.1; FEW].into()] };
         assert!(!many.is_tied_by_few());
     }
 

@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 use crate::report::costs::{Profile, profiles};
 use crate::report::records::{LectureRow, Reproduced, TracersRecord};
 use measurement::record::file::{self, RecordError};
+use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
 use studies::accuracy::record::AccuracyRecord;
 
@@ -66,6 +67,8 @@ pub struct Material {
     pub profiles: Vec<Vec<Profile>>,
     /// Of `rtbench accuracy`.
     pub accuracy: Option<AccuracyRecord>,
+    /// Of `rtbench merge --machines`.
+    pub machines: Option<MachinesRecord>,
     /// Of `rtbench compare-tracers`, by scene.
     pub tracers: Vec<TracersRecord>,
     /// Of `rtbench cost`.
@@ -132,6 +135,7 @@ impl Material {
         }
         Ok(Self {
             accuracy: json(&accuracy, "rtbench accuracy -o DIR")?,
+            machines: json(&folder.join("machines.json"), "rtbench merge --machines -o DIR")?,
             tracers,
             heat_maps: heat_maps(&folder.join("heat-maps"))?,
             sweeps: sweeps(&folder)?,

@@ -23,6 +23,7 @@ use measurement::scenes::SceneSource;
 use measurement::settings::MeasuringSettings;
 use statistics::estimate::Estimate;
 use statistics::product_of_medians::product_of_medians;
+use statistics::series::Series;
 
 /// What cannot be explained.
 #[derive(Debug, thiserror::Error)]
@@ -136,7 +137,7 @@ impl Rays<'_> {
     }
 
     /// Times over the reference's, round by round.
-    fn ratios(self, row: &RowRecord) -> Vec<f64> {
+    fn ratios(self, row: &RowRecord) -> Series {
         match self {
             Self::Kind(kind) => kind_ratios(row, kind),
             Self::All => trace_ratios(row),
@@ -205,9 +206,10 @@ impl<'a> Explanation<'a> {
         if rows.iter().any(|(row, _)| rounds(row) != first) {
             return None;
         }
-        let samples: Vec<(Vec<f64>, f64)> =
+        let samples: Vec<(Series, f64)> =
             rows.iter().map(|(row, power)| (rays.ratios(row), *power)).collect();
-        let quantities: Vec<(&[f64], f64)> = samples.iter().map(|(s, p)| (&s[..], *p)).collect();
+        let quantities: Vec<(&[f64], f64)> =
+            samples.iter().map(|(s, p)| (s.values(), *p)).collect();
         product_of_medians(&quantities, self.run.settings.seed)
     }
 }
@@ -232,7 +234,6 @@ mod tests {
     use measurement::record::Verdict;
     use measurement::record::made_up::{Rows, run};
     use measurement::scenes::Installed;
-    use statistics::estimate::estimate;
 
     use super::*;
     use crate::explain::table::rays_of;
@@ -268,9 +269,9 @@ mod tests {
                 sample.reference_trace_s = Some(*seconds);
                 sample.reference_by_kind = [("primary".to_owned(), *seconds)].into();
             }
-            row.ratio = estimate(&trace_ratios(row), 1);
+            row.ratio = trace_ratios(row).estimate(1);
             row.ratio_by_kind =
-                [("primary".to_owned(), estimate(&kind_ratios(row, "primary"), 1).unwrap())].into();
+                [("primary".to_owned(), kind_ratios(row, "primary").estimate(1).unwrap())].into();
         }
         record
     }

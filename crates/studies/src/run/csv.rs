@@ -21,7 +21,7 @@ pub fn to_string(run: &RunRecord) -> Result<String, FormatError> {
         for scene in &run.scenes {
             let times = PictureTimes::of(scene);
             for row in &scene.rows {
-                let more = kind_tables::csv_fields(&kinds, row, &times, run.settings.seed);
+                let more = kind_tables::csv_fields(&kinds, row, &times);
                 writer.write_record(fields(scene, row).into_iter().chain(more))?;
             }
         }

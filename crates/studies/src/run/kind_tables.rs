@@ -16,7 +16,7 @@ use presentation::csv;
 use presentation::csv::number;
 use presentation::numbers;
 use presentation::table::{Cell, Table, dash};
-use statistics::estimate::{Estimate, estimate};
+use statistics::estimate::Estimate;
 
 /// The kinds of rays of a run, each in its orders, as records call them.
 pub fn kinds(run: &RunRecord) -> Vec<&'static str> {
@@ -154,7 +154,7 @@ fn named(of_scene: Option<(String, f64)>) -> Cell {
 }
 
 fn to_obvhs(own: Option<&PictureTime>, obvhs: Option<&PictureTime>, seed: u64) -> Cell {
-    let ratio = || estimate(&own?.quotients(obvhs?), seed);
+    let ratio = || own?.quotients(obvhs?).estimate(seed);
     ratio().map_or_else(dash, |ratio| numbers::ratio(&ratio).into())
 }
 
@@ -187,12 +187,7 @@ pub fn csv_columns(kinds: &[&str]) -> Vec<String> {
 }
 
 /// The fields of a row for them.
-pub fn csv_fields(
-    kinds: &[&str],
-    row: &RowRecord,
-    times: &PictureTimes<'_>,
-    seed: u64,
-) -> Vec<String> {
+pub fn csv_fields(kinds: &[&str], row: &RowRecord, times: &PictureTimes<'_>) -> Vec<String> {
     let mut fields = vec![row.query.name().to_owned()];
     for kind in kinds {
         fields.extend(csv::estimate(row.ratio_by_kind.get(*kind).copied()));
@@ -201,8 +196,8 @@ pub fn csv_fields(
     let own = times.of_row(&row.label());
     fields.push(number(own.map(|time| time.seconds)));
     let ratio = own.zip(times.fastest_obvhs());
-    let ratio = ratio.and_then(|(own, o)| estimate(&own.quotients(o), seed));
-    fields.push(number(ratio.map(|ratio| ratio.median)));
+    let ratio = ratio.and_then(|(own, obvhs)| own.quotients(obvhs).middle());
+    fields.push(number(ratio));
     fields
 }
 
@@ -231,7 +226,7 @@ mod tests {
         ];
         let mut record = run(&[("tetra", rows), ("balls", slower)]);
         for row in record.scenes.iter_mut().flat_map(|s| &mut s.rows) {
-            let ratio = estimate(&kind_ratios(row, "primary"), 1).unwrap();
+            let ratio = kind_ratios(row, "primary").estimate(1).unwrap();
             row.ratio_by_kind = [("primary".to_owned(), ratio)].into();
             if row.settings == "query=batch" {
                 row.query = Query::Batch;

@@ -3,6 +3,7 @@
 pub mod columns;
 pub mod csv;
 pub mod kind_tables;
+pub mod machines;
 pub mod markdown;
 pub mod picture_time;
 pub mod tables;

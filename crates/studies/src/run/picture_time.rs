@@ -15,7 +15,8 @@ use accel_core::structures::obvhs::{bvh2, cwbvh};
 
 use measurement::record::query::Query;
 use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
-use statistics::estimate::{Estimate, estimate, geometric_mean_of_medians, median};
+use statistics::estimate::{Estimate, median};
+use statistics::series::{Series, geometric_mean_of};
 
 /// Primary rays of the picture.
 pub const PRIMARY_RAYS: f64 = 1e6;
@@ -29,8 +30,8 @@ pub struct PictureTime {
     pub query: Query,
     /// It is a row of obvhs.
     pub is_obvhs: bool,
-    /// Seconds, by round.
-    pub rounds: BTreeMap<u32, f64>,
+    /// Seconds, by process and round.
+    pub rounds: BTreeMap<(u32, u32), f64>,
     /// Their median.
     pub seconds: f64,
 }
@@ -44,8 +45,11 @@ impl PictureTime {
         if !serves || row.answers != Answered::AllRays {
             return None;
         }
-        let of = |sample: &Sample| Some((sample.round, seconds(scene, row, reference, sample)?));
-        let rounds: BTreeMap<u32, f64> = row.samples.iter().filter_map(of).collect();
+        let of = |sample: &Sample| {
+            let seconds = seconds(scene, row, reference, sample)?;
+            Some(((sample.process, sample.round), seconds))
+        };
+        let rounds: BTreeMap<(u32, u32), f64> = row.samples.iter().filter_map(of).collect();
         Some(Self {
             label: row.label(),
             query: row.query,
@@ -56,9 +60,11 @@ impl PictureTime {
     }
 
     /// Its time over that of another row, paired by round.
-    pub fn quotients(&self, other: &Self) -> Vec<f64> {
-        let quotient = |(round, own): (&u32, &f64)| Some(own / other.rounds.get(round)?);
-        self.rounds.iter().filter_map(quotient).filter(|q| q.is_finite()).collect()
+    pub fn quotients(&self, other: &Self) -> Series {
+        let quotient = |(visit, own): (&(u32, u32), &f64)| {
+            Some((visit.0, own / other.rounds.get(visit)?)).filter(|(_, q)| q.is_finite())
+        };
+        self.rounds.iter().filter_map(quotient).collect()
     }
 }
 
@@ -123,12 +129,12 @@ pub fn over_scenes(
             continue;
         };
         let quotients = own.quotients(obvhs);
-        let Some(middle) = estimate(&quotients, seed) else { continue };
-        by_scene.insert(times.scene.name.clone(), middle.median);
+        let Some(middle) = quotients.middle() else { continue };
+        by_scene.insert(times.scene.name.clone(), middle);
         groups.push(quotients);
     }
-    let groups: Vec<&[f64]> = groups.iter().map(Vec::as_slice).collect();
-    let mean = if groups.is_empty() { None } else { geometric_mean_of_medians(&groups, seed) };
+    let groups: Vec<&Series> = groups.iter().collect();
+    let mean = if groups.is_empty() { None } else { geometric_mean_of(&groups, seed) };
     Some((by_scene, mean?))
 }
 

@@ -4,7 +4,7 @@ use crate::run::columns::{self, RATIO, RowOf};
 use measurement::rays::order::Orders;
 use measurement::record::query::{self, Query};
 use measurement::record::{
-    Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label, reference,
+    Answered, FloorRecord, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label, reference,
 };
 use presentation::column::headed;
 use presentation::numbers;
@@ -107,6 +107,7 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
         notes.push(query::NOTE.into());
     }
     notes.extend(outlier_note(scene));
+    notes.extend(scene.rows.iter().filter_map(levels_note));
     notes.extend(oracle.refused.iter().map(|r| format!("Refused as reference: {r}")));
     for row in &scene.rows {
         let name = row.label();
@@ -152,6 +153,32 @@ fn outlier_note(scene: &SceneRecord) -> Option<String> {
             most.label()
         )
     })
+}
+
+/// The levels of a row whose processes disagree.
+fn levels_note(row: &RowRecord) -> Option<String> {
+    let levels = row.levels?;
+    let [low, high] = match row.is_reference {
+        true => [levels.low, levels.high].map(|s| format!("{} ms", numbers::milliseconds(s))),
+        false => [levels.low, levels.high].map(numbers::short),
+    };
+    Some(format!(
+        "Two levels: {} takes {low} in some processes and {high} in others, and its rounds do not \
+         say so.",
+        row.label()
+    ))
+}
+
+/// How many processes the figures are of, and how far the program is from itself.
+fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
+    let processes = run.settings.processes;
+    let many = (processes > 1).then(|| {
+        format!(
+            "{processes} processes: figures are geometric means of their medians, intervals those of \
+             Student over them."
+        )
+    });
+    many.into_iter().chain(run.floor.as_ref().map(FloorRecord::in_words))
 }
 
 /// What a mailbox was good for.
@@ -218,6 +245,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     let scenes = reference::scenes_over(&run.scenes, &reference);
     let mut notes = vec![format!("Ratios to {reference}: geometric means over {scenes} scene(s).")];
     notes.extend(left_out(run));
+    notes.extend(process_notes(run));
     if has_batches {
         notes.push(query::NOTE.into());
     }

@@ -117,6 +117,7 @@ impl<'r> Scale<'r> {
             overrides: args.overrides.clone(),
             measuring: measuring(&args.measuring),
             shard: None,
+            processes: 1,
         };
         let mut plan = Plan::new(&of_run, registry, occluders, scenes)?;
         // whole images are not compared

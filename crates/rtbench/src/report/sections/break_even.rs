@@ -152,7 +152,8 @@ fn pair(row: &Profile, column: &Profile) -> Cell {
     };
     let quotients = row.ray_quotients(column);
     // all rounds agree which of both traces faster
-    let is_sure = quotients.iter().all(|q| *q < 1.0) || quotients.iter().all(|q| *q > 1.0);
+    let is_sure =
+        quotients.values().iter().all(|q| *q < 1.0) || quotients.values().iter().all(|q| *q > 1.0);
     Cell { text, style: if is_sure { Style::Plain } else { Style::Dim } }
 }
 

@@ -37,6 +37,9 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         html.element("dd", &[], &value);
     }
     html.close();
+    if let Some(machines) = &material.machines {
+        tables::write(html, &studies::run::machines::table(machines), Look::default());
+    }
     html.element("h3", &[], "Commands");
     let mut commands = vec![run.command_line.join(" ")];
     commands.extend(material.accuracy.iter().map(|a| a.command_line.join(" ")));
@@ -104,6 +107,7 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
         ("order of rays", run.settings.order.clone()),
         ("lights asked", run.settings.lights.clone()),
         ("reference", reference::in_words(run)),
+        ("processes", run.settings.processes.to_string()),
         ("largest resident set", memory(run.peak_rss_bytes)),
     ]
 }

@@ -141,10 +141,14 @@ fn two_binaries_are_measured_in_turns() {
     assert!(ended.out.contains("check against binary "), "{}", ended.out);
     let json: serde_json::Value = serde_json::from_str(&folder.text("x.json")).unwrap();
     let pairs = json["pairs"].as_array().unwrap();
-    assert_eq!(pairs.len(), 2);
+    // build and trace of two rows
+    assert_eq!(pairs.len(), 4);
     for pair in pairs {
-        assert_eq!(pair["trace"].as_array().unwrap().len(), 2);
+        assert_eq!(pair["times"].as_array().unwrap().len(), 2);
+        assert!(pair["times"].as_array().unwrap().iter().all(|t| t.as_array().unwrap().len() == 3));
     }
+    assert_eq!(json["floor"]["figures"], 4);
+    assert!(ended.out.contains("A/A floor"), "{}", ended.out);
 }
 
 #[cfg(unix)]
@@ -174,4 +178,59 @@ fn a_binary_that_cannot_answer_is_an_error_that_says_so() {
     let arguments = "check tetra:1 --against /nowhere/rtbench --quick --size 8 -s obvhs-cwbvh";
     let missing = run_in(PLANTED, with_program(&folder.path()), arguments);
     assert!(missing.code == 1 && missing.err.contains("/nowhere/rtbench"), "{}", missing.err);
+}
+
+/// A shell script in the folder.
+#[cfg(unix)]
+fn script(folder: &Folder, name: &str, text: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    let path = PathBuf::from(folder.path()).join(name);
+    std::fs::write(&path, format!("#!/bin/sh\n{text}\n")).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path.display().to_string()
+}
+
+#[cfg(unix)]
+#[test]
+fn programs_that_print_times_are_compared() {
+    let folder = Folder::new();
+    let old = script(&folder, "old", "echo \"$1: 10 ms\"; echo other: 5ms; echo done");
+    // planted: half as long again
+    let slow = script(&folder, "slow", "echo \"$1: 15 ms\"; echo other: 5ms");
+    let json = format!("{}/x.json", folder.path());
+    let check = |new: &str| {
+        let arguments = format!(
+            "check --against {old} --new {new} --rounds 9 --overwrite --export-json {json} -- sort"
+        );
+        run_in(PLANTED, with_program(&folder.path()), &arguments)
+    };
+    let same = check(&old);
+    assert_eq!(same.code, 0, "{}{}", same.out, same.err);
+    assert!(same.out.contains("2 unchanged"), "{}", same.out);
+    let found = check(&slow);
+    assert_eq!(found.code, 3, "{}{}", found.out, found.err);
+    assert!(found.out.contains("sort") && found.out.contains("regression: again"), "{}", found.out);
+    let report: serde_json::Value = serde_json::from_str(&folder.text("x.json")).unwrap();
+    assert_eq!(report["outcome"], "regression");
+    assert_eq!(report["pairs"][1]["times"][0], serde_json::json!([0.01, 0.015, 0.015]));
+    assert!(report["baseline_tool"].is_null());
+}
+
+#[cfg(unix)]
+#[test]
+fn programs_that_print_no_times_are_errors_that_say_so() {
+    let folder = Folder::new();
+    let old = script(&folder, "old", "echo 10 ms");
+    for (text, said) in [
+        ("echo hello", "neither a record of rtbench nor a line that ends in a time"),
+        ("echo 5 ms; echo it broke >&2; exit 7", "ended with exit status: 7: it broke"),
+    ] {
+        let new = script(&folder, "new", text);
+        let arguments = format!("check --against {old} --new {new} --rounds 2 -- x");
+        let ended = run_in(PLANTED, with_program(&folder.path()), &arguments);
+        assert_eq!((ended.code, ended.out.as_str()), (1, ""), "{}", ended.err);
+        assert!(ended.err.contains(said), "{}", ended.err);
+    }
+    let usage = run_in(PLANTED, with_program(&folder.path()), "check --baseline main -- x");
+    assert_eq!(usage.code, 2, "{}", usage.err);
 }

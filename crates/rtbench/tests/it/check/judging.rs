@@ -1,8 +1,8 @@
 //! Each rung on records with a planted fault.
 
 use measurement::callgrind::CountedRow;
-use measurement::record::{RunRecord, Verdict};
-use rtbench::gate::against::PairedRow;
+use measurement::record::{FloorRecord, RunRecord, Verdict};
+use rtbench::gate::contest::{Key, PairedTimes};
 use rtbench::gate::report::Report;
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{
@@ -122,16 +122,20 @@ fn time(base: &RunRecord, now: &RunRecord) -> Outcome {
 
 #[test]
 fn times_regress_where_the_interval_and_the_test_say_so() {
-    let base = timed(15, 2.0, 0.05, 1);
-    assert_eq!(time(&base, &timed(15, 2.6, 0.05, 2)), Outcome::Regression);
-    assert_eq!(time(&base, &timed(15, 1.0, 0.05, 2)), Outcome::Improved);
-    assert_eq!(time(&base, &timed(15, 2.0, 0.05, 2)), Outcome::Unchanged);
+    let base = timed(15, 2.0, 0.02, 1);
+    assert_eq!(time(&base, &timed(15, 2.6, 0.02, 2)), Outcome::Regression);
+    assert_eq!(time(&base, &timed(15, 1.0, 0.02, 2)), Outcome::Improved);
+    assert_eq!(time(&base, &timed(15, 2.0, 0.02, 2)), Outcome::Unchanged);
     // 30% with noise of the same size: it may be
     assert_eq!(time(&base, &timed(15, 2.2, 0.4, 2)), Outcome::Inconclusive);
     // four rounds against four cannot be significant
     assert_eq!(time(&timed(4, 2.0, 0.01, 1), &timed(4, 2.6, 0.01, 2)), Outcome::Inconclusive);
     assert_eq!(time(&timed(2, 2.0, 0.01, 1), &timed(2, 2.6, 0.01, 2)), Outcome::NotJudged);
-    let mut short = timed(15, 2.6, 0.05, 2);
+    // as certain, but a copy of the program differs from it by more
+    let mut floored = timed(15, 2.6, 0.02, 2);
+    floored.floor = FloorRecord::of([("planted".to_owned(), 1.4)].into_iter());
+    assert_eq!(time(&base, &floored), Outcome::Inconclusive);
+    let mut short = timed(15, 2.6, 0.02, 2);
     for sample in &mut row(&mut short, ROW).samples {
         sample.trace_s.values_mut().for_each(|s| *s *= 1e-3);
     }
@@ -140,9 +144,9 @@ fn times_regress_where_the_interval_and_the_test_say_so() {
 
 #[test]
 fn ratios_within_a_run_prove_nothing_on_a_busy_machine() {
-    let (base, thresholds) = (timed(15, 2.0, 0.05, 1), &Thresholds::default());
+    let (base, thresholds) = (timed(15, 2.0, 0.02, 1), &Thresholds::default());
     let of = |times: f64, share: f64| {
-        let now = &timed(15, times, 0.05, 2);
+        let now = &timed(15, times, 0.02, 2);
         let times = Times::InRun { cpu_pressure: Some(share) };
         let instructions = Instructions::NotAsked;
         let findings = judge(&Evidence { thresholds, base: &base, now, instructions, times });
@@ -160,17 +164,27 @@ fn the_reference_has_no_ratio_to_itself() {
     assert!(!findings.iter().any(|f| f.rung == "times" && f.row == REFERENCE));
 }
 
-/// Pairs of times of [`ROW`], new over old `times`, both halved or doubled by what disturbs them.
-fn pairs(n: usize, times: f64) -> PairedRow {
+/// Turns of [`ROW`], new over old `times`, all halved or doubled by what disturbs them; the copy takes as
+/// long as the new program, but for `copy`.
+fn turns(n: usize, times: f64, copy: f64) -> Vec<PairedTimes> {
     let disturbed = |i: usize| 0.01 * [0.5, 1.0, 2.0][i % 3];
     let jitter = |i: usize| [0.97, 1.0, 1.04, 0.99][i % 4];
-    let seconds = |i: usize| [disturbed(i), times * jitter(i) * disturbed(i)];
-    let pairs: Vec<_> = (0..n).map(seconds).collect();
-    let (scene, structure) = ("tetra:2".into(), ROW.into());
-    PairedRow { scene, structure, settings: String::new(), build: pairs.clone(), trace: pairs }
+    let seconds = |i: usize| {
+        let new = times * jitter(i) * disturbed(i);
+        [disturbed(i), new, copy * new]
+    };
+    let of = |quantity| PairedTimes {
+        key: Key { scene: "tetra:2".into(), row: ROW.into(), quantity },
+        times: (0..n).map(seconds).collect(),
+    };
+    vec![of("build"), of("trace")]
 }
 
-fn paired(pairs: &[PairedRow]) -> Vec<Finding> {
+fn pairs(n: usize, times: f64) -> Vec<PairedTimes> {
+    turns(n, times, 1.0)
+}
+
+fn paired(pairs: &[PairedTimes]) -> Vec<Finding> {
     let (record, thresholds) = (&record(), &Thresholds::default());
     let times = Times::Paired(pairs);
     let instructions = Instructions::NotAsked;
@@ -179,7 +193,7 @@ fn paired(pairs: &[PairedRow]) -> Vec<Finding> {
 
 #[test]
 fn pairs_cancel_what_disturbs_both() {
-    let of = |n, times| outcome(&paired(&[pairs(n, times)]), "times", "trace");
+    let of = |n, times| outcome(&paired(&pairs(n, times)), "times", "trace");
     assert_eq!(of(15, 1.3), Outcome::Regression);
     assert_eq!(of(15, 1.0), Outcome::Unchanged);
     assert_eq!(of(15, 0.5), Outcome::Improved);
@@ -188,10 +202,27 @@ fn pairs_cancel_what_disturbs_both() {
 }
 
 #[test]
+fn nothing_is_claimed_below_what_a_copy_of_the_program_differs_by() {
+    let of = |times, copy| {
+        let pairs = turns(15, times, copy);
+        let by_row = outcome(&paired(&pairs), "times", "trace");
+        let alone = wall_clock::judge_times(&pairs, &Thresholds::default(), 1);
+        assert!(alone.iter().all(|f| f.outcome == by_row), "{alone:?}");
+        by_row
+    };
+    assert_eq!(of(1.3, 1.0), Outcome::Regression);
+    // planted: the program differs from itself by as much
+    assert_eq!(of(1.3, 1.4), Outcome::Inconclusive);
+    assert_eq!(of(1.3, 0.7), Outcome::Inconclusive);
+    assert_eq!(of(0.75, 1.4), Outcome::Unchanged);
+    assert_eq!(of(0.5, 1.4), Outcome::Improved);
+}
+
+#[test]
 fn a_regression_of_times_must_be_seen_twice() {
     let confirmed = |second: f64| {
-        let mut findings = paired(&[pairs(15, 1.3)]);
-        wall_clock::confirm(&mut findings, &paired(&[pairs(15, second)]));
+        let mut findings = paired(&pairs(15, 1.3));
+        wall_clock::confirm(&mut findings, &paired(&pairs(15, second)));
         outcome(&findings, "times", "trace")
     };
     assert_eq!(confirmed(1.3), Outcome::Regression);

@@ -20,7 +20,7 @@ fn run_in(registry: &[Entry], environment: Environment, arguments: &str) -> Ende
     run_timed(registry, environment, &SteppingClock::new(Duration::from_millis(1)), arguments)
 }
 
-fn run_timed(
+pub(crate) fn run_timed(
     registry: &[Entry],
     environment: Environment,
     clock: &dyn Clock,
@@ -49,7 +49,7 @@ fn run_timed(
 }
 
 /// The program itself, its baselines in that folder.
-fn with_program(folder: &str) -> Environment {
+pub(crate) fn with_program(folder: &str) -> Environment {
     Environment { program: Some(PathBuf::from(env!("CARGO_BIN_EXE_rtbench"))), ..in_folder(folder) }
 }
 

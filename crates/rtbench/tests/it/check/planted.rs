@@ -56,6 +56,7 @@ pub fn timed(rounds: u32, times: f64, noise: f64, seed: u64) -> RunRecord {
                 reference_trace_s: Some(reference),
                 reference_build_s: None,
                 reference_by_kind: Default::default(),
+                process: 0,
             };
             row(&mut record, label).samples.push(sample);
         }

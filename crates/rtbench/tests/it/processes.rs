@@ -1,0 +1,90 @@
+//! `run --processes`, and the same run on several machines.
+
+use accel_core::structures::REGISTRY;
+use measurement::record::{RunRecord, Verdict};
+use measurement::system::clock::SystemClock;
+use serde_json::Value;
+
+use crate::check::{run_timed, with_program};
+use crate::common::{Ended, Folder, PLANTED};
+
+fn run(folder: &Folder, arguments: &str) -> Ended {
+    run_timed(REGISTRY, with_program(&folder.path()), &SystemClock::default(), arguments)
+}
+
+fn record(folder: &Folder, name: &str) -> RunRecord {
+    serde_json::from_str(&folder.text(&format!("{name}/results.json"))).unwrap()
+}
+
+const TABLE: &str =
+    "tetra:3 balls:1 --quick --size 12 -s uniform-grid,kd-tree,obvhs-cwbvh,light-buffer";
+
+#[test]
+fn figures_are_over_all_processes_and_a_copy_gives_the_floor() {
+    let folder = Folder::new();
+    let arguments = format!("run {TABLE} --processes 3 --rounds 4 -o {}/a", folder.path());
+    let ended = run(&folder, &arguments);
+    assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+    assert!(ended.out.contains("3 processes: figures are geometric means"), "{}", ended.out);
+    assert!(ended.out.contains("A/A floor "), "{}", ended.out);
+    let record = record(&folder, "a");
+    assert_eq!(record.settings.processes, 3);
+    // three rows of structures have a ratio of builds and of traces each, but for the reference
+    assert_eq!(record.floor.as_ref().unwrap().figures, 2 * 3 * 2);
+    for row in record.scenes.iter().flat_map(|s| &s.rows) {
+        assert_eq!(row.verdict, Verdict::Ok, "{}", row.label());
+        let visits: Vec<_> = row.samples.iter().map(|s| (s.process, s.round)).collect();
+        let expected = (0..12).map(|round| (round / 4, round));
+        assert_eq!(visits, expected.collect::<Vec<_>>());
+        assert!(row.samples.iter().all(|s| s.reference_trace_s.is_some()));
+        let ratio = row.ratio.unwrap();
+        assert!(row.is_reference || ratio.low < ratio.median && ratio.median < ratio.high);
+    }
+    // the same run in one process is another run to resume, and none to compare counters with
+    let resumed = run(&folder, &format!("run --resume {}/a", folder.path()));
+    assert_eq!(resumed.code, 0, "{}", resumed.err);
+}
+
+#[test]
+fn a_process_that_gives_no_answer_is_an_error_that_names_it() {
+    let folder = Folder::new();
+    // the program does not know the structures that are planted here
+    let arguments = "run tetra:2 --quick --size 12 -s dropper,obvhs-cwbvh --processes 2";
+    let clock = SystemClock::default();
+    let ended = run_timed(PLANTED, with_program(&folder.path()), &clock, arguments);
+    assert_ne!(ended.code, 0, "{}", ended.out);
+    let unknown = run(&folder, "run tetra:2 --processes 0");
+    assert_eq!(unknown.code, 2, "{}", unknown.err);
+}
+
+#[test]
+fn the_same_run_on_several_machines_has_ranges() {
+    let folder = Folder::new();
+    let path = folder.path();
+    for name in ["a", "b"] {
+        let ended = run(&folder, &format!("run {TABLE} --rounds 3 -o {path}/{name}"));
+        assert_eq!(ended.code, 0, "{}", ended.err);
+    }
+    let ended = run(&folder, &format!("merge --machines {path}/a {path}/b -o {path}/both"));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.out.contains("2 machines: ratios to obvhs-cwbvh"), "{}", ended.out);
+    assert!(ended.out.contains("range over machines"), "{}", ended.out);
+    let json: Value = serde_json::from_str(&folder.text("both/machines.json")).unwrap();
+    assert_eq!(json["machines"].as_array().unwrap().len(), 2);
+    assert!(
+        folder.text("both/machines.csv").starts_with("scene,structure,settings,quantity,mean,")
+    );
+    assert!(folder.text("both/machines.md").contains("| uniform-grid | trace |"));
+    std::fs::copy(format!("{path}/both/machines.json"), format!("{path}/a/machines.json")).unwrap();
+    let report = run(&folder, &format!("report {path}/a"));
+    assert_eq!(report.code, 0, "{}", report.err);
+    assert!(folder.text("a/report.html").contains("2 machines: ratios to obvhs-cwbvh"));
+    // planted: another seed is another run
+    let other = run(&folder, &format!("run {TABLE} --rounds 3 --seed 2 -o {path}/c"));
+    assert_eq!(other.code, 0, "{}", other.err);
+    let refused = run(&folder, &format!("merge --machines {path}/a {path}/c"));
+    assert_eq!(refused.code, 1, "{}", refused.out);
+    assert!(refused.err.contains("settings.seed: was 1, is 2"), "{}", refused.err);
+    let one = run(&folder, &format!("merge --machines {path}/a"));
+    assert!(one.err.contains("expected two runs at least"), "{}", one.err);
+}
