@@ -164,7 +164,7 @@ pub fn measure_rest(
                     let error = GateError::from(AgainstError::New(error));
                     progress.suspend(|| match plan.processes {
                         1 => context.warn(&error),
-                        _ => context.error(&Error::from(error)),
+                        _ => context.error(Error::from(error)),
                     });
                 }
                 scene

@@ -285,7 +285,7 @@ mod tests {
         assert_eq!(kinds, ["primary", "primary-shuffled"]);
         let columns = csv_columns(&kinds);
         let fields =
-            csv_fields(&kinds, &record.scenes[0].rows[2], &PictureTimes::of(&record.scenes[0]), 1);
+            csv_fields(&kinds, &record.scenes[0].rows[2], &PictureTimes::of(&record.scenes[0]));
         assert_eq!(columns.len(), fields.len());
         assert!(columns.contains(&"ratio_primary_shuffled_low".to_owned()), "{columns:?}");
         assert_eq!((fields[0].as_str(), fields[1].as_str()), ("batch", "0.500000000"));
