@@ -337,6 +337,7 @@ pub(super) mod tests {
                 lights: "each".into(),
                 by_kind: false,
                 processes: 1,
+                timed_by: "processor time".into(),
             },
             rounds: "Fixed(3)".into(),
             scenes: vec!["a".into(), "b".into()],

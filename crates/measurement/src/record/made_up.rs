@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use crate::record::settings::TIME_OF_DAY;
 use crate::record::{RowRecord, RunRecord, SCHEMA_VERSION, Sample, SceneRecord, Settings};
 use crate::system::world::{FixedWorld, World};
 
@@ -37,6 +38,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
             lights: "each".into(),
             by_kind: false,
             processes: 1,
+            timed_by: TIME_OF_DAY.into(),
         },
         scenes: scenes.iter().map(|(name, rows)| scene(name, rows)).collect(),
         summary: Vec::new(),

@@ -16,7 +16,7 @@ pub mod reference;
 mod row;
 pub mod scale;
 mod scene;
-mod settings;
+pub mod settings;
 pub mod summary;
 mod summary_row;
 pub mod surroundings;

@@ -38,7 +38,21 @@ pub struct Settings {
     /// Processes in which rows were built and timed, each scene in each of them.
     #[serde(default = "one")]
     pub processes: u32,
+    /// What times are: `processor time` of the thread that builds and traces, where that is one; else
+    /// `time of day`.
+    #[serde(default = "time_of_day")]
+    pub timed_by: String,
 }
+
+/// Of records from before threads were timed by their own time.
+fn time_of_day() -> String {
+    TIME_OF_DAY.to_owned()
+}
+
+/// What a run of one thread is timed by.
+pub const PROCESSOR_TIME: &str = "processor time";
+/// What others are.
+pub const TIME_OF_DAY: &str = "time of day";
 
 /// Of records from before there could be more.
 fn one() -> u32 {

@@ -15,6 +15,7 @@ use crate::rounds::interleaved::{Visit, interleaved_from};
 use crate::rounds::row_log::RowLog;
 use crate::rounds::schedule::round_order;
 use crate::rounds::scope::Scope;
+use crate::system::clock::timed;
 use crate::system::panics::{Panicked, caught};
 
 /// Most rounds that a time budget buys.
@@ -205,9 +206,9 @@ impl Asked<'_, '_> {
     ) -> Option<Seen> {
         let prims = scope.stage.geometry.prims();
         scope.pools.measured.install(|| {
-            let start = scope.clock.now();
-            let built = self.row.build(prims, scope.lights).ok()?;
-            let build_s = scope.clock.seconds_since(start);
+            let build = || self.row.build(prims, scope.lights);
+            let (built, build_s) = timed(scope.clock, scope.plan.threads, build);
+            let built = built.ok()?;
             let sheet = sheets.get_mut(&self.stride)?;
             let answers = |kind| self.row.answers(kind);
             let (trace_s, mismatches) = sheet.ask(&built, answers, scope);
@@ -236,13 +237,11 @@ impl<S: Buildable> Sheet<'_, S> {
         let batches = self.set.batches.iter().zip(&mut self.answers);
         for (batch, answers) in batches.filter(|(batch, _)| is_asked(batch.kind)) {
             answers.poison(&batch.expected);
-            let start = scope.clock.now();
-            if scope.plan.threads > 1 {
-                built.trace_chunked(batch, answers);
-            } else {
-                built.trace(batch, answers);
-            }
-            seconds.insert(batch.name(), scope.clock.seconds_since(start));
+            let ((), own) = timed(scope.clock, scope.plan.threads, || match scope.plan.threads {
+                1 => built.trace(batch, answers),
+                _ => built.trace_chunked(batch, answers),
+            });
+            seconds.insert(batch.name(), own);
             if scope.is_confirmed {
                 mismatches += batch.wrong(answers, built.tests_by_library()).count();
             }
@@ -258,9 +257,8 @@ fn render_once<S: Buildable>(scope: &Scope<'_, '_, S>, row: &MeasuredRow<'_>) ->
     let stage = scope.stage;
     scope.pools.measured.install(|| {
         let tracer = row.entry.build(stage.geometry.prims(), &row.params).ok()?;
-        let start = scope.clock.now();
-        let image = render(stage.scene, &*tracer, &scope.plan.settings);
-        let seconds = scope.clock.seconds_since(start);
+        let draw = || render(stage.scene, &*tracer, &scope.plan.settings);
+        let (image, seconds) = timed(scope.clock, scope.plan.threads, draw);
         std::hint::black_box(image);
         Some(seconds)
     })

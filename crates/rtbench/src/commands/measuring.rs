@@ -20,6 +20,7 @@ use crate::gate::against::AgainstError;
 use measurement::journal::Journal;
 use measurement::journal::lines::{Deaths, Line};
 use measurement::plan::{Plan, Rounds};
+use measurement::record::settings::{PROCESSOR_TIME, TIME_OF_DAY};
 use measurement::record::summary::summarize;
 use measurement::record::warnings;
 use measurement::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
@@ -348,6 +349,10 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
             },
             by_kind: plan.by_kind,
             processes: plan.processes,
+            timed_by: match plan.threads {
+                1 if cfg!(unix) => PROCESSOR_TIME.into(),
+                _ => TIME_OF_DAY.into(),
+            },
         },
         scenes: Vec::new(),
         summary: Vec::new(),

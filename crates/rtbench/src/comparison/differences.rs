@@ -58,6 +58,7 @@ pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
     found.unless_known_equal(Concerns::Seconds, "governor", &m.governor, &n.governor);
     found.unless_known_equal(Concerns::Seconds, "boost", &m.boost, &n.boost);
     found.unless_equal(Concerns::Ratios, "reference", &a.reference, &b.reference);
+    found.unless_equal(Concerns::Seconds, "timed by", &a.timed_by, &b.timed_by);
     found.unless_equal(Concerns::Nothing, "system", &m.os, &n.os);
     found.unless_known_equal(Concerns::Nothing, "compiler", &x.rustc, &y.rustc);
     found.0
@@ -137,7 +138,7 @@ mod tests {
         let old = run(&[("tetra", &[("obvhs-cwbvh", &[1.0])])]);
         assert_eq!(differences(&old, &old.clone()), []);
         type Plant = (fn(&mut RunRecord), &'static str, Concerns);
-        let plants: [Plant; 21] = [
+        let plants: [Plant; 22] = [
             (|r| r.settings.threads = 2, "threads: 1, then 2", Concerns::Everything),
             (
                 |r| r.settings.precision = "f64".into(),
@@ -212,6 +213,11 @@ mod tests {
                 |r| r.settings.reference = "hug".into(),
                 "reference: obvhs-cwbvh, then hug",
                 Concerns::Ratios,
+            ),
+            (
+                |r| r.settings.timed_by = "processor time".into(),
+                "timed by: time of day, then processor time",
+                Concerns::Seconds,
             ),
             (|r| r.machine.os = "plan9".into(), "system: linux, then plan9", Concerns::Nothing),
             (

@@ -108,6 +108,7 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
         ("lights asked", run.settings.lights.clone()),
         ("reference", reference::in_words(run)),
         ("processes", run.settings.processes.to_string()),
+        ("timed by", run.settings.timed_by.clone()),
         ("largest resident set", memory(run.peak_rss_bytes)),
     ]
 }
