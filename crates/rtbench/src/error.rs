@@ -9,6 +9,7 @@ use measurement::record::merge::MergeError;
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::LoadError;
 use measurement::system::files::WriteError;
+use plugins::PluginError;
 use presentation::format_error::FormatError;
 use renderer::GeometryError;
 use studies::error::{StudyError, UnsavedImage};
@@ -48,6 +49,9 @@ pub enum Error {
     /// A scene could not be measured.
     #[error(transparent)]
     Measure(Box<MeasureError>),
+    /// A plugin cannot be used.
+    #[error(transparent)]
+    Plugin(#[from] PluginError),
     /// A study ended early.
     #[error(transparent)]
     Study(Box<StudyError>),
@@ -215,6 +219,7 @@ impl Error {
             | Self::Scale(_)
             | Self::Explain(_)
             | Self::Config(_) => USAGE,
+            Self::Plugin(PluginError::NameTaken { .. }) => USAGE,
             Self::Outputs(OutputError::OneStdout) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)

@@ -7,6 +7,7 @@ pub mod label;
 pub mod made_up;
 pub mod merge;
 pub mod metrics;
+mod plugin;
 pub mod query;
 pub mod ratios;
 pub mod reference;
@@ -27,6 +28,7 @@ use serde::{Deserialize, Serialize};
 use crate::settings::shard::ShardRecord;
 
 pub use label::label;
+pub use plugin::PluginRecord;
 pub use row::{Answered, Outliers, RowRecord, Sample};
 pub use scale::ScaleRecord;
 pub use scene::{OracleRecord, SceneRecord};

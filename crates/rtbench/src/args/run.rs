@@ -9,6 +9,7 @@ use crate::args::exports::ExportArgs;
 use crate::args::measuring::MeasuringArgs;
 use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
+use crate::args::plugins::PluginArgs;
 
 /// `rtbench run`.
 #[derive(Debug, Clone, Args)]
@@ -26,6 +27,9 @@ pub struct RunArgs {
     /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
+    /// Structures of yours.
+    #[command(flatten)]
+    pub plugins: PluginArgs,
     /// How much memory a structure may take.
     #[command(flatten)]
     pub memory: MemoryArgs,
@@ -45,7 +49,7 @@ pub struct RunArgs {
     /// and other files than those in DIR are written where this command line says so
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
           "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
-          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "max_memory", "output"])]
+          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "max_memory", "output", "files"])]
     pub resume: Option<PathBuf>,
 }
 

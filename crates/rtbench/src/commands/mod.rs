@@ -13,6 +13,7 @@ pub mod list;
 pub mod measuring;
 pub mod merge;
 pub mod named_files;
+mod plugin_rows;
 pub mod printed;
 pub mod profile;
 pub mod render;
