@@ -10,6 +10,7 @@ use measurement::rounds::error::MeasureError;
 use measurement::scenes::LoadError;
 use measurement::system::files::WriteError;
 use plugins::PluginError;
+use plugins::files::FileError;
 use presentation::format_error::FormatError;
 use renderer::GeometryError;
 use studies::error::{StudyError, UnsavedImage};
@@ -52,6 +53,15 @@ pub enum Error {
     /// A plugin cannot be used.
     #[error(transparent)]
     Plugin(#[from] PluginError),
+    /// A file of hits cannot be used.
+    #[error(transparent)]
+    HitsFile(#[from] FileError),
+    /// Only triangles are written to files.
+    #[error("scene {scene}: not of triangles at rest alone; scenes named ...-tess are tessellated")]
+    NotOfTriangles {
+        /// Scene.
+        scene: String,
+    },
     /// A study ended early.
     #[error(transparent)]
     Study(Box<StudyError>),

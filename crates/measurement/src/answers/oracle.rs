@@ -322,4 +322,28 @@ mod tests {
         assert_eq!(opinion(1.0, 0.5, accel_core::MISS, f32::INFINITY), (1, 0), "on the rim");
         assert_eq!(opinion(0.999, 0.5, accel_core::MISS, f32::INFINITY), (0, 1));
     }
+
+    #[test]
+    fn answers_of_another_test_may_differ_at_edges_if_what_they_claim_is_there() {
+        let geometry = two_triangles();
+        let row = Row::defaults(find("brute-force").unwrap()).unwrap();
+        let oracle = Oracle::of_structure(&geometry, &row, 64.0).unwrap();
+        let opinion = |x: f32, y: f32, id: u32, t: f32| {
+            let mut ray = Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z);
+            ray.t_min = 0.5;
+            let answers = Answers::Hits(vec![Hit { t, id }]);
+            oracle.strict_opinion(&ray, &answers, 0).unwrap()
+        };
+        let is_wrong = |x, y, id, t| matches!(opinion(x, y, id, t), Opinion::Wrong(_));
+        assert_eq!(opinion(0.75, 0.25, 0, 1.0), Opinion::Right);
+        // on the diagonal: either half, none, or the one behind through a crack
+        assert_eq!(opinion(0.5, 0.5, 0, 1.0), Opinion::Right);
+        for (id, t) in [(1, 1.0), (accel_core::MISS, f32::INFINITY), (2, 2.0)] {
+            assert_eq!(opinion(0.5, 0.5, id, t), Opinion::Borderline, "{id}");
+        }
+        // planted faults, on the diagonal as well: a hit that is not there, or not in the interval
+        assert!(is_wrong(0.5, 0.5, 1, 1.01) && is_wrong(0.5, 0.5, 2, 1.0));
+        assert!(is_wrong(0.5, 0.5, 0, 0.25) && is_wrong(0.5, 0.5, 9, 1.0));
+        assert!(is_wrong(0.5, 0.499, 1, 1.0) && is_wrong(0.75, 0.25, accel_core::MISS, 9.0));
+    }
 }

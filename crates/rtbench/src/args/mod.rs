@@ -8,6 +8,7 @@ mod compare_tracers;
 mod doctor;
 mod explain;
 mod exports;
+mod files;
 mod list;
 mod measuring;
 mod memory;
@@ -33,6 +34,10 @@ pub use compare_tracers::CompareTracersArgs;
 pub use doctor::DoctorArgs;
 pub use explain::ExplainArgs;
 pub use exports::ExportArgs;
+pub use files::{
+    CheckHitsArgs, ExportRaysArgs, HitsAction, HitsArgs, RayFormat, RaysAction, RaysArgs,
+    settings_of,
+};
 pub use list::{Format, ListArgs, Listed};
 pub use measuring::MeasuringArgs;
 pub use merge::MergeArgs;
@@ -115,6 +120,10 @@ pub enum Command {
     CompareTracers(CompareTracersArgs),
     /// Inspect, check or fetch scenes
     Scenes(ScenesArgs),
+    /// Write the rays of a scene for another program
+    Rays(RaysArgs),
+    /// Check what another program answered
+    Hits(HitsArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
     Verify(VerifyArgs),
     /// What accuracy costs in time: variants of tests, walks, offsets, samples

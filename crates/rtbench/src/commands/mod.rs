@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod baseline;
+pub mod by_files;
 pub mod check;
 pub mod child;
 pub mod compare;
