@@ -56,6 +56,9 @@ pub enum PluginError {
     /// What its process says of it, the file's name first.
     #[error("{0}")]
     Child(String),
+    /// Asked for where there are none.
+    #[error("--plugin: only `run` has plugins")]
+    OfRunOnly,
     /// There is another row of that name.
     #[error("{}: there is another structure '{name}': give the plugin a name of its own", file.display())]
     NameTaken {

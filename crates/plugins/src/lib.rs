@@ -18,6 +18,7 @@ pub mod error;
 pub mod files;
 pub mod instance;
 pub mod library;
+mod plugin;
 mod registry;
 mod remote;
 mod serve;

@@ -18,6 +18,7 @@ use accel_core::variants::chosen_tests;
 use crate::description::{Description, leak};
 use crate::error::PluginError;
 use crate::library::Library;
+use crate::plugin::Plugin;
 use crate::remote::{Launch, Remote, file_name};
 use crate::tracer::PluginTracer;
 
@@ -32,50 +33,11 @@ pub struct Options {
     pub in_process: bool,
 }
 
-/// A plugin of this process.
-pub(crate) struct Plugin {
-    pub(crate) info: &'static StructureInfo,
-    pub(crate) description: Description,
-    pub(crate) origin: Origin,
-    /// In this process.
-    pub(crate) library: Option<Arc<Library>>,
-    launch: Launch,
-    /// Processes that wait, by the rows that they are of.
-    waiting: Mutex<BTreeMap<String, Remote>>,
-}
-
 /// All of them, by name.
 static PLUGINS: Mutex<BTreeMap<&'static str, Arc<Plugin>>> = Mutex::new(BTreeMap::new());
 
 fn plugins() -> MutexGuard<'static, BTreeMap<&'static str, Arc<Plugin>>> {
     PLUGINS.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Plugin {
-    fn waiting(&self) -> MutexGuard<'_, BTreeMap<String, Remote>> {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The process of a row: the one that waits for it, or a new one.
-    pub(crate) fn process(&self, row: &str) -> Result<Remote, String> {
-        let found = self.waiting().remove(row);
-        match found {
-            Some(remote) => match remote.failure().map(str::to_owned) {
-                Some(how) => {
-                    // a row that ended its process is not tried again
-                    self.keep(row, remote);
-                    Err(how)
-                }
-                None => Ok(remote),
-            },
-            None => Remote::start(&self.launch),
-        }
-    }
-
-    /// Keeps a process for the next time that its row is built.
-    pub(crate) fn keep(&self, row: &str, remote: Remote) {
-        self.waiting().insert(row.to_owned(), remote);
-    }
 }
 
 /// Loads a plugin and makes a line of the registry of it. `sha256` is that of the file. A name that is in
@@ -135,8 +97,7 @@ pub fn entry(
         own_process: !in_process,
         empty_call_s: 0.0,
     };
-    let waiting = Mutex::default();
-    let plugin = Plugin { info, description, origin, library, launch, waiting };
+    let plugin = Plugin::new(info, description, origin, library, launch);
     plugins().insert(name, Arc::new(plugin));
     Ok(Entry::new(info, built, refused_f64))
 }

@@ -10,7 +10,7 @@ use accel_core::{Hit, Ray};
 
 use crate::abi;
 use crate::instance::{Instance, Stats};
-use crate::registry::Plugin;
+use crate::plugin::Plugin;
 use crate::remote::{BuiltOr, Remote, own_hit};
 
 /// Where a structure is.

@@ -229,7 +229,7 @@ impl Error {
             | Self::Scale(_)
             | Self::Explain(_)
             | Self::Config(_) => USAGE,
-            Self::Plugin(PluginError::NameTaken { .. }) => USAGE,
+            Self::Plugin(PluginError::NameTaken { .. } | PluginError::OfRunOnly) => USAGE,
             Self::Outputs(OutputError::OneStdout) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)

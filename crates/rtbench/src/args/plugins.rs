@@ -9,13 +9,13 @@ use clap::Args;
 #[derive(Debug, Clone, Args)]
 pub struct PluginArgs {
     /// A shared library with a structure of yours (rtbench.h): its row stands beside ours
-    #[arg(long = "plugin", value_name = "FILE")]
-    pub files: Vec<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub plugin: Vec<PathBuf>,
     /// Run plugins in this process, not in one of their own: what ends a plugin ends the run
-    #[arg(long, requires = "files")]
+    #[arg(long, requires = "plugin")]
     pub in_process: bool,
     /// Longest time of a plugin's build, and of one of its calls that answer rays
-    #[arg(long, value_name = "TIME", default_value = "60s", requires = "files",
+    #[arg(long, value_name = "TIME", default_value = "60s", requires = "plugin",
           value_parser = measurement::settings::duration::parse)]
     pub plugin_limit: Duration,
 }

@@ -49,7 +49,7 @@ pub struct RunArgs {
     /// and other files than those in DIR are written where this command line says so
     #[arg(long, value_name = "DIR", conflicts_with_all = ["scenes", "structures", "overrides",
           "rays", "rounds", "time_budget", "quick", "threads", "seed", "reference", "precision",
-          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "max_memory", "output", "files"])]
+          "size", "shard", "order", "lights", "by_kind", "pass_limit", "as_set", "max_memory", "output"])]
     pub resume: Option<PathBuf>,
 }
 

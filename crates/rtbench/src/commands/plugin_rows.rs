@@ -26,7 +26,7 @@ impl WithPlugins {
     pub fn load(context: &Context<'_>, args: &PluginArgs) -> Result<Self, Error> {
         let mut registry = context.registry.to_vec();
         let mut plugins = Vec::new();
-        for file in &args.files {
+        for file in &args.plugin {
             let read = |source| PluginError::Read { file: file.clone(), source };
             let program = context.environment.program.clone();
             let options = Options {

@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::Parser;
 use scene_loading::source_names::path_of_name;
 
-use crate::args::{Cli, Color, Command, ExportArgs, RunArgs};
+use crate::args::{Cli, Color, Command, ExportArgs, PluginArgs, RunArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
 use crate::commands::plugin_rows::WithPlugins;
 use crate::commands::resumable::{Begun, go_on, manifest_of, watch};
@@ -32,7 +32,7 @@ pub fn run(
 ) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
         let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };
-        return resume(context, folder, &exports, color);
+        return resume(context, folder, &exports, &args.plugins, color);
     }
     let with_plugins = WithPlugins::load(context, &args.plugins)?;
     let plan = plan_of(context, args, &with_plugins)?;
@@ -49,12 +49,13 @@ pub fn run(
     measure(context, color, &plan, outputs, kept, record)
 }
 
-/// Finishes the run that was begun in a folder. Where to write is taken from this command line alone:
-/// the journal is a file that others may have had their hands on.
+/// Finishes the run that was begun in a folder. Where to write, and which plugins to run, is taken from this
+/// command line alone: the journal is a file that others may have had their hands on.
 fn resume(
     context: &mut Context<'_>,
     folder: &Path,
     exports: &ExportArgs,
+    plugins: &PluginArgs,
     color: Color,
 ) -> Result<u8, Error> {
     let (journal, found) = Journal::resume(folder)?;
@@ -70,7 +71,13 @@ fn resume(
         Ok(_) => return Err(differs("arguments: expected those of `run`".into()).into()),
         Err(error) => return Err(differs(format!("arguments: {error}")).into()),
     };
-    let with_plugins = WithPlugins::load(context, &args.plugins)?;
+    let had = args.plugins.plugin.len();
+    if had != plugins.plugin.len() {
+        let now = plugins.plugin.len();
+        let message = format!("{had} plugins, {now} now: name the same again with --plugin");
+        return Err(differs(message).into());
+    }
+    let with_plugins = WithPlugins::load(context, plugins)?;
     let plan = plan_of(context, &args, &with_plugins)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;

@@ -172,3 +172,34 @@ fn files_that_are_no_plugins_are_refused() {
     let Some(newer) = compiled(&other, "peers/minimal-cpp/minimal.cpp", &more) else { return };
     refused(&newer, "speaks version 99 of rtbench.h, this program version 1", &[]);
 }
+
+#[test]
+fn no_file_of_a_stranger_names_a_plugin() {
+    let folder = Folder::new();
+    let config = Path::new(&folder.path()).join("rtbench.toml");
+    std::fs::write(&config, "[run]\nplugin = [\"evil.so\"]\n").unwrap();
+    let ended = rtbench(&["list", "rays", "--config", config.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(!ended.status.success() && said.contains("plugin"), "{said}");
+    let ended = rtbench(&["baseline", "save", "x", "tetra:2", "--plugin", "evil.so"]);
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.code() == Some(2) && said.contains("only `run` has plugins"), "{said}");
+    // nor does the journal of a run
+    let Some(plugin) = minimal(&folder) else { return };
+    let (out, plugin) = (Folder::new(), plugin.to_str().unwrap());
+    let path = out.path();
+    let begun = ["run", "tetra:2", "--quick", "-s", "hug", "--plugin", plugin, "-o", &path];
+    assert!(rtbench(&begun).status.success());
+    let ended = rtbench(&["run", "--resume", &path]);
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(!ended.status.success() && said.contains("name the same again"), "{said}");
+    let ended = rtbench(&["run", "--resume", &path, "--plugin", plugin]);
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    // another file under the same name
+    let other = Folder::new();
+    let more = ["-DNDEBUG", "-g"];
+    let Some(changed) = compiled(&other, "peers/minimal-cpp/minimal.cpp", &more) else { return };
+    let ended = rtbench(&["run", "--resume", &path, "--plugin", changed.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(!ended.status.success() && said.contains("its file is another"), "{said}");
+}
