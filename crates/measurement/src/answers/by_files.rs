@@ -3,7 +3,8 @@
 use accel_core::{Hit, MISS, Ray};
 use renderer::{Geometry, RayKind};
 
-use crate::answers::judge::{Edges, Judged, judge};
+use crate::answers::edges::Edges;
+use crate::answers::judge::{Judged, judge};
 use crate::answers::oracle::Oracle;
 use crate::answers::reference::{Reference, Stage};
 use crate::plan::Plan;

@@ -3,28 +3,19 @@
 //! What a structure answers with our primitive tests must be right to the last bit. One that comes with
 //! a triangle test of its own (a plugin) may answer otherwise where a ray passes an edge, where two
 //! surfaces meet, or where the interval of the ray ends. Each of its answers that differs is therefore
-//! put before [`Edges`]: it is *at an edge* if moving the ray by [`EDGE_ULPS`] ulps of f32 changes the
-//! right answer, too, and if what it claims to hit is there. Anything else is wrong; and so are answers at
-//! edges where they are more than rounding explains ([`MOST_AT_EDGES`]).
+//! put before an [`EdgeJudge`](crate::answers::edges::EdgeJudge): it is *at an edge* if moving the ray by
+//! [`EDGE_ULPS`](crate::answers::edges::EDGE_ULPS) ulps of f32 changes the right answer, too, and if what it
+//! claims to hit is there. Anything else is wrong; and so are answers at edges where they are more than
+//! rounding explains ([`MOST_AT_EDGES`]).
 
-use std::sync::OnceLock;
-
-use accel_core::Ray;
 use accel_core::registry::Buildable;
-use renderer::Geometry;
 
 use crate::answers::fault;
-use crate::answers::oracle::{Opinion, Oracle};
+use crate::answers::oracle::Opinion;
 use crate::answers::reference::{oracle_rays, oracle_sample};
-use crate::plan::rows::Row;
 use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::rays::exactness::Exactness;
 use crate::rounds::scope::Scope;
-
-/// How far a ray is moved to find out whether it passes an edge: ulps of f32 of the scene's largest
-/// coordinate and of the direction's length. 64 are 4e-6 of the scene: a few times what the usual
-/// f32 tests (Moeller and Trumbore) are off by at triangles that are no slivers.
-pub const EDGE_ULPS: f64 = 64.0;
 
 /// Largest part of answers whose hit is lost, invented or elsewhere at an edge that rounding explains. A ray
 /// from a surface is moved through it, so that a structure that ignores `t_min` in shadow rays is at edges
@@ -35,41 +26,6 @@ const FEW: usize = 16;
 
 /// Answers that are put before the judge after the first wrong one; more are only counted.
 const ENOUGH_WRONG: usize = 64;
-
-/// Who judges answers that differ.
-pub trait EdgeJudge<S: Buildable>: Sync {
-    /// What it thinks of answer `i`, which is that to `ray`; none where it knows no better.
-    fn opinion(&self, ray: &Ray<S>, answers: &Answers<S>, i: usize) -> Option<Opinion>;
-}
-
-/// Judges answers that differ, by the structure that the oracle confirmed, in f64. Built when it is asked
-/// for the first time.
-pub struct Edges<'a> {
-    exact: &'a Geometry<f64>,
-    row: Option<Row<'a>>,
-    oracle: OnceLock<Option<Oracle<'a>>>,
-}
-
-impl<'a> Edges<'a> {
-    /// Of a scene whose answers are those of `row`.
-    pub fn new(exact: &'a Geometry<f64>, row: Option<Row<'a>>) -> Self {
-        Self { exact, row, oracle: OnceLock::new() }
-    }
-
-    fn oracle(&self) -> Option<&Oracle<'a>> {
-        let build = || {
-            let row = self.row.as_ref()?;
-            Oracle::of_structure(self.exact, row, EDGE_ULPS).ok()
-        };
-        self.oracle.get_or_init(build).as_ref()
-    }
-}
-
-impl<S: Buildable> EdgeJudge<S> for Edges<'_> {
-    fn opinion(&self, ray: &Ray<S>, answers: &Answers<S>, i: usize) -> Option<Opinion> {
-        self.oracle()?.strict_opinion(ray, answers, i)
-    }
-}
 
 /// How the answers to a batch compare.
 #[derive(Debug, Default)]

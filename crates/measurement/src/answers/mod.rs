@@ -2,6 +2,7 @@
 
 pub mod by_files;
 pub mod check;
+pub mod edges;
 pub mod fault;
 pub mod judge;
 pub mod oracle;

@@ -10,7 +10,7 @@ use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
 use scene_loading::{Light, Scene};
 
 use crate::answers::check::{Checked, check};
-use crate::answers::judge::Edges;
+use crate::answers::edges::Edges;
 use crate::answers::oracle::Oracle;
 use crate::answers::reference::{Reference, Stage};
 use crate::plan::Plan;

@@ -3,7 +3,7 @@
 use accel_core::registry::Buildable;
 use glam::DVec3;
 
-use crate::answers::judge::EdgeJudge;
+use crate::answers::edges::EdgeJudge;
 use crate::answers::reference::Stage;
 use crate::plan::Plan;
 use crate::rays::batches::BatchSet;
