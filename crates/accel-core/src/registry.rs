@@ -20,6 +20,14 @@ pub struct Entry<L: Listed> {
     build_f64: L::Builder<f64>,
 }
 
+impl<L: Listed> Clone for Entry<L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L: Listed> Copy for Entry<L> {}
+
 impl<L: Listed> Entry<L> {
     /// A line with its builders.
     pub const fn new(

@@ -153,6 +153,9 @@ pub enum BuildError {
         /// What it says.
         message: String,
     },
+    /// The process that was to build it, or to answer for it, ended or hung.
+    #[error("{0}")]
+    Died(String),
     /// A setting is wrong.
     #[error(transparent)]
     Param(#[from] ParamError),

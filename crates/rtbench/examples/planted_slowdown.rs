@@ -11,8 +11,9 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structures::Entry;
+use accel_core::structures::obvhs::{bvh2, cwbvh};
 use accel_core::structures::uniform_grid::{self, UniformGrid};
-use accel_core::structures::{Entry, obvhs_bvh2, obvhs_cwbvh};
 use accel_core::{Ray, Scalar};
 
 static INFO: StructureInfo = StructureInfo {
@@ -28,8 +29,8 @@ static INFO: StructureInfo = StructureInfo {
 };
 
 static REGISTRY: &[Entry] = &[
-    accel_core::entry!(obvhs_bvh2::ObvhsBvh2, obvhs_bvh2::INFO),
-    accel_core::entry!(obvhs_cwbvh::ObvhsCwBvh, obvhs_cwbvh::INFO),
+    accel_core::entry!(bvh2::ObvhsBvh2, bvh2::INFO),
+    accel_core::entry!(cwbvh::ObvhsCwBvh, cwbvh::INFO),
     accel_core::entry!(crate::Slowed, crate::INFO),
 ];
 

@@ -11,6 +11,8 @@ use measurement::rounds::error::MeasureError;
 use measurement::scenes::LoadError;
 use measurement::system::files::WriteError;
 use measurement::system::program_copy::CopyError;
+use plugins::PluginError;
+use plugins::files::FileError;
 use presentation::format_error::FormatError;
 use renderer::GeometryError;
 use studies::error::{StudyError, UnsavedImage};
@@ -50,6 +52,18 @@ pub enum Error {
     /// A scene could not be measured.
     #[error(transparent)]
     Measure(Box<MeasureError>),
+    /// A plugin cannot be used.
+    #[error(transparent)]
+    Plugin(#[from] PluginError),
+    /// A file of hits cannot be used.
+    #[error(transparent)]
+    HitsFile(#[from] FileError),
+    /// Only triangles are written to files.
+    #[error("scene {scene}: not of triangles at rest alone; scenes named ...-tess are tessellated")]
+    NotOfTriangles {
+        /// Scene.
+        scene: String,
+    },
     /// A study ended early.
     #[error(transparent)]
     Study(Box<StudyError>),
@@ -223,6 +237,7 @@ impl Error {
             | Self::Scale(_)
             | Self::Explain(_)
             | Self::Config(_) => USAGE,
+            Self::Plugin(PluginError::NameTaken { .. } | PluginError::OfRunOnly) => USAGE,
             Self::Outputs(OutputError::OneStdout) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)

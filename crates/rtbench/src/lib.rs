@@ -50,7 +50,7 @@ use accel_core::structures::{Entry, REGISTRY};
 use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches};
 
-use crate::args::{Cli, Command};
+use crate::args::{Cli, Command, HitsAction, RaysAction};
 use crate::commands::named_files::named_files;
 use crate::config::{Config, Configured};
 use crate::context::{Context, Environment, Terminal, Verbosity};
@@ -223,6 +223,12 @@ fn dispatched(
         Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
         Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
+        Command::Rays(args) => match &args.action {
+            RaysAction::Export(args) => commands::by_files::export(context, args).map(|()| SUCCESS),
+        },
+        Command::Hits(args) => match &args.action {
+            HitsAction::Check(args) => commands::by_files::check_hits(context, args, cli.color),
+        },
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),

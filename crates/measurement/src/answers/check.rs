@@ -1,16 +1,17 @@
 //! Is a row right, and what does it cost? Before anything of it is timed.
 
 use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::Foreign;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use rayon::prelude::*;
 use scene_loading::source_hash::sha256_of_bytes;
 
-use crate::answers::reference::{oracle_rays, oracle_sample};
+use crate::answers::judge::judge;
 use crate::plan::measured_row::{Built, MeasuredRow};
-use crate::rays::batches::{Answers, Batch, BatchSet, CHUNK};
+use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::record::query::Query;
-use crate::record::{ShapeRecord, Verdict, WorkRecord};
+use crate::record::{PluginRecord, ShapeRecord, Verdict, WorkRecord};
 use crate::rounds::scope::Scope;
 use crate::system::clock::Clock;
 
@@ -28,8 +29,8 @@ pub struct Checked {
     pub shape: ShapeRecord,
     /// How it answers the rays of a batch.
     pub query: Query,
-    /// The work of the counted rays.
-    pub work: WorkRecord,
+    /// The work of the counted rays; none where nothing counts it.
+    pub work: Option<WorkRecord>,
     /// Rays compared.
     pub checked_rays: usize,
     /// Of those, answered wrongly.
@@ -40,6 +41,8 @@ pub struct Checked {
     pub answers_sha256: String,
     /// Seconds that one thread needs for all rays, estimated.
     pub full_pass_s: f64,
+    /// The plugin that it is of.
+    pub plugin: Option<PluginRecord>,
 }
 
 /// Builds a row, asks it all rays (or a sample where that takes too long) and compares.
@@ -54,6 +57,7 @@ pub fn check<S: Buildable>(
     let built = scope.pools.measured.install(|| row.build(prims, scope.lights))?;
     let asked = scope.all.restricted(|kind| row.answers(kind));
     let full_pass_s = pilot(&built, &asked, scope.clock);
+    built.alive()?;
     // the same rays in another order are compared in every round
     let asked = asked.distinct();
     let limits = &scope.plan.limits;
@@ -68,7 +72,8 @@ pub fn check<S: Buildable>(
         &thinned
     };
     let mut work = WorkCounters::default();
-    let (mut checked_rays, mut mismatches, mut example) = (0, 0, None);
+    let (mut checked_rays, mut mismatches, mut edges) = (0, 0, 0);
+    let mut examples = Vec::new();
     let mut answered = Vec::new();
     scope.pools.helper.install(|| {
         for batch in &set.batches {
@@ -79,14 +84,15 @@ pub fn check<S: Buildable>(
             answered.extend(timed_path.bytes());
             let (counted_path, counted) = count(&built, batch);
             work += counted;
-            let by_library = built.tests_by_library();
-            let timed = compare(scope, set, batch, &timed_path, by_library);
-            let counted = compare(scope, set, batch, &counted_path, by_library);
+            let timed = judge(scope, set, batch, &timed_path, built.exactness());
+            let counted = judge(scope, set, batch, &counted_path, built.exactness());
             checked_rays += timed.compared;
             mismatches += timed.wrong.max(counted.wrong);
-            example = example.take().or(timed.example).or(counted.example);
+            edges += timed.edges.max(counted.edges);
+            examples.extend(timed.example.or(counted.example));
         }
     });
+    built.alive()?;
     let shape = shape(&built);
     // of what grew nobody knew before
     scope.plan.memory.allows(row.structure(), shape.memory_bytes.into())?;
@@ -99,20 +105,30 @@ pub fn check<S: Buildable>(
         verdict,
         shape,
         query: built.query(),
-        work: WorkRecord {
+        work: built.foreign().is_none_or(Foreign::has_counters).then(|| WorkRecord {
             rays: set.total() as u64,
             intersection_tests: work.intersection_tests,
             traversal_steps: work.traversal_steps,
             elementary_steps: work.elementary_steps,
             empty_elementary_steps: work.empty_elementary_steps,
             tests_saved: work.tests_saved,
-        },
+        }),
         checked_rays,
         mismatches,
-        example,
+        example: example(examples, built.foreign().is_some()),
         answers_sha256: sha256_of_bytes(&answered),
         full_pass_s,
+        plugin: built.foreign().map(|f| PluginRecord::new(f.origin(), edges as u64)),
     })
+}
+
+/// What is shown of wrong answers: the first; of a plugin, whose author is to find them, the first of each
+/// kind of ray.
+fn example(mut examples: Vec<String>, is_foreign: bool) -> Option<String> {
+    if !is_foreign {
+        examples.truncate(1);
+    }
+    (!examples.is_empty()).then(|| examples.join("; "))
 }
 
 /// Every how many-th ray to take so that a pass stays within the cap; a power of two, so that
@@ -120,42 +136,6 @@ pub fn check<S: Buildable>(
 pub fn stride_for(full_pass_s: f64, cap: f64) -> usize {
     let wanted = (full_pass_s / cap).ceil();
     if wanted > 1.0 { (wanted.min(1e9) as usize).next_power_of_two() } else { 1 }
-}
-
-/// How the answers to a batch compare.
-struct Comparison {
-    compared: usize,
-    wrong: usize,
-    example: Option<String>,
-}
-
-/// Compares the answers to a batch: with those of the reference, or with the oracle
-/// where it confirmed no reference. `by_library`: they are those of a library's own primitive test.
-fn compare<S: Buildable>(
-    scope: &Scope<'_, '_, S>,
-    set: &BatchSet<'_, S>,
-    batch: &Batch<'_, S>,
-    answers: &Answers<S>,
-    by_library: bool,
-) -> Comparison {
-    if !scope.is_confirmed {
-        let (stage, plan) = (scope.stage, scope.plan);
-        let count = oracle_rays(stage.geometry.len(), set.batches.len(), &plan.limits);
-        let rays = batch.rays.len();
-        let sample = oracle_sample(plan.seed, &stage.scene.name, batch.kind, rays, count);
-        let tally = stage.oracle.check(batch.kind, &batch.rays, answers, &sample);
-        let wrong = tally.wrong.len();
-        return Comparison { compared: tally.checked, wrong, example: tally.example };
-    }
-    let mut all = batch.wrong(answers, by_library);
-    let first = all.next();
-    let wrong = usize::from(first.is_some()) + all.count();
-    let example = first.map(|first| {
-        let (kind, ray) = (batch.name(), first * set.stride);
-        let (said, expected) = (answers.describe(first), batch.expected.describe(first));
-        format!("{kind} ray {ray}: {said}, expected {expected}")
-    });
-    Comparison { compared: batch.rays.len(), wrong, example }
 }
 
 /// Seconds that one call a kind would take for all rays, from a few evenly spread ones.
@@ -168,11 +148,7 @@ fn pilot<S: Buildable>(built: &Built<'_, S>, set: &BatchSet<'_, S>, clock: &dyn 
             let stride = (all / wanted.max(1)).max(1);
             let few = batch.thinned(stride);
             let mut answers = Answers::new(batch.kind, few.rays.len());
-            let mut ask = || {
-                let start = clock.now();
-                built.trace(&few, &mut answers);
-                clock.seconds_since(start)
-            };
+            let mut ask = || built.timed(clock, &few, &mut answers, 1);
             // The first time warms up; the smaller of two more is free of most interruptions.
             ask();
             let seconds = ask().min(ask());
@@ -201,11 +177,12 @@ pub fn count<S: Buildable>(
     }
     let mut answers = Answers::new(batch.kind, batch.rays.len());
     answers.poison(&batch.expected);
+    let chunk = built.chunk(batch);
     let Answers::Hits(mut hits) = answers else { return (answers, WorkCounters::default()) };
     let work = batch
         .rays
-        .par_chunks(CHUNK)
-        .zip(hits.par_chunks_mut(CHUNK))
+        .par_chunks(chunk)
+        .zip(hits.par_chunks_mut(chunk))
         .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
         .reduce(WorkCounters::default, |mut a, b| {
             a += b;

@@ -1,5 +1,9 @@
 //! Which answers are right: the oracle, the reference that it confirms, the check of each row.
 
+pub mod by_files;
 pub mod check;
+pub mod edges;
+pub mod fault;
+pub mod judge;
 pub mod oracle;
 pub mod reference;

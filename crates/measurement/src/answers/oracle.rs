@@ -11,20 +11,22 @@
 //! moving the ray changes it by: at grazing angles and on slivers the rounding of a primitive test
 //! counts for more than that of the ray. Borderline rays are counted, never dropped silently.
 
+use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
-use accel_core::structures::find;
+use accel_core::structures::{Entry, find};
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{Geometry, RayKind};
 
+use crate::plan::rows::Row;
 use crate::rays::batches::Answers;
 
-/// How far rays are moved, and how much more t may be off, in ulps of the tested precision.
+/// [`Oracle::ulps`] of the oracle of all runs.
 const ULPS: f64 = 8.0;
 
 /// How much more than the moved rays the rounding of a primitive test may change t.
@@ -45,9 +47,12 @@ pub struct Tally {
 
 /// What the oracle thinks of one answer.
 #[derive(Debug, Clone, PartialEq)]
-enum Opinion {
+pub enum Opinion {
+    /// It is right.
     Right,
+    /// It differs where rounding decides.
     Borderline,
+    /// It is wrong; in words what would be right.
     Wrong(String),
 }
 
@@ -57,6 +62,8 @@ pub struct Oracle<'a> {
     tracer: Box<dyn Tracer<f64> + 'a>,
     /// Largest coordinate of the scene.
     magnitude: f64,
+    /// How far rays are moved, and how much more t may be off, in ulps of the tested precision.
+    ulps: f64,
 }
 
 impl<'a> Oracle<'a> {
@@ -65,16 +72,37 @@ impl<'a> Oracle<'a> {
     /// # Errors
     /// [`BuildError`] for an empty scene.
     pub fn new(geometry: &'a Geometry<f64>) -> Result<Self, BuildError> {
-        let prims = geometry.prims();
         let entry = find("brute-force")
             .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })?;
-        let tracer = entry.build(prims, &entry.params([])?)?;
+        Self::with(geometry, entry, &entry.params([])?, ULPS)
+    }
+
+    /// The same by a structure, for many rays, which are moved by so many ulps of the tested precision.
+    ///
+    /// # Errors
+    /// [`BuildError`] where it cannot be built in f64.
+    pub fn of_structure(
+        geometry: &'a Geometry<f64>,
+        row: &Row<'_>,
+        ulps: f64,
+    ) -> Result<Self, BuildError> {
+        Self::with(geometry, row.entry, &row.params, ulps)
+    }
+
+    fn with(
+        geometry: &'a Geometry<f64>,
+        entry: &Entry,
+        params: &Params,
+        ulps: f64,
+    ) -> Result<Self, BuildError> {
+        let prims = geometry.prims();
+        let tracer = entry.build(prims, params)?;
         let bounds = match prims {
             PrimsRef::Watertight(p) => p.scene_bounds(),
             PrimsRef::Mixed(p) => p.scene_bounds(),
         };
         let magnitude = bounds.min.abs().max(bounds.max.abs()).max_element();
-        Ok(Self { prims, tracer, magnitude })
+        Ok(Self { prims, tracer, magnitude, ulps })
     }
 
     /// Compares the answers to the rays of those indices. Runs in the current rayon pool.
@@ -87,14 +115,7 @@ impl<'a> Oracle<'a> {
     ) -> Tally {
         let opinions: Vec<(usize, Opinion)> = indices
             .par_iter()
-            .filter_map(|&i| {
-                let ray = rays.get(i)?;
-                let opinion = match answers {
-                    Answers::Hits(hits) => self.of_hit(ray, hits.get(i)?),
-                    Answers::Blocked(blocked) => self.of_occlusion(ray, *blocked.get(i)?),
-                };
-                Some((i, opinion))
-            })
+            .filter_map(|&i| Some((i, self.opinion(rays.get(i)?, answers, i)?)))
             .collect();
         let mut tally = Tally { checked: opinions.len(), ..Tally::default() };
         for (i, opinion) in opinions {
@@ -113,12 +134,63 @@ impl<'a> Oracle<'a> {
         tally
     }
 
+    /// What it thinks of answer `i`, which is that to `ray`; none where there is no such answer.
+    pub fn opinion<S: Buildable>(
+        &self,
+        ray: &Ray<S>,
+        answers: &Answers<S>,
+        i: usize,
+    ) -> Option<Opinion> {
+        Some(match answers {
+            Answers::Hits(hits) => self.of_hit(ray, hits.get(i)?),
+            Answers::Blocked(blocked) => self.of_occlusion(ray, *blocked.get(i)?),
+        })
+    }
+
+    /// The same of answers by another primitive test than ours: what they claim must be there. A hit that
+    /// differs is borderline only where rounding decides and the primitive is hit at that parameter by the
+    /// ray or by a moved one, within the interval of the ray.
+    pub fn strict_opinion<S: Buildable>(
+        &self,
+        ray: &Ray<S>,
+        answers: &Answers<S>,
+        i: usize,
+    ) -> Option<Opinion> {
+        let opinion = self.opinion(ray, answers, i)?;
+        let Answers::Hits(hits) = answers else { return Some(opinion) };
+        let hit = hits.get(i).filter(|hit| hit.is_hit());
+        Some(match hit {
+            Some(hit) if !self.is_there(ray, hit) => {
+                Opinion::Wrong("that there is no such hit".into())
+            }
+            _ => opinion,
+        })
+    }
+
+    fn is_there<S: Scalar>(&self, ray: &Ray<S>, hit: &Hit<S>) -> bool {
+        if !(ray.t_min <= hit.t && hit.t <= ray.t_max) {
+            return false;
+        }
+        let (exact, t) = (ray.widened(), hit.t.to_f64());
+        let ends_open =
+            |ray: Ray<f64>| Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..ray };
+        let moved = self.moved::<S>(&exact).into_iter().chain([exact]).map(ends_open);
+        let found: Vec<f64> = moved.filter_map(|ray| self.distance_to(hit.id, &ray)).collect();
+        let [least, most] = found
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)]);
+        let slack = self.slack::<S>(&exact) + self.ulps * S::EPSILON.to_f64() * t.abs();
+        let slack = slack + TEST_ROUNDING * (most - least).max(0.0);
+        t >= least - slack && t <= most + slack
+    }
+
     fn of_hit<S: Scalar>(&self, ray: &Ray<S>, hit: &Hit<S>) -> Opinion {
         let exact = ray.widened();
         let truth = self.closest(&exact);
         let slack = self.slack::<S>(&exact);
         let t = hit.t.to_f64();
-        let near = |a: f64, b: f64| (a - b).abs() <= slack + ULPS * S::EPSILON.to_f64() * b.abs();
+        let near =
+            |a: f64, b: f64| (a - b).abs() <= slack + self.ulps * S::EPSILON.to_f64() * b.abs();
         if hit.id == truth.id && (!truth.is_hit() || near(t, truth.t)) {
             return Opinion::Right;
         }
@@ -161,13 +233,13 @@ impl<'a> Oracle<'a> {
 
     /// How far origins are moved.
     fn reach<S: Scalar>(&self, ray: &Ray<f64>) -> f64 {
-        ULPS * S::EPSILON.to_f64() * self.magnitude.max(ray.origin.abs().max_element())
+        self.ulps * S::EPSILON.to_f64() * self.magnitude.max(ray.origin.abs().max_element())
     }
 
     /// The ray, moved along and turned about each axis, both ways.
     fn moved<S: Scalar>(&self, ray: &Ray<f64>) -> Vec<Ray<f64>> {
         let shift = self.reach::<S>(ray);
-        let turn = ULPS * S::EPSILON.to_f64() * ray.direction.length();
+        let turn = self.ulps * S::EPSILON.to_f64() * ray.direction.length();
         let mut rays = Vec::with_capacity(12);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
             rays.push(Ray { origin: ray.origin + axis * shift, ..*ray });
@@ -249,5 +321,29 @@ mod tests {
         assert_eq!(opinion(0.5, 0.4999, 1, 1.0), (0, 1), "beside it only one is");
         assert_eq!(opinion(1.0, 0.5, accel_core::MISS, f32::INFINITY), (1, 0), "on the rim");
         assert_eq!(opinion(0.999, 0.5, accel_core::MISS, f32::INFINITY), (0, 1));
+    }
+
+    #[test]
+    fn answers_of_another_test_may_differ_at_edges_if_what_they_claim_is_there() {
+        let geometry = two_triangles();
+        let row = Row::defaults(find("brute-force").unwrap()).unwrap();
+        let oracle = Oracle::of_structure(&geometry, &row, 64.0).unwrap();
+        let opinion = |x: f32, y: f32, id: u32, t: f32| {
+            let mut ray = Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z);
+            ray.t_min = 0.5;
+            let answers = Answers::Hits(vec![Hit { t, id }]);
+            oracle.strict_opinion(&ray, &answers, 0).unwrap()
+        };
+        let is_wrong = |x, y, id, t| matches!(opinion(x, y, id, t), Opinion::Wrong(_));
+        assert_eq!(opinion(0.75, 0.25, 0, 1.0), Opinion::Right);
+        // on the diagonal: either half, none, or the one behind through a crack
+        assert_eq!(opinion(0.5, 0.5, 0, 1.0), Opinion::Right);
+        for (id, t) in [(1, 1.0), (accel_core::MISS, f32::INFINITY), (2, 2.0)] {
+            assert_eq!(opinion(0.5, 0.5, id, t), Opinion::Borderline, "{id}");
+        }
+        // planted faults, on the diagonal as well: a hit that is not there, or not in the interval
+        assert!(is_wrong(0.5, 0.5, 1, 1.01) && is_wrong(0.5, 0.5, 2, 1.0));
+        assert!(is_wrong(0.5, 0.5, 0, 0.25) && is_wrong(0.5, 0.5, 9, 1.0));
+        assert!(is_wrong(0.5, 0.499, 1, 1.0) && is_wrong(0.75, 0.25, accel_core::MISS, 9.0));
     }
 }

@@ -4,7 +4,7 @@
 use accel_core::occluders::{self, BoxedOccluder};
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::{Foreign, ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structure::{Batches, BuildError, Shape};
 use accel_core::structures::Entry;
@@ -15,8 +15,10 @@ use renderer::RayKind;
 use crate::plan::error::PlanError;
 use crate::plan::rows::{self, Row};
 use crate::rays::batches::{Answers, Batch, CHUNK, trace, trace_chunked};
+use crate::rays::exactness::Exactness;
 use crate::record::query::Query;
 use crate::settings::suggest;
+use crate::system::clock::{Clock, timed};
 
 /// A row of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,6 +123,9 @@ impl<S: Buildable> Built<'_, S> {
     /// The same in chunks over the current rayon pool.
     pub fn trace_chunked(&self, batch: &Batch<'_, S>, answers: &mut Answers<S>) {
         match (self, answers) {
+            (Self::Structure(tracer), answers) if tracer.foreign().is_some() => {
+                trace(&**tracer, &batch.rays, answers);
+            }
             (Self::Structure(tracer), answers) => trace_chunked(&**tracer, &batch.rays, answers),
             (Self::Occluder(occluder), Answers::Blocked(blocked)) => batch
                 .rays
@@ -137,11 +142,12 @@ impl<S: Buildable> Built<'_, S> {
         let mut answers = Answers::new(batch.kind, batch.rays.len());
         answers.poison(&batch.expected);
         let Answers::Blocked(mut blocked) = answers else { return Default::default() };
+        let chunk = self.chunk(batch);
         let chunks = batch
             .rays
-            .par_chunks(CHUNK)
-            .zip(batch.lights.par_chunks(CHUNK))
-            .zip(blocked.par_chunks_mut(CHUNK));
+            .par_chunks(chunk)
+            .zip(batch.lights.par_chunks(chunk))
+            .zip(blocked.par_chunks_mut(chunk));
         let work = chunks
             .map(|((rays, lights), blocked)| match self {
                 Self::Structure(tracer) => {
@@ -164,6 +170,7 @@ impl<S: Buildable> Built<'_, S> {
     /// How it answers the rays of a batch.
     pub fn query(&self) -> Query {
         match self.batches() {
+            _ if self.foreign().is_some_and(Foreign::answers_batches) => Query::Batch,
             Batches::InFlight => Query::Batch,
             Batches::RayByRay | Batches::Library => Query::OneRay,
         }
@@ -176,9 +183,54 @@ impl<S: Buildable> Built<'_, S> {
         }
     }
 
-    /// Whether answers are those of a library's own primitive test.
-    pub fn tests_by_library(&self) -> bool {
-        self.batches() == Batches::Library
+    /// How far its answers must agree with those expected.
+    pub fn exactness(&self) -> Exactness {
+        match self.foreign().map(|foreign| foreign.origin().has_own_test) {
+            Some(true) => Exactness::OwnTest,
+            Some(false) => Exactness::OurTest,
+            None if self.batches() == Batches::Library => Exactness::Library,
+            None => Exactness::Bits,
+        }
+    }
+
+    /// What is to be known of it where its code is not of this program.
+    pub fn foreign(&self) -> Option<&dyn Foreign> {
+        match self {
+            Self::Structure(tracer) => tracer.foreign(),
+            Self::Occluder(_) => None,
+        }
+    }
+
+    /// Rays of a batch that one thread asks at a time; of a foreign structure all.
+    pub fn chunk(&self, batch: &Batch<'_, S>) -> usize {
+        if self.foreign().is_some() { batch.rays.len().max(1) } else { CHUNK }
+    }
+
+    /// Seconds that it takes to answer a batch: in one call, or with several threads in chunks over the
+    /// current rayon pool. A foreign structure divides batches itself, and is timed where it is called.
+    pub fn timed(
+        &self,
+        clock: &dyn Clock,
+        batch: &Batch<'_, S>,
+        answers: &mut Answers<S>,
+        threads: usize,
+    ) -> f64 {
+        let ((), seconds) = timed(clock, threads, || match threads {
+            1 => self.trace(batch, answers),
+            _ => self.trace_chunked(batch, answers),
+        });
+        self.foreign().map_or(seconds, Foreign::take_seconds)
+    }
+
+    /// Why nothing that it answered counts.
+    ///
+    /// # Errors
+    /// [`BuildError::Died`] with the reason.
+    pub fn alive(&self) -> Result<(), BuildError> {
+        match self.foreign().and_then(Foreign::failure) {
+            Some(how) => Err(BuildError::Died(how)),
+            None => Ok(()),
+        }
     }
 
     /// What was built.

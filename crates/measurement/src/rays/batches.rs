@@ -6,11 +6,12 @@ use std::ops::Range;
 use accel_core::occluders::NearestLight;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{RayBatches, RayKind};
 
+use crate::rays::exactness::{Exactness, is_apart};
 use crate::rays::order::{RayOrder, batch_name};
 
 /// Rays that one thread traces at a time when there are several threads.
@@ -125,22 +126,6 @@ fn indices<'a>(differ: impl Iterator<Item = bool> + 'a) -> Box<dyn Iterator<Item
     Box::new(differ.enumerate().filter_map(|(i, d)| d.then_some(i)))
 }
 
-/// What rounding may do to the parameter of a hit, in parts of it and of the distance from the
-/// world's origin to that of the ray: 256 epsilons of f32.
-const ROUNDING: f64 = 1.0 / 65_536.0;
-
-/// Whether two hits of a ray are more than rounding apart, or only one is a hit.
-fn is_apart<S: Scalar>(a: &Hit<S>, b: &Hit<S>, ray: &Ray<S>) -> bool {
-    if !a.is_hit() || !b.is_hit() {
-        return a.is_hit() != b.is_hit();
-    }
-    let largest = |v: Vec3<S>| v.to_dvec3().abs().max_element();
-    let (t, other) = (a.t.to_f64(), b.t.to_f64());
-    let scale = other.abs() + largest(ray.origin) / largest(ray.direction);
-    let distance = (t - other).abs();
-    distance.is_nan() || scale.is_nan() || distance > ROUNDING * scale
-}
-
 /// Rays of one kind and the answers expected.
 #[derive(Debug, Clone)]
 pub struct Batch<'a, S: Scalar> {
@@ -162,21 +147,38 @@ impl<S: Buildable> Batch<'_, S> {
         batch_name(self.kind.name(), self.order)
     }
 
-    /// Indices of the rays that were answered wrongly: otherwise than expected, to the last bit. Of
-    /// answers that are those of a library's own primitive test (`by_library`) that would be nearly
-    /// all: of these a hit is wrong where none is expected, or one whose parameter differs by more
-    /// than rounding; which of the primitives is named that meet there is not asked.
+    /// Indices of the rays that were answered otherwise than expected, as far as answers must agree. To the
+    /// last bit nearly all answers of another primitive test would be wrong.
     pub fn wrong<'b>(
         &'b self,
         answers: &'b Answers<S>,
-        by_library: bool,
+        exactness: Exactness,
     ) -> Box<dyn Iterator<Item = usize> + 'b> {
         match (answers, &self.expected) {
-            (Answers::Hits(own), Answers::Hits(expected)) if by_library => {
+            (Answers::Hits(own), Answers::Hits(expected))
+                if matches!(exactness, Exactness::Library | Exactness::OwnTest) =>
+            {
                 let pairs = own.iter().zip(expected).zip(self.rays.iter());
-                indices(pairs.map(|((own, expected), ray)| is_apart(own, expected, ray)))
+                indices(pairs.map(move |((own, expected), ray)| {
+                    is_apart(own, expected, ray)
+                        || exactness == Exactness::OwnTest && own.id != expected.id
+                }))
             }
             (answers, expected) => answers.differing(expected),
+        }
+    }
+
+    /// Whether the answer to ray `i` is another than the one expected by more than rounding, or than the name
+    /// of a primitive.
+    pub fn is_apart(&self, answers: &Answers<S>, i: usize) -> bool {
+        match (answers, &self.expected) {
+            (Answers::Hits(own), Answers::Hits(expected)) => {
+                match (own.get(i), expected.get(i), self.rays.get(i)) {
+                    (Some(own), Some(expected), Some(ray)) => is_apart(own, expected, ray),
+                    _ => true,
+                }
+            }
+            _ => true,
         }
     }
 
@@ -341,7 +343,8 @@ mod tests {
             lights: Vec::new(),
             expected: Answers::Hits(expected.clone()),
         };
-        let wrong = |answers: &[Hit<f32>], by_library| {
+        let wrong = |answers: &[Hit<f32>], by_library: bool| {
+            let by_library = if by_library { Exactness::Library } else { Exactness::Bits };
             let answers = Answers::Hits(answers.to_vec());
             batch.wrong(&answers, by_library).collect::<Vec<_>>()
         };

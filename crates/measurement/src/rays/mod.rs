@@ -1,5 +1,6 @@
 //! The rays that are replayed to every row.
 
 pub mod batches;
+pub mod exactness;
 pub mod order;
 pub mod reordered;

@@ -10,6 +10,7 @@ pub mod machines;
 pub mod made_up;
 pub mod merge;
 pub mod metrics;
+mod plugin;
 pub mod query;
 pub mod ratios;
 pub mod reference;
@@ -31,6 +32,7 @@ use crate::settings::shard::ShardRecord;
 
 pub use floor::FloorRecord;
 pub use label::label;
+pub use plugin::PluginRecord;
 pub use row::{Answered, Outliers, RowRecord, Sample};
 pub use scale::ScaleRecord;
 pub use scene::{OracleRecord, SceneRecord};

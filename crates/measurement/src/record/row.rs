@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::record::label::{label, with_query};
+use crate::record::plugin::PluginRecord;
 use crate::record::query::Query;
 use crate::record::verdict::Verdict;
 use crate::record::work::{ShapeRecord, WorkRecord};
@@ -139,6 +140,9 @@ pub struct RowRecord {
     /// by `rtbench scale` only.
     #[serde(default)]
     pub peak_build_bytes: Option<u64>,
+    /// The plugin that it is of; none for what is of this program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plugin: Option<PluginRecord>,
 }
 
 /// Samples of a row beyond the fences of [`outliers`], none of them dropped.

@@ -3,10 +3,13 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use accel_core::query::tracer::Foreign;
 use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
 use renderer::{RayKind, render};
 
 use crate::answers::check::{Checked, stride_for};
+use crate::answers::judge::judge;
 use crate::plan::measured_row::{Built, MeasuredRow};
 use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
@@ -34,6 +37,15 @@ pub struct Timed {
     pub render_s: Option<f64>,
     /// It panicked in a round and was left out from there on.
     pub panicked: Option<Panicked>,
+    /// Its process ended in a round, likewise.
+    pub died: Option<BuildError>,
+}
+
+impl Timed {
+    /// Nothing ended it so far.
+    fn is_alive(&self) -> bool {
+        self.panicked.is_none() && self.died.is_none()
+    }
 }
 
 /// A sample of the rays and room for the answers to them.
@@ -78,7 +90,7 @@ pub fn measure<S: Buildable>(
     interleaved_from(first, rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
         of_reference.resize_with(round + 1, BTreeMap::new);
         let row = rows[row];
-        let Some(stride) = strides[row].filter(|_| timed[row].panicked.is_none()) else { return };
+        let Some(stride) = strides[row].filter(|_| timed[row].is_alive()) else { return };
         let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == baseline };
         if round == first {
             log.row_begins(&asked.row.label());
@@ -88,8 +100,13 @@ pub fn measure<S: Buildable>(
         let seen = caught(|| asked.make(scope, &mut sheets, &mut of_reference[round]));
         let out = &mut timed[row];
         let seen = match seen {
-            Ok(Some(seen)) => seen,
-            Ok(None) => return,
+            Ok(Ok(seen)) => seen,
+            Ok(Err(died @ BuildError::Died(_))) => {
+                out.died = Some(died);
+                return;
+            }
+            // it was built before, and cannot be built again
+            Ok(Err(_)) => return,
             Err(panicked) => {
                 out.panicked = Some(panicked);
                 return;
@@ -130,9 +147,10 @@ pub fn measure<S: Buildable>(
         let row = rows[i];
         let cheap = checked[row].as_ref().is_some_and(|c| {
             let seconds = c.full_pass_s / plan.threads as f64;
-            seconds <= plan.limits.render_pass
+            // an image would be timed with the way to its process and back
+            seconds <= plan.limits.render_pass && c.plugin.is_none()
         });
-        if cheap && !plan.rows[row].is_sampled() && timed[row].panicked.is_none() {
+        if cheap && !plan.rows[row].is_sampled() && timed[row].is_alive() {
             log.row_begins(&plan.rows[row].label());
             match caught(|| render_once(scope, &plan.rows[row])) {
                 Ok(seconds) => timed[row].render_s = seconds,
@@ -196,20 +214,23 @@ struct Seen {
 
 impl Asked<'_, '_> {
     /// Builds the row and asks it. The baseline answers every other row's sample of rays as well,
-    /// so that ratios are taken over the same rays in the same round. None when the row, which
-    /// was built before, cannot be built again.
+    /// so that ratios are taken over the same rays in the same round. An error when the row, which
+    /// was built before, cannot be built again, or ends its process.
     fn make<S: Buildable>(
         &self,
         scope: &Scope<'_, '_, S>,
         sheets: &mut BTreeMap<usize, Sheet<'_, S>>,
         of_reference: &mut BTreeMap<usize, Seconds>,
-    ) -> Option<Seen> {
+    ) -> Result<Seen, BuildError> {
         let prims = scope.stage.geometry.prims();
         scope.pools.measured.install(|| {
             let build = || self.row.build(prims, scope.lights);
             let (built, build_s) = timed(scope.clock, scope.plan.threads, build);
-            let built = built.ok()?;
-            let sheet = sheets.get_mut(&self.stride)?;
+            let built = built?;
+            let build_s = built.foreign().map_or(build_s, Foreign::build_seconds);
+            let Some(sheet) = sheets.get_mut(&self.stride) else {
+                return Err(BuildError::NoPrimitives { structure: self.row.structure() });
+            };
             let answers = |kind| self.row.answers(kind);
             let (trace_s, mismatches) = sheet.ask(&built, answers, scope);
             if self.is_baseline {
@@ -218,7 +239,8 @@ impl Asked<'_, '_> {
                     of_reference.insert(*stride, sheet.ask(&built, answers, scope).0);
                 }
             }
-            Some(Seen { build_s, trace_s, mismatches })
+            built.alive()?;
+            Ok(Seen { build_s, trace_s, mismatches })
         })
     }
 }
@@ -237,13 +259,10 @@ impl<S: Buildable> Sheet<'_, S> {
         let batches = self.set.batches.iter().zip(&mut self.answers);
         for (batch, answers) in batches.filter(|(batch, _)| is_asked(batch.kind)) {
             answers.poison(&batch.expected);
-            let ((), own) = timed(scope.clock, scope.plan.threads, || match scope.plan.threads {
-                1 => built.trace(batch, answers),
-                _ => built.trace_chunked(batch, answers),
-            });
-            seconds.insert(batch.name(), own);
+            let took = built.timed(scope.clock, batch, answers, scope.plan.threads);
+            seconds.insert(batch.name(), took);
             if scope.is_confirmed {
-                mismatches += batch.wrong(answers, built.tests_by_library()).count();
+                mismatches += judge(scope, &self.set, batch, answers, built.exactness()).wrong;
             }
         }
         (seconds, mismatches)

@@ -10,6 +10,7 @@ use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
 use scene_loading::{Light, Scene};
 
 use crate::answers::check::{Checked, check};
+use crate::answers::edges::Edges;
 use crate::answers::oracle::Oracle;
 use crate::answers::reference::{Reference, Stage};
 use crate::plan::Plan;
@@ -70,7 +71,10 @@ pub fn run_scene<S: Buildable>(
     let lights = lights_asked(scene, &plan.settings);
     let all = BatchSet::new(&rays, answers, &lights);
     let all = all.in_orders(plan.orders, plan.seed, &scene.name);
+    let confirmed = plan.answers.iter().find(|row| judged.reference == Some(row.label()));
+    let edges = Edges::new(&exact, confirmed.cloned());
     let scope = Scope {
+        edges: &edges,
         plan,
         stage: &stage,
         lights: &lights,
@@ -187,8 +191,10 @@ impl RowParts<'_, '_> {
         let Self { row, checked, refused, timed } = self;
         // one that panics once is not trusted any more
         let refused = timed.panicked.map(Refused::Panic).or(refused);
+        let refused = timed.died.map(Refused::Build).or(refused);
         let mut verdict = match (&refused, &checked) {
             (Some(Refused::Panic(_) | Refused::Death(_)), _) => Verdict::Panicked,
+            (Some(Refused::Build(BuildError::Died(_))), _) => Verdict::Panicked,
             (Some(Refused::Limit(_)), _) => Verdict::OverLimit,
             (Some(Refused::Build(BuildError::OutOfMemory(_))), _) => Verdict::OutOfMemory,
             (_, Some(checked)) => checked.verdict,
@@ -218,7 +224,7 @@ impl RowParts<'_, '_> {
         };
         RowRecord {
             shape: checked.as_ref().map(|c| c.shape.clone()),
-            work: checked.as_ref().map(|c| c.work.clone()),
+            work: checked.as_ref().and_then(|c| c.work.clone()),
             checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
             mismatches,
             answers_sha256: checked.as_ref().map(|c| c.answers_sha256.clone()),
@@ -226,6 +232,7 @@ impl RowParts<'_, '_> {
             stride: stride as u64,
             rays: rays_by_kind.values().sum(),
             rays_by_kind,
+            plugin: checked.as_ref().and_then(|c| c.plugin.clone()),
             query: checked.as_ref().map(|c| c.query).unwrap_or_default(),
             render_s: timed.render_s.filter(|_| verdict.is_timed()),
             samples,
@@ -268,6 +275,7 @@ pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>
         samples: Vec::new(),
         outliers: Outliers::default(),
         peak_build_bytes: None,
+        plugin: None,
     }
 }
 

@@ -3,6 +3,7 @@
 use accel_core::registry::Buildable;
 use glam::DVec3;
 
+use crate::answers::edges::EdgeJudge;
 use crate::answers::reference::Stage;
 use crate::plan::Plan;
 use crate::rays::batches::BatchSet;
@@ -22,6 +23,8 @@ pub struct Scope<'a, 'r, S: Buildable> {
     pub all: &'a BatchSet<'a, S>,
     /// The oracle confirmed those answers.
     pub is_confirmed: bool,
+    /// Judges answers that differ at edges.
+    pub edges: &'a (dyn EdgeJudge<S> + 'a),
     /// Threads.
     pub pools: &'a Pools,
     /// Time.

@@ -8,6 +8,7 @@ use clap::{Args, Subcommand};
 
 use crate::args::baseline::FolderArgs;
 use crate::args::parsers::{choice, scene_name};
+use crate::args::plugins::ServeArgs;
 use crate::args::scale::TrialArgs;
 use crate::gate::thresholds::Thresholds;
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
@@ -193,6 +194,8 @@ pub enum ChildAction {
     CountInstructions,
     /// Build one row and say how much memory that took; ends when standard input ends
     Build(TrialArgs),
+    /// Answer rays with a plugin, as a run asks over a socket; ends when standard input ends
+    Plugin(ServeArgs),
     /// Build each row and ask it a window of each batch of rays, for a simulation of caches
     AskWindows {
         /// Rays of a window.

@@ -8,11 +8,13 @@ mod compare_tracers;
 mod doctor;
 mod explain;
 mod exports;
+mod files;
 mod list;
 mod measuring;
 mod memory;
 mod merge;
 mod parsers;
+mod plugins;
 mod printed;
 mod profile;
 mod render;
@@ -32,9 +34,14 @@ pub use compare_tracers::CompareTracersArgs;
 pub use doctor::DoctorArgs;
 pub use explain::ExplainArgs;
 pub use exports::ExportArgs;
+pub use files::{
+    CheckHitsArgs, ExportRaysArgs, HitsAction, HitsArgs, RayFormat, RaysAction, RaysArgs,
+    settings_of,
+};
 pub use list::{Format, ListArgs, Listed};
 pub use measuring::MeasuringArgs;
 pub use merge::MergeArgs;
+pub use plugins::{PluginArgs, ServeArgs};
 pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use profile::ProfileArgs;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
@@ -113,6 +120,10 @@ pub enum Command {
     CompareTracers(CompareTracersArgs),
     /// Inspect, check or fetch scenes
     Scenes(ScenesArgs),
+    /// Write the rays of a scene for another program
+    Rays(RaysArgs),
+    /// Check what another program answered
+    Hits(HitsArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
     Verify(VerifyArgs),
     /// What accuracy costs in time: variants of tests, walks, offsets, samples

@@ -9,6 +9,7 @@ use crate::args::exports::ExportArgs;
 use crate::args::measuring::MeasuringArgs;
 use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
+use crate::args::plugins::PluginArgs;
 
 /// `rtbench run`.
 #[derive(Debug, Clone, Args)]
@@ -26,6 +27,9 @@ pub struct RunArgs {
     /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
+    /// Structures of yours.
+    #[command(flatten)]
+    pub plugins: PluginArgs,
     /// How much memory a structure may take.
     #[command(flatten)]
     pub memory: MemoryArgs,
@@ -34,7 +38,7 @@ pub struct RunArgs {
     pub shard: Option<measurement::settings::shard::Shard>,
     /// Build and time each scene in that many processes, and take intervals over both levels; every
     /// second process runs a copy of the program's file
-    #[arg(long, value_name = "N", default_value_t = 1,
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "plugin",
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub processes: u32,
     /// Also print ratios of each kind of ray, and the time to a picture of a million primary rays

@@ -47,6 +47,9 @@ fn gate(error: BaselineError) -> Error {
 fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8, Error> {
     // what makes no sense is said before anything is measured
     store.free(&args.name, args.force).map_err(gate)?;
+    if !args.run.plugins.plugin.is_empty() {
+        return Err(plugins::PluginError::OfRunOnly.into());
+    }
     if args.run.resume.is_some() {
         return Err(gate(BaselineError::Resume));
     }

@@ -1,6 +1,6 @@
 //! What `rtbench check` starts as processes of their own: a record on standard input says what to
 //! do, the answer goes to standard output as JSON. And what `rtbench scale` starts, which needs no
-//! record: see `trial_build`.
+//! record: see `trial_build`. And the process of a plugin's row: see [`plugins::serve`].
 
 use std::io::Read;
 
@@ -35,6 +35,11 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     };
     let (answer, failures) = match &args.action {
         ChildAction::Build(build) => return trial_build::run(context, build).map(|()| SUCCESS),
+        ChildAction::Plugin(args) => {
+            trial_build::end_with_parent();
+            plugins::serve(&args.file, &args.socket)?;
+            return Ok(SUCCESS);
+        }
         ChildAction::Measure { rounds, lightly, process, first_round } => {
             let record = record()?;
             let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };

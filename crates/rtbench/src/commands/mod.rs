@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod baseline;
+pub mod by_files;
 pub mod check;
 pub mod child;
 pub mod compare;
@@ -14,6 +15,7 @@ pub mod measuring;
 pub mod merge;
 mod merge_machines;
 pub mod named_files;
+mod plugin_rows;
 pub mod printed;
 mod processes;
 pub mod profile;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::args::{BaselineAction, Command, ExportArgs, Publication};
+use crate::args::{BaselineAction, Command, ExportArgs, Publication, RaysAction, RaysArgs};
 use crate::commands::{cost, printed};
 
 /// The files that a command is asked for by name, `-` among them; what folders are filled with is asked for by the
@@ -44,6 +44,9 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
             Publication::Havran1999(args) => cloned(&[&args.export_csv]),
             Publication::Zachmann2007(args) => cloned(&[&args.export_csv]),
         },
+        Command::Rays(RaysArgs { action: RaysAction::Export(args) }) => {
+            cloned(&[&args.output, &args.triangles])
+        }
         Command::Render(args) => cloned(&[&args.output]),
         Command::Cost(args) => within(&args.heat_maps, &cost::MAPS.map(str::to_owned)),
         Command::Man(args) => within(&args.output, &printed::page_names()),

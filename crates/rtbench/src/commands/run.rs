@@ -6,8 +6,9 @@ use std::path::Path;
 use clap::Parser;
 use scene_loading::source_names::path_of_name;
 
-use crate::args::{Cli, Color, Command, ExportArgs, RunArgs};
+use crate::args::{Cli, Color, Command, ExportArgs, PluginArgs, RunArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
+use crate::commands::plugin_rows::WithPlugins;
 use crate::commands::resumable::{Begun, go_on, manifest_of, watch};
 use crate::commands::run_outputs;
 use crate::commands::scale;
@@ -31,9 +32,10 @@ pub fn run(
 ) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
         let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };
-        return resume(context, folder, &exports, color);
+        return resume(context, folder, &exports, &args.plugins, color);
     }
-    let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
+    let with_plugins = WithPlugins::load(context, &args.plugins)?;
+    let plan = plan_of(context, args, &with_plugins)?;
     let record = begin(context, &plan);
     let mut kept = Kept::default();
     let manifest = manifest_of(context, &plan, &record, arguments);
@@ -47,12 +49,13 @@ pub fn run(
     measure(context, color, &plan, outputs, kept, record)
 }
 
-/// Finishes the run that was begun in a folder. Where to write is taken from this command line alone:
-/// the journal is a file that others may have had their hands on.
+/// Finishes the run that was begun in a folder. Where to write, and which plugins to run, is taken from this
+/// command line alone: the journal is a file that others may have had their hands on.
 fn resume(
     context: &mut Context<'_>,
     folder: &Path,
     exports: &ExportArgs,
+    plugins: &PluginArgs,
     color: Color,
 ) -> Result<u8, Error> {
     let (journal, found) = Journal::resume(folder)?;
@@ -68,9 +71,19 @@ fn resume(
         Ok(_) => return Err(differs("arguments: expected those of `run`".into()).into()),
         Err(error) => return Err(differs(format!("arguments: {error}")).into()),
     };
-    let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
+    let had = args.plugins.plugin.len();
+    if had != plugins.plugin.len() {
+        let now = plugins.plugin.len();
+        let message = format!("{had} plugins, {now} now: name the same again with --plugin");
+        return Err(differs(message).into());
+    }
+    let with_plugins = WithPlugins::load(context, plugins)?;
+    let plan = plan_of(context, &args, &with_plugins)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
+    if let Some(name) = kept.finished.values().find_map(|s| with_plugins.changed_since(s)) {
+        return Err(differs(format!("plugin {name}: its file is another")).into());
+    }
     for path in run_outputs::left_behind(&args.exports, exports) {
         context.warn(format_args!(
             "{} was begun with this run and is not written any more: name it again with its --export option",
@@ -80,6 +93,20 @@ fn resume(
     let outputs = run_outputs::of_run(exports)?;
     watch(context, &kept, Some(folder), plan.scenes.len())?;
     measure(context, color, &plan, outputs, kept, record)
+}
+
+/// What is measured, the rows of plugins among it. No plugin judges answers.
+fn plan_of<'r, 'c: 'r>(
+    context: &Context<'c>,
+    args: &RunArgs,
+    with_plugins: &'r WithPlugins,
+) -> Result<Plan<'r>, Error> {
+    let mut settings = args.settings();
+    with_plugins.add_rows(&mut settings);
+    let (registry, occluders) = (&with_plugins.registry, context.occluders);
+    let mut plan = Plan::of_run(&settings, registry, occluders, context.scenes)?;
+    plan.answers.retain(|row| !with_plugins.is_plugin(row.structure()));
+    Ok(plan)
 }
 
 fn measure(

@@ -72,7 +72,7 @@ fn say(context: &mut Context<'_>, event: &Event) -> Result<(), Error> {
 
 /// Ends this process when its standard input ends: whoever wanted the answer is gone, interrupted
 /// or killed, and a build can go on for long.
-fn end_with_parent() {
+pub fn end_with_parent() {
     std::thread::spawn(|| {
         let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
         std::process::exit(i32::from(FAILURE));

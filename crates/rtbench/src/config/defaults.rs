@@ -13,8 +13,9 @@ use crate::args::Cli;
 use crate::config::file::{Config, ConfigError};
 use measurement::settings::suggest;
 
-/// What may not stand in a file: what belongs to one run alone.
-const NOT_THERE: [&str; 4] = ["help", "overwrite", "resume", "version"];
+/// What may not stand in a file: what belongs to one run alone, and what runs a stranger's code.
+const NOT_THERE: [&str; 7] =
+    ["help", "overwrite", "resume", "version", "plugin", "in_process", "plugin_limit"];
 
 /// Options of which the later one wins, whatever their names: one typed takes both from the file.
 const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];

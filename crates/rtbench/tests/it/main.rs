@@ -11,6 +11,7 @@ mod explain;
 mod hard_cases;
 mod house;
 mod occluders;
+mod plugins;
 mod processes;
 mod report;
 mod results;

@@ -118,6 +118,11 @@ fn rates(row: &RowRecord) -> [Option<f64>; 4] {
     [of("primary"), of("shadow"), secondary, of("diffuse")]
 }
 
+/// A number of rays as a part of all that were checked.
+fn rate(rays: u64, checked: u64) -> String {
+    format!("{:.1e}", rays as f64 / checked.max(1) as f64)
+}
+
 /// The verdict, and how many of the rays it rests on where that is not all of them.
 fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
@@ -131,6 +136,11 @@ fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
         _ => {
             format!("{}: {} of {}", row.verdict.name(), row.mismatches, row.checked_rays)
         }
+    };
+    let at_edges = row.plugin.as_ref().map_or(0, |plugin| plugin.edge_mismatches);
+    let text = match at_edges {
+        0 => text,
+        n => format!("{text}; edges {}", rate(n, row.checked_rays)),
     };
     Cell { text, style }
 }

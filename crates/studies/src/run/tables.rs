@@ -114,6 +114,7 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
         notes.extend(saved_note(row));
         notes.extend(on_demand_note(row));
         notes.extend(shadow_note(row));
+        notes.extend(plugin_note(row));
         let reasons = [&row.error, &row.example, &row.known_defect];
         match row.verdict {
             Verdict::Ok => {}
@@ -185,6 +186,37 @@ fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
 fn saved_note(row: &RowRecord) -> Option<String> {
     let part = row.work.as_ref()?.saved_part()?;
     Some(format!("{}: the mailbox spared {:.1}% of the tests", row.label(), part * 100.0))
+}
+
+/// Rays of a batch, for what the border of a process costs.
+const BATCH: f64 = 1e5;
+
+/// Where a row comes from that is not of this program, what its process costs, and how often its own
+/// test differs.
+fn plugin_note(row: &RowRecord) -> Option<String> {
+    let plugin = row.plugin.as_ref()?;
+    let digest = plugin.sha256.get(..12).unwrap_or_default();
+    let mut note =
+        format!("{}: plugin {} {} ({digest}), ", row.label(), plugin.file, plugin.version);
+    note += if plugin.own_process { "in a process of its own" } else { "in this process" };
+    if plugin.own_process {
+        let calls = plugin.empty_call_s * 1e6;
+        note += &format!("; an empty call takes {calls:.0} us there and back, in no time here");
+        let seconds = row.trace_s.map(|s| s.median * BATCH / row.rays.max(1) as f64);
+        if let Some(seconds) = seconds.filter(|s| *s > 0.0) {
+            let part = 100.0 * plugin.empty_call_s / seconds;
+            note += &format!(": {part:.2}% of a batch of 10^5 rays");
+        }
+    }
+    note += match plugin.own_test {
+        true => "; its own triangle test",
+        false => "; rtbench's triangle test, compared bit by bit",
+    };
+    if plugin.own_test {
+        let (edges, checked) = (plugin.edge_mismatches, row.checked_rays);
+        note += &format!(": {edges} of {checked} answers differ at edges");
+    }
+    Some(note)
 }
 
 /// Which rays the figures of an occluder are over.

@@ -2,10 +2,12 @@
 
 mod bound;
 mod counting;
+mod foreign;
 mod in_motion;
 pub(crate) mod nearby;
 
 pub use bound::Bound;
+pub use foreign::{Foreign, Origin};
 pub use in_motion::BoundInMotion;
 
 use crate::geometry::ray::{Hit, Ray};
@@ -58,5 +60,9 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     /// that of the set by its rounding, and by its defects.
     fn batches(&self) -> Batches {
         Batches::RayByRay
+    }
+    /// What is to be known of it where its code is not of this program.
+    fn foreign(&self) -> Option<&dyn Foreign> {
+        None
     }
 }

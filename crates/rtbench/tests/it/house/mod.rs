@@ -12,8 +12,9 @@ use std::path::Path;
 use imports::Imports;
 
 /// The crates, each above those before it.
-const FLOORS: [&str; 8] = [
+const FLOORS: [&str; 9] = [
     "accel_core",
+    "plugins",
     "scene_loading",
     "renderer",
     "statistics",

@@ -1,0 +1,109 @@
+//! The rays of a scene for programs outside, and what is to be said of their answers.
+
+use accel_core::{Hit, MISS, Ray};
+use renderer::{Geometry, RayKind};
+
+use crate::answers::edges::Edges;
+use crate::answers::judge::{Judged, judge};
+use crate::answers::oracle::Oracle;
+use crate::answers::reference::{Reference, Stage};
+use crate::plan::Plan;
+use crate::rays::batches::{Answers, BatchSet};
+use crate::rays::exactness::Exactness;
+use crate::rounds::error::MeasureError;
+use crate::rounds::scene_run::lights_asked;
+use crate::rounds::scope::Scope;
+use crate::scenes::LoadedScene;
+use crate::system::clock::Clock;
+use crate::system::pools::Pools;
+use crate::system::progress::Progress;
+
+/// Rays by kind.
+pub type RaysByKind = Vec<(RayKind, Vec<Ray<f32>>)>;
+
+/// What an answer may be: the closest hit, or of a shadow ray anything but a miss where it is blocked.
+pub type HitsByKind = Vec<(RayKind, Vec<Hit<f32>>)>;
+
+/// The rays of a plan's kinds, as a run issues them.
+///
+/// # Errors
+/// [`MeasureError`] for a scene without usable geometry, or one that no structure answers for.
+pub fn rays(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    geometry: &Geometry<f32>,
+    pools: &Pools,
+) -> Result<RaysByKind, MeasureError> {
+    with_reference(plan, loaded, geometry, pools, |reference, _, _| {
+        let of = |kind: &RayKind| (*kind, reference.rays.rays(*kind).to_vec());
+        plan.kinds.iter().map(of).collect()
+    })
+}
+
+/// Judges the answers to these rays as those of a plugin with its own triangle test; one [`Judged`] for
+/// each kind that has rays.
+///
+/// # Errors
+/// As [`rays`].
+pub fn check(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    geometry: &Geometry<f32>,
+    (pools, clock): (&Pools, &dyn Clock),
+    said: &HitsByKind,
+) -> Result<Vec<(RayKind, Judged)>, MeasureError> {
+    let progress = Progress::new(false, 0, None);
+    with_reference(plan, loaded, geometry, pools, |reference, stage, exact| {
+        let Reference { rays, answers, record } = reference;
+        let lights = lights_asked(stage.scene, &plan.settings);
+        let all = BatchSet::new(&rays, answers, &lights);
+        let confirmed = plan.answers.iter().find(|row| record.reference == Some(row.label()));
+        let edges = Edges::new(exact, confirmed.cloned());
+        let scope = Scope {
+            edges: &edges,
+            plan,
+            stage,
+            lights: &lights,
+            all: &all,
+            is_confirmed: record.reference.is_some(),
+            pools,
+            clock,
+            progress: &progress,
+        };
+        let judged = all.batches.iter().map(|batch| {
+            let own = said.iter().find(|(kind, _)| *kind == batch.kind);
+            let hits = own.map(|(_, hits)| hits.as_slice()).unwrap_or_default();
+            let answers = answers_of(batch.kind, hits, &batch.rays);
+            (batch.kind, judge(&scope, &all, batch, &answers, Exactness::OwnTest))
+        });
+        judged.collect()
+    })
+}
+
+fn answers_of(kind: RayKind, hits: &[Hit<f32>], rays: &[Ray<f32>]) -> Answers<f32> {
+    if kind.is_occlusion() {
+        return Answers::Blocked(hits.iter().map(Hit::is_hit).collect());
+    }
+    let own = |(hit, ray): (&Hit<f32>, &Ray<f32>)| match hit.is_hit() {
+        true => *hit,
+        false => Hit { t: ray.t_max, id: MISS },
+    };
+    Answers::Hits(hits.iter().zip(rays).map(own).collect())
+}
+
+/// What `then` makes of the rays and their answers.
+fn with_reference<T>(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    geometry: &Geometry<f32>,
+    pools: &Pools,
+    then: impl FnOnce(Reference<f32>, &Stage<'_, f32>, &Geometry<f64>) -> T,
+) -> Result<T, MeasureError> {
+    let scene = &loaded.scene;
+    let exact = Geometry::<f64>::of(scene)?;
+    let oracle = Oracle::new(&exact)
+        .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
+    let stage = Stage { scene, geometry, oracle: &oracle };
+    let reference = stage.reference(plan, pools)?;
+    Ok(then(reference, &stage, &exact))
+}

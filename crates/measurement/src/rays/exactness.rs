@@ -1,0 +1,33 @@
+//! How far answers must agree.
+
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+
+/// What rounding may do to the parameter of a hit, in parts of it and of the distance from the
+/// world's origin to that of the ray: 256 epsilons of f32.
+const ROUNDING: f64 = 1.0 / 65_536.0;
+
+/// How far answers must agree with those expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exactness {
+    /// To the last bit: the primitive tests are ours.
+    Bits,
+    /// A library's own test, as the library is shipped: up to rounding of t; which of the primitives is
+    /// named that meet there is not asked.
+    Library,
+    /// A plugin with its own test: up to rounding of t, and the primitive.
+    OwnTest,
+    /// A plugin that uses our test: to the last bit.
+    OurTest,
+}
+
+/// Whether two hits of a ray are more than rounding apart, or only one is a hit.
+pub fn is_apart<S: Scalar>(a: &Hit<S>, b: &Hit<S>, ray: &Ray<S>) -> bool {
+    if !a.is_hit() || !b.is_hit() {
+        return a.is_hit() != b.is_hit();
+    }
+    let largest = |v: Vec3<S>| v.to_dvec3().abs().max_element();
+    let (t, other) = (a.t.to_f64(), b.t.to_f64());
+    let scale = other.abs() + largest(ray.origin) / largest(ray.direction);
+    let distance = (t - other).abs();
+    distance.is_nan() || scale.is_nan() || distance > ROUNDING * scale
+}

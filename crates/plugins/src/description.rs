@@ -1,0 +1,290 @@
+//! What a plugin says of itself, copied out of its memory and validated.
+
+use std::ffi::{CStr, c_char};
+
+use accel_core::params::{ParamKind, ParamSpec};
+use serde::{Deserialize, Serialize};
+
+use crate::abi;
+
+/// Most settings of a plugin.
+const MOST_SETTINGS: u32 = 256;
+
+/// What a plugin says of itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// The name of its row.
+    pub name: String,
+    /// Its version, as it says.
+    pub version: String,
+    /// One line.
+    pub summary: String,
+    /// It has a query of its own for shadow rays.
+    pub has_occlusion: bool,
+    /// It has several rays in flight.
+    pub answers_batches: bool,
+    /// Its own triangle test decides; else rtbench's.
+    pub has_own_test: bool,
+    /// It can count its work.
+    pub has_counters: bool,
+    /// What users can change.
+    pub settings: Vec<SettingDescription>,
+}
+
+/// One setting of a plugin.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SettingDescription {
+    /// As typed.
+    pub name: String,
+    /// One line.
+    pub summary: String,
+    /// The default.
+    pub initial: String,
+    /// Which values it takes.
+    pub kind: SettingKind,
+}
+
+/// Which values a setting takes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum SettingKind {
+    /// Whole numbers of a closed range.
+    Integer(u64, u64),
+    /// Numbers of a closed range.
+    Real(f64, f64),
+    /// One of these words.
+    Choice(Vec<String>),
+}
+
+impl Description {
+    /// Reads and validates a description.
+    ///
+    /// # Safety
+    /// `plugin` is what a plugin of our version describes: its strings end, its arrays are as long as it
+    /// says.
+    pub(crate) unsafe fn read(plugin: &abi::Plugin) -> Result<Self, String> {
+        if plugin.answers & abi::TRIANGLES_F32 == 0 {
+            return Err("it does not answer closest hits with triangles in f32 \
+                        (RTBENCH_TRIANGLES_F32)"
+                .into());
+        }
+        for (name, is_there) in [
+            ("build", plugin.build.is_some()),
+            ("closest", plugin.closest.is_some()),
+            ("destroy", plugin.destroy.is_some()),
+        ] {
+            if !is_there {
+                return Err(format!("its function '{name}' is NULL"));
+            }
+        }
+        let has_occlusion = plugin.answers & abi::OCCLUSION != 0;
+        if has_occlusion && plugin.occluded.is_none() {
+            return Err("it answers RTBENCH_OCCLUSION, but its function 'occluded' is NULL".into());
+        }
+        if plugin.query > abi::BATCH {
+            return Err(format!("its query is {}, neither one ray nor batch", plugin.query));
+        }
+        if plugin.test > abi::HOST_TEST {
+            return Err(format!("its test is {}, neither its own nor the host's", plugin.test));
+        }
+        let count = plugin.settings_count;
+        if count > MOST_SETTINGS || count > 0 && plugin.settings.is_null() {
+            return Err(format!("it has {count} settings, or none where they should be"));
+        }
+        let settings = (0..count as usize).map(|i| {
+            // SAFETY: the array has that many, by the contract
+            unsafe { SettingDescription::read(&*plugin.settings.add(i)) }
+        });
+        // SAFETY: strings, by the contract
+        let (name, version, summary) = unsafe {
+            (
+                identifier(plugin.name, "name")?,
+                text(plugin.version, "version")?,
+                text(plugin.summary, "summary")?,
+            )
+        };
+        Ok(Self {
+            name,
+            version,
+            summary,
+            has_occlusion,
+            answers_batches: plugin.query == abi::BATCH,
+            has_own_test: plugin.test != abi::HOST_TEST,
+            has_counters: plugin.count.is_some() && plugin.stats.is_some(),
+            settings: settings.collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl SettingDescription {
+    /// # Safety
+    /// As [`Description::read`].
+    unsafe fn read(setting: &abi::Setting) -> Result<Self, String> {
+        // SAFETY: strings, by the contract
+        let name = unsafe { identifier(setting.name, "name of a setting")? };
+        let of = |what: &str| format!("{what} of its setting '{name}'");
+        // SAFETY: likewise
+        let (summary, initial) = unsafe {
+            (text(setting.summary, &of("summary"))?, text(setting.initial, &of("default"))?)
+        };
+        let (min, max) = (setting.min, setting.max);
+        let has_range = min.is_finite() && max.is_finite() && min <= max;
+        let kind = match setting.kind {
+            abi::INTEGER if has_range && min >= 0.0 => SettingKind::Integer(min as u64, max as u64),
+            abi::REAL if has_range => SettingKind::Real(min, max),
+            abi::CHOICE => {
+                // SAFETY: likewise
+                let words = unsafe { text(setting.words, &of("words"))? };
+                let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+                if words.is_empty() {
+                    return Err(format!("the {} are none", of("words")));
+                }
+                SettingKind::Choice(words)
+            }
+            abi::INTEGER | abi::REAL => {
+                return Err(format!("the {} is {min} to {max}", of("range")));
+            }
+            other => return Err(format!("the {} is {other}", of("kind"))),
+        };
+        Ok(Self { name, summary, initial, kind })
+    }
+
+    /// The same for a registry, which lives as long as the program.
+    pub(crate) fn leaked(&self) -> ParamSpec {
+        let kind = match &self.kind {
+            SettingKind::Integer(min, max) => ParamKind::Integer { min: *min, max: *max },
+            SettingKind::Real(min, max) => ParamKind::Real { min: *min, max: *max },
+            SettingKind::Choice(words) => {
+                let words: Vec<&'static str> = words.iter().map(|word| leak(word)).collect();
+                ParamKind::Choice(Vec::leak(words))
+            }
+        };
+        ParamSpec {
+            name: leak(&self.name),
+            summary: leak(&self.summary),
+            default: leak(&self.initial),
+            kind,
+        }
+    }
+}
+
+/// A text that lives as long as the program: of what is said once by each plugin.
+pub(crate) fn leak(text: &str) -> &'static str {
+    String::leak(text.to_owned())
+}
+
+/// # Safety
+/// `text` is NULL or a string that ends.
+unsafe fn text(text: *const c_char, what: &str) -> Result<String, String> {
+    if text.is_null() {
+        return Err(format!("the {what} is NULL"));
+    }
+    // SAFETY: by the contract
+    let text = unsafe { CStr::from_ptr(text) };
+    text.to_str().map(str::to_owned).map_err(|_| format!("the {what} is no UTF-8"))
+}
+
+/// # Safety
+/// As [`text`].
+unsafe fn identifier(pointer: *const c_char, what: &str) -> Result<String, String> {
+    // SAFETY: by the contract
+    let text = unsafe { text(pointer, what)? };
+    let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    if text.is_empty() || text.len() > 64 || !text.chars().all(is_plain) || text == "all" {
+        return Err(format!("the {what} is '{text}'; expected 1 to 64 of a-z, 0-9 and hyphens"));
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    unsafe extern "C" fn build(
+        _: *const abi::Scene,
+        _: *mut *mut std::ffi::c_void,
+        _: *mut c_char,
+        _: usize,
+    ) -> std::ffi::c_int {
+        0
+    }
+    unsafe extern "C" fn closest(
+        _: *mut std::ffi::c_void,
+        _: *const abi::Ray,
+        _: *mut abi::Hit,
+        _: usize,
+    ) {
+    }
+    unsafe extern "C" fn destroy(_: *mut std::ffi::c_void) {}
+
+    fn plugin(settings: &[abi::Setting]) -> abi::Plugin {
+        abi::Plugin {
+            abi_version: abi::VERSION,
+            size: size_of::<abi::Plugin>() as u32,
+            name: c"mine-2".as_ptr(),
+            version: c"1".as_ptr(),
+            summary: c"a test".as_ptr(),
+            answers: abi::TRIANGLES_F32,
+            query: 0,
+            test: 0,
+            settings_count: settings.len() as u32,
+            settings: settings.as_ptr(),
+            build: Some(build),
+            closest: Some(closest),
+            occluded: None,
+            stats: None,
+            count: None,
+            destroy: Some(destroy),
+        }
+    }
+
+    fn setting(kind: u32, min: f64, max: f64, words: *const c_char) -> abi::Setting {
+        let [name, summary, initial] = [c"leaf", c"size", c"4"].map(CStr::as_ptr);
+        abi::Setting { name, summary, initial, kind, min, max, words }
+    }
+
+    fn read(plugin: &abi::Plugin) -> Result<Description, String> {
+        // SAFETY: literals above
+        unsafe { Description::read(plugin) }
+    }
+
+    #[test]
+    fn descriptions_are_copied() {
+        let settings = [
+            setting(abi::INTEGER, 1.0, 8.0, std::ptr::null()),
+            setting(abi::CHOICE, 0.0, 0.0, c"a  b".as_ptr()),
+        ];
+        let said = read(&plugin(&settings)).unwrap();
+        assert_eq!((said.name.as_str(), said.has_own_test), ("mine-2", true));
+        assert_eq!(said.settings[0].kind, SettingKind::Integer(1, 8));
+        assert_eq!(said.settings[1].kind, SettingKind::Choice(vec!["a".into(), "b".into()]));
+    }
+
+    #[test]
+    fn what_is_not_valid_is_named() {
+        type Change = fn(&mut abi::Plugin);
+        let planted: [(Change, &str); 7] = [
+            (|p| p.answers = abi::OCCLUSION, "triangles in f32"),
+            (|p| p.answers |= abi::OCCLUSION, "'occluded' is NULL"),
+            (|p| p.closest = None, "'closest' is NULL"),
+            (|p| p.name = std::ptr::null(), "name is NULL"),
+            (|p| p.name = c"My BVH".as_ptr(), "hyphens"),
+            (|p| p.query = 7, "neither one ray nor batch"),
+            (|p| p.settings_count = 1_000_000, "1000000 settings"),
+        ];
+        for (change, said) in planted {
+            let mut bad = plugin(&[]);
+            change(&mut bad);
+            let error = read(&bad).unwrap_err();
+            assert!(error.contains(said), "{error}");
+        }
+        let ranges = [
+            setting(abi::REAL, 2.0, 1.0, std::ptr::null()),
+            setting(abi::INTEGER, -1.0, 1.0, std::ptr::null()),
+            setting(abi::CHOICE, 0.0, 0.0, c" ".as_ptr()),
+            setting(9, 0.0, 1.0, std::ptr::null()),
+        ];
+        for range in ranges {
+            assert!(read(&plugin(&[range])).unwrap_err().contains("'leaf'"));
+        }
+    }
+}

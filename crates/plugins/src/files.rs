@@ -1,0 +1,256 @@
+//! Rays, triangles and hits as files, for programs that are no plugins.
+//!
+//! All numbers are little-endian. A file is a header of 128 bytes and records, one after another:
+//!
+//! | offset | type | what |
+//! | ---: | --- | --- |
+//! | 0 | 8 bytes | `RTBRAYS` , `RTBTRIS` or `RTBHITS`, each with a line feed |
+//! | 8 | u32 | version: 1 |
+//! | 12 | u32 | bytes of a record: 32, 40 or 8 |
+//! | 16 | 5 x u64 | rays of each kind: primary, shadow, reflected, refracted, diffuse; in this order |
+//! | 56 | u64 | triangles of the scene |
+//! | 64 | u32 | width and height of the image, pixels |
+//! | 68 | u32 | 1 where shadow rays run to the first light alone, else 0 |
+//! | 72 | u64 | seed of the rays |
+//! | 80 | 32 bytes | SHA-256 of the scene |
+//! | 112 | 16 bytes | zero |
+//!
+//! | file | a record |
+//! | --- | --- |
+//! | rays | `rtbench_ray`: origin, t_min, direction, t_max; eight f32 |
+//! | triangles | nine f32, the corners; u32, 1 where shadow rays pass, else 0 |
+//! | hits | `rtbench_hit`: t as f32, id as u32; no hit: id 0xffffffff. A shadow ray that is blocked has any other id |
+//!
+//! The header of a file of hits is that of its rays, but for the first 16 bytes.
+
+use std::path::PathBuf;
+
+use crate::abi;
+
+/// Bytes of a header.
+pub const HEADER: usize = 128;
+const VERSION: u32 = 1;
+
+/// What a file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Content {
+    /// Rays.
+    Rays,
+    /// Triangles.
+    Triangles,
+    /// Hits.
+    Hits,
+}
+
+impl Content {
+    fn magic(self) -> &'static [u8; 8] {
+        match self {
+            Self::Rays => b"RTBRAYS\n",
+            Self::Triangles => b"RTBTRIS\n",
+            Self::Hits => b"RTBHITS\n",
+        }
+    }
+
+    /// Bytes of a record.
+    pub fn record_bytes(self) -> usize {
+        match self {
+            Self::Rays => 32,
+            Self::Triangles => 40,
+            Self::Hits => 8,
+        }
+    }
+}
+
+/// What rays a file is about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct About {
+    /// Rays of each kind: primary, shadow, reflected, refracted, diffuse.
+    pub rays: [u64; 5],
+    /// Triangles of the scene.
+    pub triangles: u64,
+    /// Width and height of the image, pixels.
+    pub size: u32,
+    /// Shadow rays run to the first light alone.
+    pub first_light: bool,
+    /// Seed of the rays.
+    pub seed: u64,
+    /// SHA-256 of the scene.
+    pub scene: [u8; 32],
+}
+
+/// Why a file of hits cannot be used. Offsets are bytes from the start of the file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}: byte {offset}: {what}", file.display())]
+pub struct FileError {
+    /// The file.
+    pub file: PathBuf,
+    /// Where.
+    pub offset: usize,
+    /// What is wrong there.
+    pub what: String,
+}
+
+impl About {
+    /// The header of a file.
+    pub fn header(&self, content: Content) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(HEADER);
+        bytes.extend_from_slice(content.magic());
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend((content.record_bytes() as u32).to_le_bytes());
+        bytes.extend(self.rays.iter().flat_map(|n| n.to_le_bytes()));
+        bytes.extend(self.triangles.to_le_bytes());
+        bytes.extend(self.size.to_le_bytes());
+        bytes.extend(u32::from(self.first_light).to_le_bytes());
+        bytes.extend(self.seed.to_le_bytes());
+        bytes.extend(self.scene);
+        bytes.resize(HEADER, 0);
+        bytes
+    }
+
+    /// Reads the header of a file that holds `content`, and checks that its records are there.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the first byte that is wrong.
+    pub fn read(file: &std::path::Path, bytes: &[u8], content: Content) -> Result<Self, FileError> {
+        let wrong = |offset, what: String| FileError { file: file.into(), offset, what };
+        let part = |offset: usize| bytes.get(offset..).and_then(|rest| rest.first_chunk::<8>());
+        let long =
+            |offset| part(offset).map(|bytes| u64::from_le_bytes(*bytes)).unwrap_or_default();
+        let short = |offset: usize| {
+            let part = bytes.get(offset..).and_then(|rest| rest.first_chunk::<4>());
+            part.map(|bytes| u32::from_le_bytes(*bytes)).unwrap_or_default()
+        };
+        if bytes.len() < HEADER {
+            let (has, needs) = (bytes.len(), HEADER);
+            return Err(wrong(has, format!("the file ends within its header of {needs} bytes")));
+        }
+        let name = String::from_utf8_lossy(content.magic());
+        if bytes.first_chunk() != Some(content.magic()) {
+            return Err(wrong(0, format!("expected {:?}", name)));
+        }
+        if short(8) != VERSION {
+            return Err(wrong(8, format!("version {}, expected {VERSION}", short(8))));
+        }
+        let size = content.record_bytes();
+        if short(12) as usize != size {
+            return Err(wrong(12, format!("records of {} bytes, expected {size}", short(12))));
+        }
+        if short(64) == 0 || short(68) > 1 {
+            return Err(wrong(64, "no size of an image, or no choice of lights".into()));
+        }
+        let about = Self {
+            rays: std::array::from_fn(|kind| long(16 + 8 * kind)),
+            triangles: long(56),
+            size: short(64),
+            first_light: short(68) == 1,
+            seed: long(72),
+            scene: bytes.get(80..).and_then(|rest| rest.first_chunk()).copied().unwrap_or_default(),
+        };
+        let records = match content {
+            Content::Triangles => u128::from(about.triangles),
+            Content::Rays | Content::Hits => about.rays.iter().map(|&n| u128::from(n)).sum(),
+        };
+        let expected = records * size as u128 + HEADER as u128;
+        if bytes.len() as u128 != expected {
+            let offset = bytes.len().min(usize::try_from(expected).unwrap_or(usize::MAX));
+            let has = bytes.len();
+            return Err(wrong(
+                offset,
+                format!("the file has {has} bytes, its header speaks of {expected}"),
+            ));
+        }
+        Ok(about)
+    }
+}
+
+/// A ray as a record.
+pub fn ray_record(ray: &abi::Ray) -> [u8; 32] {
+    let [x, y, z] = ray.origin;
+    let [a, b, c] = ray.direction;
+    record([x, y, z, ray.t_min, a, b, c, ray.t_max])
+}
+
+/// A triangle as a record.
+pub fn triangle_record(corners: &[[f32; 3]; 3], lets_light_pass: bool) -> [u8; 40] {
+    let mut record = [0; 40];
+    let flag = u32::from(lets_light_pass).to_le_bytes();
+    let numbers = corners.as_flattened().iter().map(|x| x.to_le_bytes()).chain([flag]);
+    for (to, bytes) in record.chunks_exact_mut(4).zip(numbers) {
+        to.copy_from_slice(&bytes);
+    }
+    record
+}
+
+fn record(numbers: [f32; 8]) -> [u8; 32] {
+    let mut record = [0; 32];
+    for (to, x) in record.chunks_exact_mut(4).zip(numbers) {
+        to.copy_from_slice(&x.to_le_bytes());
+    }
+    record
+}
+
+/// The hits behind the header of a file that [`About::read`] has read.
+pub fn hits(bytes: &[u8]) -> impl Iterator<Item = abi::Hit> {
+    let records = bytes.get(HEADER..).unwrap_or_default().chunks_exact(8);
+    records.map(|record| {
+        let number = |i: usize| {
+            let part = record.get(i..).and_then(|rest| rest.first_chunk::<4>());
+            part.copied().unwrap_or_default()
+        };
+        abi::Hit { t: f32::from_le_bytes(number(0)), id: u32::from_le_bytes(number(4)) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn about() -> About {
+        About {
+            rays: [2, 0, 0, 0, 1],
+            triangles: 7,
+            size: 9,
+            first_light: true,
+            seed: 5,
+            scene: [3; 32],
+        }
+    }
+
+    #[test]
+    fn headers_are_read_as_written() {
+        let mut bytes = about().header(Content::Hits);
+        assert_eq!(bytes.len(), HEADER);
+        bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
+        assert_eq!(About::read(Path::new("f"), &bytes, Content::Hits), Ok(about()));
+        let all: Vec<_> = hits(&bytes).collect();
+        assert_eq!(all, [abi::Hit { t: 1.0, id: 4 }; 3]);
+        let ray = abi::Ray { origin: [1.0; 3], t_min: 0.0, direction: [2.0; 3], t_max: 3.0 };
+        assert_eq!(ray_record(&ray)[28..], 3.0f32.to_le_bytes());
+        assert_eq!(triangle_record(&[[1.0; 3]; 3], true)[36..], [1, 0, 0, 0]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_offset() {
+        let mut good = about().header(Content::Hits);
+        good.resize(HEADER + 24, 0);
+        let planted: [(usize, u8, usize); 6] =
+            [(0, b'X', 0), (8, 2, 8), (12, 32, 12), (64, 0, 64), (68, 7, 64), (16, 9, HEADER + 24)];
+        for (at, byte, offset) in planted {
+            let mut bad = good.clone();
+            bad[at] = byte;
+            let error = About::read(Path::new("f"), &bad, Content::Hits).unwrap_err();
+            assert_eq!(error.offset, offset, "{error}");
+        }
+        for length in [0, 100, HEADER, HEADER + 23] {
+            let error = About::read(Path::new("f"), &good[..length], Content::Hits).unwrap_err();
+            assert_eq!(error.offset, length, "{error}");
+        }
+        // so many rays that their bytes are no number
+        let mut bad = good.clone();
+        bad[16..56].fill(255);
+        assert!(About::read(Path::new("f"), &bad, Content::Hits).is_err());
+        assert!(About::read(Path::new("f"), &good, Content::Rays).is_err());
+    }
+}

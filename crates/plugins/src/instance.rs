@@ -1,0 +1,260 @@
+//! A structure that a plugin built, in this process.
+
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::ops::Deref;
+use std::sync::Arc;
+
+use accel_core::Ray;
+use accel_core::primitives::{PrimSet, Shear, TriangleSet};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::abi;
+use crate::library::Library;
+use crate::stopwatch::Stopwatch;
+
+/// Rays that one thread traces at a time when there are several.
+const CHUNK: usize = 4096;
+
+/// What is asked of rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Query {
+    /// Closest hits.
+    Closest,
+    /// Whether an opaque triangle is in the way.
+    Occlusion,
+}
+
+/// What was built, as the plugin says.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stats {
+    /// Bytes of the structure.
+    pub bytes: u64,
+    /// N_IN, N_V, N_EV, N_OIV.
+    pub cells: [u64; 4],
+    /// N_IT and N_TS so far, where it counts.
+    pub work: Option<[u64; 2]>,
+}
+
+/// A structure that a plugin built over the triangles of `H`.
+pub struct Instance<H> {
+    library: Arc<Library>,
+    built: *mut c_void,
+    threads: usize,
+    transmissive: Vec<u8>,
+    // what the scene points to
+    _set: H,
+    _texts: Vec<CString>,
+    _settings: Vec<*const c_char>,
+    _scene: Box<abi::Scene>,
+}
+
+// SAFETY: the functions of a plugin may be called by any thread (rtbench.h); what its scene points to
+// does not change
+unsafe impl<H: Send> Send for Instance<H> {}
+// SAFETY: likewise
+unsafe impl<H: Sync> Sync for Instance<H> {}
+
+impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
+    /// Builds with a value for each setting, in their order; also the seconds that took. Threads are those
+    /// of the current rayon pool.
+    ///
+    /// # Errors
+    /// The reason for which the plugin refuses.
+    pub fn build(library: Arc<Library>, set: H, values: &[String]) -> Result<(Self, f64), String> {
+        let threads = rayon::current_num_threads();
+        let opaque = |id: u32| set.is_opaque(id);
+        let transmissive: Vec<u8> = match (0..set.len() as u32).all(opaque) {
+            true => Vec::new(),
+            false => (0..set.len() as u32).map(|id| u8::from(!opaque(id))).collect(),
+        };
+        let texts: Result<Vec<CString>, _> =
+            values.iter().map(|value| CString::new(value.as_str())).collect();
+        let texts = texts.map_err(|_| "a setting holds a zero byte".to_owned())?;
+        let settings: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+        let scene = Box::new(abi::Scene {
+            size: size_of::<abi::Scene>() as u32,
+            threads: threads as u32,
+            triangles: set.len() as u64,
+            positions: set.triangles().as_flattened().as_flattened().as_ptr(),
+            transmissive: match transmissive.is_empty() {
+                true => std::ptr::null(),
+                false => transmissive.as_ptr(),
+            },
+            settings: settings.as_ptr(),
+            host: std::ptr::from_ref::<TriangleSet<f32>>(&set).cast(),
+            prepare,
+            intersect,
+        });
+        let Some(build) = library.plugin.build else { return Err("it cannot build".into()) };
+        let mut message = [0u8; 512];
+        let mut built = std::ptr::null_mut();
+        let start = Stopwatch::start(threads);
+        // SAFETY: by rtbench.h; the message is as long as is said
+        let code = unsafe {
+            build(&raw const *scene, &raw mut built, message.as_mut_ptr().cast(), message.len())
+        };
+        let seconds = start.seconds();
+        if code != 0 {
+            let end = message.iter().position(|&b| b == 0).unwrap_or(message.len());
+            let said = String::from_utf8_lossy(message.get(..end).unwrap_or_default());
+            return Err(match said.trim() {
+                "" => format!("it refuses with {code} and says nothing"),
+                said => said.to_owned(),
+            });
+        }
+        let (_set, _texts, _settings, _scene) = (set, texts, settings, scene);
+        let built = Self { library, built, threads, transmissive, _set, _texts, _settings, _scene };
+        Ok((built, seconds))
+    }
+
+    /// Writes the closest hits; returns the seconds that took. Slices are of one length.
+    pub fn closest(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) -> f64 {
+        let start = Stopwatch::start(self.threads);
+        if self.threads > 1 {
+            let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
+            chunks.for_each(|(rays, hits)| self.hits(rays, hits));
+        } else {
+            self.hits(rays, hits);
+        }
+        start.seconds()
+    }
+
+    /// Writes 1 for blocked rays and 0 for others; returns the seconds that took.
+    pub fn occluded(&self, rays: &[abi::Ray], blocked: &mut [u8]) -> f64 {
+        let start = Stopwatch::start(self.threads);
+        if self.threads > 1 {
+            let chunks = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
+            chunks.for_each(|(rays, blocked)| self.blocked(rays, blocked));
+        } else {
+            self.blocked(rays, blocked);
+        }
+        start.seconds()
+    }
+
+    fn hits(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) {
+        let count = rays.len().min(hits.len());
+        if let Some(closest) = self.library.plugin.closest {
+            // SAFETY: by rtbench.h; both have that many
+            unsafe { closest(self.built, rays.as_ptr(), hits.as_mut_ptr(), count) };
+        }
+    }
+
+    fn blocked(&self, rays: &[abi::Ray], blocked: &mut [u8]) {
+        let count = rays.len().min(blocked.len());
+        match self.library.plugin.occluded {
+            Some(occluded) if self.library.description.has_occlusion => {
+                // SAFETY: as above
+                unsafe { occluded(self.built, rays.as_ptr(), blocked.as_mut_ptr(), count) };
+            }
+            _ => self.blocked_by_hits(rays, blocked),
+        }
+    }
+
+    /// For plugins without a query of their own: asks for closest hits, on behind what is transmissive.
+    fn blocked_by_hits(&self, rays: &[abi::Ray], blocked: &mut [u8]) {
+        let none = abi::Hit { t: f32::NAN, id: abi::MISS };
+        for (rays, blocked) in rays.chunks(CHUNK).zip(blocked.chunks_mut(CHUNK)) {
+            let mut hits = vec![none; rays.len()];
+            self.hits(rays, &mut hits);
+            for ((ray, hit), blocked) in rays.iter().zip(hits).zip(blocked) {
+                let (mut ray, mut hit) = (*ray, hit);
+                let lets_pass = |hit: &abi::Hit| {
+                    self.transmissive.get(hit.id as usize).is_some_and(|byte| *byte != 0)
+                };
+                while lets_pass(&hit) && hit.t >= ray.t_min && hit.t < ray.t_max {
+                    ray.t_min = hit.t.next_up();
+                    let mut next = [none];
+                    self.hits(std::slice::from_ref(&ray), &mut next);
+                    hit = next[0];
+                }
+                *blocked = u8::from(hit.id != abi::MISS && !lets_pass(&hit));
+            }
+        }
+    }
+}
+
+impl<H> Instance<H> {
+    /// What was built.
+    pub fn stats(&self) -> Stats {
+        let mut stats =
+            abi::Stats { size: size_of::<abi::Stats>() as u32, ..abi::Stats::default() };
+        if let Some(ask) = self.library.plugin.stats {
+            // SAFETY: by rtbench.h
+            unsafe { ask(self.built, &raw mut stats) };
+        }
+        Stats {
+            bytes: stats.bytes,
+            cells: [stats.inner_nodes, stats.leaves, stats.empty_leaves, stats.references],
+            work: (stats.has_counters != 0)
+                .then_some([stats.intersection_tests, stats.traversal_steps]),
+        }
+    }
+
+    /// Turns counting on or off.
+    pub fn count(&self, on: bool) {
+        if let Some(count) = self.library.plugin.count {
+            // SAFETY: by rtbench.h
+            unsafe { count(self.built, c_int::from(on)) };
+        }
+    }
+}
+
+impl<H> Drop for Instance<H> {
+    fn drop(&mut self) {
+        if let Some(destroy) = self.library.plugin.destroy {
+            // SAFETY: by rtbench.h; nobody asks it any more
+            unsafe { destroy(self.built) };
+        }
+    }
+}
+
+/// What `rtbench_prepared` holds.
+struct Ready {
+    ray: Ray<f32>,
+    shear: Shear<f32>,
+}
+
+const _: () = assert!(
+    size_of::<Ready>() <= size_of::<abi::Prepared>()
+        && align_of::<Ready>() <= align_of::<abi::Prepared>()
+);
+
+/// # Safety
+/// `host` is that of a scene, the others are valid.
+unsafe extern "C" fn prepare(
+    host: *const c_void,
+    ray: *const abi::Ray,
+    prepared: *mut abi::Prepared,
+) {
+    // SAFETY: by the contract; there is room (above)
+    unsafe {
+        let set = &*host.cast::<TriangleSet<f32>>();
+        let ray = Ray::from(&*ray);
+        prepared.cast::<Ready>().write(Ready { shear: set.setup(&ray), ray });
+    }
+}
+
+/// # Safety
+/// `host` is that of a scene, `prepared` comes of `prepare`, `t` can be written.
+unsafe extern "C" fn intersect(
+    host: *const c_void,
+    prepared: *const abi::Prepared,
+    id: u32,
+    t_max: f32,
+    t: *mut f32,
+) -> c_int {
+    // SAFETY: by the contract
+    let (set, ready) = unsafe { (&*host.cast::<TriangleSet<f32>>(), &*prepared.cast::<Ready>()) };
+    if id as usize >= set.len() {
+        return 0;
+    }
+    match set.intersect(id, &ready.ray, &ready.shear, t_max) {
+        Some(found) => {
+            // SAFETY: by the contract
+            unsafe { *t = found };
+            1
+        }
+        None => 0,
+    }
+}

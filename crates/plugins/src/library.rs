@@ -1,0 +1,61 @@
+//! A plugin's shared library, loaded into this process.
+
+use std::path::Path;
+
+use crate::abi;
+use crate::description::Description;
+use crate::error::PluginError;
+
+/// A loaded plugin. Whatever it does wrong, it does to this process.
+pub struct Library {
+    /// What it says of itself.
+    pub description: Description,
+    pub(crate) plugin: &'static abi::Plugin,
+}
+
+// SAFETY: the functions of a plugin may be called by any thread (rtbench.h), the rest is read only
+unsafe impl Send for Library {}
+// SAFETY: likewise
+unsafe impl Sync for Library {}
+
+impl Library {
+    /// Loads a plugin; it stays loaded as long as this process lives.
+    ///
+    /// # Errors
+    /// [`PluginError`] for a file that is none, or of another version.
+    pub fn load(file: &Path) -> Result<Self, PluginError> {
+        let file = &std::path::absolute(file)
+            .map_err(|source| PluginError::Read { file: file.into(), source })?;
+        let load = |message: String| PluginError::Load { file: file.clone(), message };
+        // SAFETY: that its initialisers run is what the user asks for
+        let library = unsafe { libloading::Library::new(file) }.map_err(|e| {
+            load(std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string))
+        })?;
+        // what a plugin has started may go on: it is never unloaded
+        let library: &'static libloading::Library = Box::leak(Box::new(library));
+        // SAFETY: the symbol has that type, by rtbench.h
+        let describe = unsafe { library.get::<abi::Describe>(abi::SYMBOL) }
+            .map_err(|_| PluginError::NoSymbol { file: file.clone() })?;
+        let wrong = |what: String| PluginError::Description { file: file.clone(), what };
+        // SAFETY: by rtbench.h
+        let plugin = unsafe { describe() };
+        if plugin.is_null() {
+            return Err(wrong("rtbench_plugin_describe returns NULL".into()));
+        }
+        // SAFETY: whatever its version, a plugin begins with that number and its size
+        let [version, size] = unsafe { plugin.cast::<[u32; 2]>().read_unaligned() };
+        if version != abi::VERSION {
+            let own = abi::VERSION;
+            return Err(PluginError::Version { file: file.clone(), found: version, own });
+        }
+        if (size as usize) < size_of::<abi::Plugin>() || !plugin.is_aligned() {
+            let least = size_of::<abi::Plugin>();
+            return Err(wrong(format!("its rtbench_plugin has {size} bytes, not {least}")));
+        }
+        // SAFETY: it is one of our version, as long as we read it, and lives as the library
+        let plugin = unsafe { &*plugin };
+        // SAFETY: likewise
+        let description = unsafe { Description::read(plugin) }.map_err(wrong)?;
+        Ok(Self { description, plugin })
+    }
+}

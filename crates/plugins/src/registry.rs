@@ -1,0 +1,147 @@
+//! Plugins as lines of the registry of structures.
+//!
+//! A line's builder is a plain function, which learns from its settings what it is to build. So the
+//! plugins of this process stand in one table, by the names of their lines.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use accel_core::params::{ParamSpec, Params};
+use accel_core::primitives::PrimsRef;
+use accel_core::query::tracer::{Origin, Tracer};
+use accel_core::structure::{BuildError, StructureInfo, no_defect};
+use accel_core::structures::Entry;
+use accel_core::variants::chosen_tests;
+
+use crate::description::{Description, leak};
+use crate::error::PluginError;
+use crate::library::Library;
+use crate::plugin::Plugin;
+use crate::remote::{Launch, Remote, file_name};
+use crate::tracer::PluginTracer;
+
+/// How plugins are to be run.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// This program, for processes of their own.
+    pub program: PathBuf,
+    /// Longest time of a build, and of a call that answers rays, in a process of its own.
+    pub limit: Duration,
+    /// In this process: no limit, and what ends the plugin ends the run.
+    pub in_process: bool,
+}
+
+/// All of them, by name.
+static PLUGINS: Mutex<BTreeMap<&'static str, Arc<Plugin>>> = Mutex::new(BTreeMap::new());
+
+fn plugins() -> MutexGuard<'static, BTreeMap<&'static str, Arc<Plugin>>> {
+    PLUGINS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Loads a plugin and makes a line of the registry of it. `sha256` is that of the file. A name that is in
+/// `taken` is refused.
+///
+/// # Errors
+/// [`PluginError`].
+pub fn entry(
+    file: &Path,
+    sha256: String,
+    options: &Options,
+    taken: &[&str],
+) -> Result<Entry, PluginError> {
+    let file = &std::path::absolute(file)
+        .map_err(|source| PluginError::Read { file: file.into(), source })?;
+    let Options { program, limit, in_process } = options.clone();
+    let launch = Launch { program, file: file.clone(), limit };
+    let (description, library) = if in_process {
+        let library = Arc::new(Library::load(file)?);
+        (library.description.clone(), Some(library))
+    } else {
+        (described(&launch)?, None)
+    };
+    let name = description.name.as_str();
+    if taken.contains(&name) {
+        return Err(PluginError::NameTaken { file: file.clone(), name: name.into() });
+    }
+    let specs: Vec<ParamSpec> = description.settings.iter().map(|s| s.leaked()).collect();
+    let invalid = |e: &dyn std::fmt::Display| PluginError::Description {
+        file: file.clone(),
+        what: format!("a default is not valid: {e}"),
+    };
+    let name = leak(name);
+    let specs: &'static [ParamSpec] = Vec::leak(specs);
+    for spec in specs {
+        if specs.iter().chain(chosen_tests::PARAMS).filter(|s| s.name == spec.name).count() > 1 {
+            return Err(invalid(&format_args!("there are two settings '{}'", spec.name)));
+        }
+        Params::new(name, specs, [(spec.name, spec.default)]).map_err(|e| invalid(&e))?;
+    }
+    let info: &'static StructureInfo = Box::leak(Box::new(StructureInfo {
+        name,
+        summary: leak(&description.summary),
+        paper: leak(&format!("plugin {} {}", file_name(file), description.version)),
+        deviations: "not known: it is not of this program",
+        params: specs,
+        variants: &[""],
+        also_tested: &[],
+        known_defect: no_defect,
+        sampled: false,
+    }));
+    let origin = Origin {
+        file: file_name(file),
+        sha256,
+        version: description.version.clone(),
+        has_own_test: description.has_own_test,
+        own_process: !in_process,
+        empty_call_s: 0.0,
+    };
+    let plugin = Plugin::new(info, description, origin, library, launch);
+    plugins().insert(name, Arc::new(plugin));
+    Ok(Entry::new(info, built, refused_f64))
+}
+
+/// What a plugin says of itself in a process of its own, which ends with that.
+fn described(launch: &Launch) -> Result<Description, PluginError> {
+    let file = || launch.file.clone();
+    std::fs::metadata(&launch.file).map_err(|source| PluginError::Read { file: file(), source })?;
+    let died = |how: String| PluginError::Died { file: file(), how };
+    let mut remote = Remote::start(launch).map_err(died)?;
+    remote.describe().map_err(|how| match remote.failure() {
+        Some(_) => died(how),
+        // what the child says of the file begins with its name
+        None => PluginError::Child(how),
+    })
+}
+
+/// The builder of every plugin's line.
+fn built<'a>(
+    prims: PrimsRef<'a, f32>,
+    params: &Params,
+) -> Result<Box<dyn Tracer<f32> + 'a>, BuildError> {
+    let structure = params.structure();
+    let refused = |message: &str| BuildError::Library { structure, message: message.to_owned() };
+    let plugin = plugins().get(structure).cloned();
+    let plugin = plugin.ok_or_else(|| refused("there is no plugin of that name"))?;
+    let PrimsRef::Watertight(set) = prims else {
+        return Err(refused(
+            "plugins serve scenes of triangles at rest; scenes named ...-tess are tessellated",
+        ));
+    };
+    if params.changed().any(|(name, _)| chosen_tests::PARAMS.iter().any(|p| p.name == name)) {
+        return Err(refused("plugins serve no triangle-test and no sphere-test of ours"));
+    }
+    let settings = plugin.description.settings.iter();
+    let values: Vec<String> = settings.map(|s| params.text(&s.name).to_owned()).collect();
+    let tracer = PluginTracer::build(plugin, set, params.to_string(), &values)?;
+    Ok(Box::new(tracer))
+}
+
+fn refused_f64<'a>(
+    _: PrimsRef<'a, f64>,
+    params: &Params,
+) -> Result<Box<dyn Tracer<f64> + 'a>, BuildError> {
+    let message = "plugins serve f32 only: leave out --precision f64".to_owned();
+    Err(BuildError::Library { structure: params.structure(), message })
+}

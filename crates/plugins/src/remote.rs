@@ -1,0 +1,338 @@
+//! A plugin in a process of its own, as its parent sees it.
+//!
+//! The process is started once for each row and kept between rounds, so that its allocator is as warm as
+//! ours. A reply that does not come in time, or none at all, ends it: what is asked later is refused.
+
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use accel_core::primitives::{PrimSet, TriangleSet};
+
+use crate::abi;
+use crate::description::Description;
+use crate::instance::{Query, Stats};
+use crate::shared::{Shared, folder};
+use crate::wire::{Part, Reply, Request, receive, send};
+
+#[cfg(unix)]
+use std::os::unix::net::{UnixListener as Listener, UnixStream as Stream};
+
+/// How long a process may take to start.
+const START: Duration = Duration::from_secs(20);
+/// How often it is looked whether it has started.
+const POLL: Duration = Duration::from_millis(1);
+/// How much is kept of what a plugin prints, bytes.
+const TAIL: usize = 500;
+
+/// How processes are started.
+#[derive(Debug, Clone)]
+pub struct Launch {
+    /// This program.
+    pub program: PathBuf,
+    /// The plugin.
+    pub file: PathBuf,
+    /// Longest time of a build, and of a call that answers rays.
+    pub limit: Duration,
+}
+
+/// What came of a build.
+pub(crate) enum BuiltOr {
+    /// It took so many seconds.
+    Built(f64),
+    /// The plugin refuses.
+    Refused(String),
+}
+
+/// A running process with a plugin.
+#[cfg(unix)]
+pub(crate) struct Remote {
+    process: Child,
+    stream: BufReader<Stream>,
+    limit: Duration,
+    parts: [Option<Shared>; 3],
+    said: Arc<Mutex<Vec<u8>>>,
+    /// How it ended.
+    failure: Option<String>,
+}
+
+#[cfg(unix)]
+impl Remote {
+    /// Starts a process; the words of the error say why there is none.
+    pub(crate) fn start(launch: &Launch) -> Result<Self, String> {
+        let cannot = |e: io::Error| format!("its process cannot be started: {e}");
+        let place =
+            tempfile::Builder::new().prefix("rtbench-").tempdir_in(folder()).map_err(cannot)?;
+        let socket = place.path().join("socket");
+        let listener = Listener::bind(&socket).map_err(cannot)?;
+        listener.set_nonblocking(true).map_err(cannot)?;
+        let mut process = Command::new(&launch.program)
+            .args(["--quiet", "child", "plugin"])
+            .arg("--file")
+            .arg(&launch.file)
+            .arg("--socket")
+            .arg(&socket)
+            // it stays open as long as we live: it ends when this ends
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(cannot)?;
+        let said = Arc::new(Mutex::new(Vec::new()));
+        if let Some(out) = process.stdout.take() {
+            keep_tail(out, Arc::clone(&said));
+        }
+        if let Some(err) = process.stderr.take() {
+            keep_tail(err, Arc::clone(&said));
+        }
+        let begun = Instant::now();
+        let stream = loop {
+            match listener.accept() {
+                Ok((stream, _)) => break stream,
+                Err(e) if e.kind() != io::ErrorKind::WouldBlock => return Err(cannot(e)),
+                Err(_) => {}
+            }
+            let ended = process.try_wait().map_err(cannot)?;
+            if ended.is_some() || begun.elapsed() > START {
+                let _ = process.kill();
+                let how = process.wait().map_err(cannot)?;
+                return Err(format!("its process did not start ({how}){}", tail(&said)));
+            }
+            std::thread::sleep(POLL);
+        };
+        stream.set_nonblocking(false).map_err(cannot)?;
+        stream.set_read_timeout(Some(launch.limit)).map_err(cannot)?;
+        stream.set_write_timeout(Some(launch.limit)).map_err(cannot)?;
+        let (stream, limit, parts) = (BufReader::new(stream), launch.limit, [None, None, None]);
+        Ok(Self { process, stream, limit, parts, said, failure: None })
+    }
+
+    /// How it ended, if it has.
+    pub(crate) fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
+
+    /// What the plugin is.
+    pub(crate) fn describe(&mut self) -> Result<Description, String> {
+        match self.ask(&Request::Describe, "describing itself")? {
+            Reply::Description(description) => Ok(*description),
+            Reply::Refused { message } => Err(message),
+            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+        }
+    }
+
+    /// Builds over those triangles.
+    pub(crate) fn build(
+        &mut self,
+        set: &TriangleSet<f32>,
+        values: &[String],
+        threads: usize,
+    ) -> Result<BuiltOr, String> {
+        let (count, values) = (set.len(), values.to_vec());
+        let scene = self.part(Part::Scene, 37 * count)?;
+        let (positions, flags) = scene.split_at_mut(36 * count);
+        positions.copy_from_slice(bytemuck::cast_slice(set.triangles()));
+        for (flag, id) in flags.iter_mut().take(count).zip(0..) {
+            *flag = u8::from(!set.is_opaque(id));
+        }
+        let doing = format!("building over {count} triangles");
+        match self.ask(&Request::Build { triangles: count, values, threads }, &doing)? {
+            Reply::Done { seconds } => Ok(BuiltOr::Built(seconds)),
+            Reply::Refused { message } => Ok(BuiltOr::Refused(message)),
+            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+        }
+    }
+
+    /// Closest hits of rays; `hits` holds what counts where none is written. Returns the seconds of the call.
+    pub(crate) fn closest(
+        &mut self,
+        rays: &[accel_core::Ray<f32>],
+        hits: &mut [accel_core::Hit<f32>],
+    ) -> Result<f64, String> {
+        self.put(rays)?;
+        let answers = self.part(Part::Answers, 8 * hits.len())?;
+        let (answers, _) = answers.split_at_mut(8 * hits.len());
+        for (answer, hit) in bytemuck::cast_slice_mut(answers).iter_mut().zip(&*hits) {
+            *answer = abi::Hit { t: hit.t, id: hit.id };
+        }
+        let seconds = self.trace(Query::Closest, rays.len())?;
+        let answers = self.part(Part::Answers, 8 * hits.len())?;
+        let (answers, _) = answers.split_at(8 * hits.len());
+        let answers: &[abi::Hit] = bytemuck::cast_slice(answers);
+        for ((hit, answer), ray) in hits.iter_mut().zip(answers).zip(rays) {
+            *hit = own_hit(answer, ray);
+        }
+        Ok(seconds)
+    }
+
+    /// The same of occlusions.
+    pub(crate) fn occluded(
+        &mut self,
+        rays: &[accel_core::Ray<f32>],
+        blocked: &mut [bool],
+    ) -> Result<f64, String> {
+        self.put(rays)?;
+        let answers = self.part(Part::Answers, blocked.len())?;
+        answers.iter_mut().zip(&*blocked).for_each(|(answer, blocked)| *answer = (*blocked).into());
+        let seconds = self.trace(Query::Occlusion, rays.len())?;
+        let answers = self.part(Part::Answers, blocked.len())?;
+        blocked.iter_mut().zip(&*answers).for_each(|(blocked, answer)| *blocked = *answer != 0);
+        Ok(seconds)
+    }
+
+    fn put(&mut self, rays: &[accel_core::Ray<f32>]) -> Result<(), String> {
+        let part = self.part(Part::Rays, 32 * rays.len())?;
+        let (part, _) = part.split_at_mut(32 * rays.len());
+        for (to, ray) in bytemuck::cast_slice_mut(part).iter_mut().zip(rays) {
+            *to = abi::Ray::from(ray);
+        }
+        Ok(())
+    }
+
+    fn trace(&mut self, query: Query, rays: usize) -> Result<f64, String> {
+        let what = match query {
+            Query::Closest => "closest hits",
+            Query::Occlusion => "occlusion",
+        };
+        self.done(&Request::Trace { query, rays }, &format!("tracing {rays} rays ({what})"))
+    }
+
+    /// Turns counting on or off.
+    pub(crate) fn count(&mut self, on: bool) -> Result<(), String> {
+        self.done(&Request::Count { on }, "turning counting on or off").map(|_| ())
+    }
+
+    /// What was built.
+    pub(crate) fn stats(&mut self) -> Result<Stats, String> {
+        match self.ask(&Request::Stats, "saying what it built")? {
+            Reply::Stats(stats) => Ok(stats),
+            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+        }
+    }
+
+    /// Destroys what was built.
+    pub(crate) fn destroy(&mut self) -> Result<(), String> {
+        self.done(&Request::Destroy, "destroying what it built").map(|_| ())
+    }
+
+    /// Median seconds of a call that asks for nothing, there and back.
+    pub(crate) fn empty_call(&mut self) -> Result<f64, String> {
+        const CALLS: usize = 101;
+        let mut seconds = Vec::with_capacity(CALLS);
+        for _ in 0..CALLS {
+            let start = Instant::now();
+            self.done(&Request::Nothing, "doing nothing")?;
+            seconds.push(start.elapsed().as_secs_f64());
+        }
+        seconds.sort_by(f64::total_cmp);
+        Ok(seconds.get(CALLS / 2).copied().unwrap_or_default())
+    }
+
+    /// Memory of at least so many bytes that the process has mapped, too.
+    fn part(&mut self, part: Part, bytes: usize) -> Result<&mut [u8], String> {
+        let has = |parts: &[Option<Shared>; 3]| {
+            parts
+                .get(part as usize)
+                .and_then(Option::as_ref)
+                .is_some_and(|p| p.bytes().len() >= bytes)
+        };
+        if !has(&self.parts) {
+            let (shared, file) = Shared::new(bytes)
+                .map_err(|e| self.ends(format!("there is no memory to share with it: {e}")))?;
+            let request = Request::Map { part, file: file.path().to_owned() };
+            self.done(&request, "mapping the memory it shares")?;
+            if let Some(slot) = self.parts.get_mut(part as usize) {
+                *slot = Some(shared);
+            }
+        }
+        let part = self.parts.get_mut(part as usize).and_then(Option::as_mut);
+        Ok(part.map(Shared::bytes_mut).unwrap_or_default())
+    }
+
+    fn done(&mut self, request: &Request, doing: &str) -> Result<f64, String> {
+        match self.ask(request, doing)? {
+            Reply::Done { seconds } => Ok(seconds),
+            Reply::Refused { message } => Err(self.ends(format!("fails while {doing}: {message}"))),
+            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+        }
+    }
+
+    /// One request and its reply; what goes wrong ends the process.
+    fn ask(&mut self, request: &Request, doing: &str) -> Result<Reply, String> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        let sent = send(self.stream.get_mut(), request);
+        let reply = sent.and_then(|()| receive::<Reply>(&mut self.stream));
+        let late = [io::ErrorKind::WouldBlock, io::ErrorKind::TimedOut];
+        match reply {
+            Ok(Some(reply)) => Ok(reply),
+            Err(e) if late.contains(&e.kind()) => {
+                let limit = self.limit.as_secs_f64();
+                Err(self.ends(format!(
+                    "hangs: no answer within {limit} s while {doing}; its process was ended"
+                )))
+            }
+            Err(e) if e.kind() == io::ErrorKind::InvalidData => {
+                Err(self.ends(format!("its process says what cannot be read while {doing}: {e}")))
+            }
+            Ok(None) | Err(_) => {
+                let how = self.process.wait().map_or_else(|e| e.to_string(), |s| s.to_string());
+                let how = format!("crashes: its process ended with {how} while {doing}");
+                Err(self.ends(how + &tail(&self.said)))
+            }
+        }
+    }
+
+    /// Ends the process, and says so from here on.
+    fn ends(&mut self, how: String) -> String {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        self.failure.get_or_insert(how).clone()
+    }
+}
+
+#[cfg(unix)]
+impl Drop for Remote {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// An answer as ours: of a miss nothing but that is read.
+pub(crate) fn own_hit(answer: &abi::Hit, ray: &accel_core::Ray<f32>) -> accel_core::Hit<f32> {
+    match answer.id {
+        abi::MISS => accel_core::Hit { t: ray.t_max, id: accel_core::MISS },
+        id => accel_core::Hit { t: answer.t, id },
+    }
+}
+
+/// Reads what a process prints, and keeps the end of it.
+fn keep_tail(mut from: impl Read + Send + 'static, into: Arc<Mutex<Vec<u8>>>) {
+    std::thread::spawn(move || {
+        let mut buffer = [0; 4096];
+        while let Ok(read @ 1..) = from.read(&mut buffer) {
+            let mut kept = into.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.extend_from_slice(buffer.get(..read).unwrap_or_default());
+            let surplus = kept.len().saturating_sub(TAIL);
+            kept.drain(..surplus);
+        }
+    });
+}
+
+/// The last that was printed, for the end of a message.
+fn tail(said: &Mutex<Vec<u8>>) -> String {
+    let said = said.lock().unwrap_or_else(PoisonError::into_inner);
+    let text = String::from_utf8_lossy(&said);
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    let last = lines.get(lines.len().saturating_sub(2)..).unwrap_or_default().join("; ");
+    if last.is_empty() { String::new() } else { format!(": {last}") }
+}
+
+/// The name of a file without its folders.
+pub(crate) fn file_name(file: &Path) -> String {
+    file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}

@@ -1,0 +1,126 @@
+//! The child: loads a plugin, and does what its parent asks over a socket.
+
+use std::io::{self, BufReader};
+use std::path::Path;
+use std::sync::Arc;
+
+use accel_core::primitives::TriangleSet;
+
+use crate::instance::{Instance, Query};
+use crate::library::Library;
+use crate::shared::Shared;
+use crate::wire::{Part, Reply, Request, receive, send};
+
+/// A structure with the triangles it was built over, which are the child's own copy.
+type Built = Instance<Box<TriangleSet<f32>>>;
+
+/// What the child has.
+#[derive(Default)]
+struct State {
+    scene: Option<Shared>,
+    rays: Option<Shared>,
+    answers: Option<Shared>,
+    built: Option<Built>,
+    pool: Option<rayon::ThreadPool>,
+}
+
+/// Serves the plugin in `file` to whoever listens at `socket`, until that one hangs up.
+///
+/// # Errors
+/// Those of the socket.
+#[cfg(unix)]
+pub fn serve(file: &Path, socket: &Path) -> io::Result<()> {
+    let stream = std::os::unix::net::UnixStream::connect(socket)?;
+    let mut from = BufReader::new(stream.try_clone()?);
+    let mut to = stream;
+    let loaded = Library::load(file).map(Arc::new);
+    let mut state = State::default();
+    while let Some(request) = receive::<Request>(&mut from)? {
+        let reply = match &loaded {
+            Ok(library) => state.reply(library, request),
+            Err(error) => Err(error.to_string()),
+        };
+        send(&mut to, &reply.unwrap_or_else(|message| Reply::Refused { message }))?;
+    }
+    Ok(())
+}
+
+/// Elsewhere there is no such socket.
+///
+/// # Errors
+/// Always.
+#[cfg(not(unix))]
+pub fn serve(_: &Path, _: &Path) -> io::Result<()> {
+    Err(io::Error::from(io::ErrorKind::Unsupported))
+}
+
+impl State {
+    fn reply(&mut self, library: &Arc<Library>, request: Request) -> Result<Reply, String> {
+        let mut seconds = 0.0;
+        match request {
+            Request::Describe => {
+                return Ok(Reply::Description(Box::new(library.description.clone())));
+            }
+            Request::Map { part, file } => {
+                let mapped = Shared::of(&file, part == Part::Answers).map_err(|e| e.to_string())?;
+                *match part {
+                    Part::Scene => &mut self.scene,
+                    Part::Rays => &mut self.rays,
+                    Part::Answers => &mut self.answers,
+                } = Some(mapped);
+            }
+            Request::Build { triangles, values, threads } => {
+                self.built = None;
+                let set = Box::new(self.triangles(triangles)?);
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                let pool = pool.map_err(|e| e.to_string())?;
+                let library = Arc::clone(library);
+                let built = pool.install(|| Instance::build(library, set, &values));
+                let (built, took) = built?;
+                seconds = took;
+                (self.built, self.pool) = (Some(built), Some(pool));
+            }
+            Request::Trace { query, rays } => seconds = self.trace(query, rays)?,
+            Request::Count { on } => self.built()?.count(on),
+            Request::Stats => return Ok(Reply::Stats(self.built()?.stats())),
+            Request::Nothing => {}
+            Request::Destroy => self.built = None,
+        }
+        Ok(Reply::Done { seconds })
+    }
+
+    fn built(&self) -> Result<&Built, String> {
+        self.built.as_ref().ok_or_else(|| "nothing is built".into())
+    }
+
+    fn triangles(&self, count: usize) -> Result<TriangleSet<f32>, String> {
+        let bytes = self.scene.as_ref().map(Shared::bytes).unwrap_or_default();
+        let positions = 36 * count;
+        let (Some(corners), Some(flags)) =
+            (bytes.get(..positions), bytes.get(positions..positions + count))
+        else {
+            return Err(format!("there are no {count} triangles"));
+        };
+        let corners: Vec<[[f32; 3]; 3]> = bytemuck::cast_slice(corners).to_vec();
+        let lets_pass = |id: u32| flags.get(id as usize).is_some_and(|flag| *flag != 0);
+        TriangleSet::new(corners, lets_pass).map_err(|e| e.to_string())
+    }
+
+    fn trace(&mut self, query: Query, count: usize) -> Result<f64, String> {
+        let Self { rays, answers, built: Some(built), pool: Some(pool), .. } = self else {
+            return Err("nothing is built".into());
+        };
+        let rays = rays.as_ref().map(Shared::bytes).unwrap_or_default();
+        let answers = answers.as_mut().map(Shared::bytes_mut).unwrap_or_default();
+        let rays = rays.get(..32 * count).ok_or("there are not so many rays")?;
+        let rays = bytemuck::cast_slice(rays);
+        let size = if query == Query::Closest { 8 } else { 1 };
+        let answers = answers.get_mut(..size * count).ok_or("there is not so much room")?;
+        let mut ask = || match query {
+            Query::Closest => built.closest(rays, bytemuck::cast_slice_mut(answers)),
+            Query::Occlusion => built.occluded(rays, answers),
+        };
+        // one thread alone traces here, as it would in the parent
+        Ok(if pool.current_num_threads() > 1 { pool.install(ask) } else { ask() })
+    }
+}

@@ -1,0 +1,253 @@
+//! A plugin as a tracer of rtbench: in a process of its own, or in this one.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use accel_core::primitives::TriangleSet;
+use accel_core::query::counters::WorkCounters;
+use accel_core::query::tracer::{Foreign, Origin, ShadowCount, ShadowRule, Tracer};
+use accel_core::structure::{BuildError, Shape};
+use accel_core::{Hit, Ray};
+
+use crate::abi;
+use crate::instance::{Instance, Stats};
+use crate::plugin::Plugin;
+use crate::remote::{BuiltOr, Remote, own_hit};
+
+/// Where a structure is.
+enum Place<'a> {
+    Here(Box<Instance<&'a TriangleSet<f32>>>),
+    /// The process is given back when the tracer is dropped.
+    Elsewhere(Option<Remote>),
+}
+
+struct State<'a> {
+    place: Place<'a>,
+    /// Of calls since they were asked for.
+    seconds: f64,
+    failure: Option<String>,
+}
+
+/// A structure that a plugin built.
+pub(crate) struct PluginTracer<'a> {
+    plugin: Arc<Plugin>,
+    /// The row's settings: a process is kept for each row.
+    row: String,
+    origin: Origin,
+    build_seconds: f64,
+    stats: Stats,
+    state: Mutex<State<'a>>,
+}
+
+impl<'a> PluginTracer<'a> {
+    /// Builds over triangles, on as many threads as the current pool has.
+    pub(crate) fn build(
+        plugin: Arc<Plugin>,
+        set: &'a TriangleSet<f32>,
+        row: String,
+        values: &[String],
+    ) -> Result<Self, BuildError> {
+        let structure = plugin.info.name;
+        let refused = |message: String| BuildError::Library { structure, message };
+        let mut origin = plugin.origin.clone();
+        let (place, build_seconds, stats) = if let Some(library) = &plugin.library {
+            let built = Instance::build(Arc::clone(library), set, values);
+            let (instance, seconds) = built.map_err(refused)?;
+            let stats = instance.stats();
+            (Place::Here(Box::new(instance)), seconds, stats)
+        } else {
+            let mut remote = plugin.process(&row).map_err(BuildError::Died)?;
+            let threads = rayon::current_num_threads();
+            let mut ask = || -> Result<(BuiltOr, Stats), String> {
+                let built = remote.build(set, values, threads)?;
+                if matches!(built, BuiltOr::Refused(_)) {
+                    return Ok((built, Stats::default()));
+                }
+                origin.empty_call_s = remote.empty_call()?;
+                Ok((built, remote.stats()?))
+            };
+            match ask() {
+                Ok((BuiltOr::Built(seconds), stats)) => {
+                    (Place::Elsewhere(Some(remote)), seconds, stats)
+                }
+                Ok((BuiltOr::Refused(message), _)) => {
+                    plugin.keep(&row, remote);
+                    return Err(refused(message));
+                }
+                Err(how) => {
+                    plugin.keep(&row, remote);
+                    return Err(BuildError::Died(how));
+                }
+            }
+        };
+        let state = Mutex::new(State { place, seconds: 0.0, failure: None });
+        Ok(Self { plugin, row, origin, build_seconds, stats, state })
+    }
+
+    fn state(&self) -> MutexGuard<'_, State<'a>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State<'_> {
+    fn took(&mut self, seconds: Result<f64, String>) {
+        match seconds {
+            Ok(seconds) => self.seconds += seconds,
+            Err(how) => {
+                self.failure.get_or_insert(how);
+            }
+        }
+    }
+
+    fn closest(&mut self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+        let seconds = match &mut self.place {
+            Place::Here(instance) => {
+                let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
+                let mut answers: Vec<abi::Hit> =
+                    hits.iter().map(|hit| abi::Hit { t: hit.t, id: hit.id }).collect();
+                let seconds = instance.closest(&asked, &mut answers);
+                for ((hit, answer), ray) in hits.iter_mut().zip(&answers).zip(rays) {
+                    *hit = own_hit(answer, ray);
+                }
+                Ok(seconds)
+            }
+            Place::Elsewhere(Some(remote)) => remote.closest(rays, hits),
+            Place::Elsewhere(None) => Ok(0.0),
+        };
+        self.took(seconds);
+    }
+
+    fn occluded(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
+        let seconds = match &mut self.place {
+            Place::Here(instance) => {
+                let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
+                let mut answers: Vec<u8> = blocked.iter().map(|&b| u8::from(b)).collect();
+                let seconds = instance.occluded(&asked, &mut answers);
+                blocked.iter_mut().zip(&answers).for_each(|(b, answer)| *b = *answer != 0);
+                Ok(seconds)
+            }
+            Place::Elsewhere(Some(remote)) => remote.occluded(rays, blocked),
+            Place::Elsewhere(None) => Ok(0.0),
+        };
+        self.took(seconds);
+    }
+
+    /// What is asked while the plugin counts, and its work.
+    fn counted(&mut self, ask: impl FnOnce(&mut Self)) -> WorkCounters {
+        self.count(true);
+        let before = self.work();
+        ask(self);
+        let after = self.work();
+        self.count(false);
+        let of = |i: usize| after[i].saturating_sub(before[i]);
+        WorkCounters { intersection_tests: of(0), traversal_steps: of(1), ..Default::default() }
+    }
+
+    fn count(&mut self, on: bool) {
+        match &mut self.place {
+            Place::Here(instance) => instance.count(on),
+            Place::Elsewhere(Some(remote)) => {
+                let done = remote.count(on).map(|()| 0.0);
+                self.took(done);
+            }
+            Place::Elsewhere(None) => {}
+        }
+    }
+
+    fn work(&mut self) -> [u64; 2] {
+        let stats = match &mut self.place {
+            Place::Here(instance) => Ok(instance.stats()),
+            Place::Elsewhere(Some(remote)) => remote.stats(),
+            Place::Elsewhere(None) => Ok(Stats::default()),
+        };
+        match stats {
+            Ok(stats) => stats.work.unwrap_or_default(),
+            Err(how) => {
+                self.took(Err(how));
+                [0; 2]
+            }
+        }
+    }
+}
+
+impl Drop for PluginTracer<'_> {
+    fn drop(&mut self) {
+        let mut state = self.state();
+        if let Place::Elsewhere(remote) = &mut state.place
+            && let Some(mut remote) = remote.take()
+        {
+            // how that ends is kept with the process
+            let _ = remote.destroy();
+            self.plugin.keep(&self.row, remote);
+        }
+    }
+}
+
+impl Tracer<f32> for PluginTracer<'_> {
+    fn closest_hits(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+        let n = rays.len().min(hits.len());
+        self.state().closest(&rays[..n], &mut hits[..n]);
+    }
+
+    fn occlusions(&self, rays: &[Ray<f32>], blocked: &mut [bool]) {
+        let n = rays.len().min(blocked.len());
+        self.state().occluded(&rays[..n], &mut blocked[..n]);
+    }
+
+    fn count_closest_hits(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) -> WorkCounters {
+        let n = rays.len().min(hits.len());
+        self.state().counted(|state| state.closest(&rays[..n], &mut hits[..n]))
+    }
+
+    /// Under every rule by [`ShadowRule::OpaqueBlocks`]: others are for structures that walk.
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<f32>],
+        _: ShadowRule,
+        answers: &mut [ShadowCount],
+    ) -> WorkCounters {
+        let n = rays.len().min(answers.len());
+        let (rays, answers) = (&rays[..n], &mut answers[..n]);
+        let mut blocked: Vec<bool> = answers.iter().map(|answer| answer.blocked).collect();
+        let work = self.state().counted(|state| state.occluded(rays, &mut blocked));
+        for (answer, blocked) in answers.iter_mut().zip(blocked) {
+            *answer = ShadowCount { blocked, glass: 0 };
+        }
+        work
+    }
+
+    fn shape(&self) -> Shape {
+        let [inner_cells, cells, empty_cells, references] = self.stats.cells;
+        let bytes = self.stats.bytes;
+        Shape { inner_cells, cells, empty_cells, references, bytes, ..Shape::default() }
+    }
+
+    fn foreign(&self) -> Option<&dyn Foreign> {
+        Some(self)
+    }
+}
+
+impl Foreign for PluginTracer<'_> {
+    fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
+    fn build_seconds(&self) -> f64 {
+        self.build_seconds
+    }
+
+    fn take_seconds(&self) -> f64 {
+        std::mem::take(&mut self.state().seconds)
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.state().failure.clone()
+    }
+
+    fn has_counters(&self) -> bool {
+        self.plugin.description.has_counters
+    }
+
+    fn answers_batches(&self) -> bool {
+        self.plugin.description.answers_batches
+    }
+}

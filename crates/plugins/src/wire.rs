@@ -1,0 +1,80 @@
+//! What parent and child say to one another: a line of JSON each, request and reply in turns. Triangles,
+//! rays and answers are in shared memory.
+
+use std::io::{self, BufRead, Write};
+use std::path::PathBuf;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::description::Description;
+use crate::instance::{Query, Stats};
+
+/// What a part of the shared memory holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Part {
+    /// Nine f32 for each triangle, then a byte for each: not 0 where shadow rays pass.
+    Scene,
+    /// [`crate::abi::Ray`]s.
+    Rays,
+    /// [`crate::abi::Hit`]s, or a byte for each ray. The child writes them.
+    Answers,
+}
+
+/// What the parent asks.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) enum Request {
+    /// What the plugin is.
+    Describe,
+    /// To map a file, in place of the one before.
+    Map { part: Part, file: PathBuf },
+    /// To build over so many triangles.
+    Build { triangles: usize, values: Vec<String>, threads: usize },
+    /// To answer so many rays.
+    Trace { query: Query, rays: usize },
+    /// To count from here on, or not.
+    Count { on: bool },
+    /// What was built.
+    Stats,
+    /// Nothing.
+    Nothing,
+    /// To destroy what was built.
+    Destroy,
+}
+
+/// What the child replies.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) enum Reply {
+    /// It is done, and the call of the plugin took so many seconds.
+    Done { seconds: f64 },
+    /// What the plugin is.
+    Description(Box<Description>),
+    /// What was built.
+    Stats(Stats),
+    /// It is not done.
+    Refused { message: String },
+}
+
+/// Writes a line.
+///
+/// # Errors
+/// Those of the writer.
+pub(crate) fn send<T: Serialize>(to: &mut impl Write, message: &T) -> io::Result<()> {
+    let mut line = serde_json::to_vec(message)?;
+    line.push(b'\n');
+    to.write_all(&line)?;
+    to.flush()
+}
+
+/// Reads a line; none at the end.
+///
+/// # Errors
+/// Those of the reader, and `InvalidData` for what is no message.
+pub(crate) fn receive<T: DeserializeOwned>(from: &mut impl BufRead) -> io::Result<Option<T>> {
+    let mut line = Vec::new();
+    from.read_until(b'\n', &mut line)?;
+    match line.is_empty() {
+        true => Ok(None),
+        false => Ok(Some(serde_json::from_slice(&line)?)),
+    }
+}

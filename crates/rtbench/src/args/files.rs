@@ -1,0 +1,116 @@
+//! `rtbench rays` and `rtbench hits`: any program, by files.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use measurement::settings::choice::Choice;
+use measurement::settings::{Lights, MeasuringSettings, RunSettings};
+
+use crate::args::parsers::{choice, scene_name};
+
+/// `rtbench rays`.
+#[derive(Debug, Clone, Args)]
+pub struct RaysArgs {
+    /// What to do with rays.
+    #[command(subcommand)]
+    pub action: RaysAction,
+}
+
+/// What to do with rays.
+#[derive(Debug, Clone, Subcommand)]
+pub enum RaysAction {
+    /// Write the rays of a scene, and its triangles, for another program
+    Export(ExportRaysArgs),
+}
+
+/// `rtbench rays export`.
+#[derive(Debug, Clone, Args)]
+pub struct ExportRaysArgs {
+    /// A scene of triangles
+    #[arg(value_parser = scene_name())]
+    pub scene: String,
+    /// Kinds of rays: primary, shadow, reflected, refracted, diffuse [default: all]
+    #[arg(long, value_name = "KIND", value_delimiter = ',', alias = "rays")]
+    pub kind: Vec<String>,
+    /// Where rays go
+    #[arg(short, long, value_name = "FILE", required_unless_present = "triangles")]
+    pub output: Option<PathBuf>,
+    /// Where triangles go: nine f32 and a flag each
+    #[arg(long, value_name = "FILE")]
+    pub triangles: Option<PathBuf>,
+    /// How rays are written
+    #[arg(long, value_parser = choice::<RayFormat>(), default_value = RayFormat::Rtbench.as_typed())]
+    pub format: RayFormat,
+    /// Width and height of the image
+    #[arg(long, value_name = "PIXELS", default_value_t = 128,
+          value_parser = clap::value_parser!(u32).range(1..=MeasuringSettings::LARGEST_SIZE.into()))]
+    pub size: u32,
+    /// Seed of the rays
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Shadow rays run to each light that a hit faces, or from primary hits to the first
+    #[arg(long, value_parser = choice::<Lights>(), default_value = Lights::Each.name())]
+    pub lights: Lights,
+}
+
+/// How rays are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RayFormat {
+    /// With a header and with the interval of each ray.
+    Rtbench,
+    /// Six f32 each.
+    Hagrid,
+}
+
+impl Choice for RayFormat {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Rtbench, "rtbench", "A header, then origin, t_min, direction, t_max of each ray"),
+        (Self::Hagrid, "hagrid", "Origin and direction of each ray, no header, no interval"),
+    ];
+}
+
+/// `rtbench hits`.
+#[derive(Debug, Clone, Args)]
+pub struct HitsArgs {
+    /// What to do with hits.
+    #[command(subcommand)]
+    pub action: HitsAction,
+}
+
+/// What to do with hits.
+#[derive(Debug, Clone, Subcommand)]
+pub enum HitsAction {
+    /// Compare the answers of another program with ours: right, wrong, or different at an edge
+    Check(CheckHitsArgs),
+}
+
+/// `rtbench hits check`.
+#[derive(Debug, Clone, Args)]
+pub struct CheckHitsArgs {
+    /// The scene whose rays they answer
+    #[arg(value_parser = scene_name())]
+    pub scene: String,
+    /// The answers: the header of the rays with the name of hits, then t and id of each ray
+    pub file: PathBuf,
+}
+
+/// What a run would be asked for that has these rays.
+pub fn settings_of(
+    scene: &str,
+    kinds: Vec<String>,
+    size: u32,
+    seed: u64,
+    lights: Lights,
+) -> RunSettings {
+    RunSettings {
+        scenes: vec![scene.to_owned()],
+        measuring: MeasuringSettings {
+            rays: kinds,
+            size: Some(size),
+            seed,
+            lights,
+            ..MeasuringSettings::default()
+        },
+        ..RunSettings::default()
+    }
+}

@@ -1,0 +1,32 @@
+//! Structures that come out of shared libraries.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+/// Which plugins, and how they run.
+#[derive(Debug, Clone, Args)]
+pub struct PluginArgs {
+    /// A shared library with a structure of yours (rtbench.h): its row stands beside ours
+    #[arg(long, value_name = "FILE")]
+    pub plugin: Vec<PathBuf>,
+    /// Run plugins in this process, not in one of their own: what ends a plugin ends the run
+    #[arg(long, requires = "plugin")]
+    pub in_process: bool,
+    /// Longest time of a plugin's build, and of one of its calls that answer rays
+    #[arg(long, value_name = "TIME", default_value = "60s", requires = "plugin",
+          value_parser = measurement::settings::duration::parse)]
+    pub plugin_limit: Duration,
+}
+
+/// `rtbench child plugin`: what a run starts for each row of a plugin.
+#[derive(Debug, Clone, Args)]
+pub struct ServeArgs {
+    /// The shared library
+    #[arg(long)]
+    pub file: PathBuf,
+    /// Where the run listens
+    #[arg(long)]
+    pub socket: PathBuf,
+}
