@@ -32,6 +32,7 @@ struct Bvh {
     std::vector<uint32_t> ids;
     uint32_t leaf;
     std::string fault;
+    bool ignores_t_min = fault == "t-min", drops = fault == "drop";
 
     const float *corners(uint32_t id) const { return scene->positions + 9 * size_t(id); }
 
@@ -69,24 +70,31 @@ struct Bvh {
         Vec s = at(ray.origin) - a, q = cross(s, e1);
         float u = dot(s, h) / det, v = dot(d, q) / det, found = dot(e2, q) / det;
         if (!(u >= 0 && v >= 0 && u + v <= 1)) return false;
-        float t_min = fault == "t-min" ? -INFINITY : ray.t_min;
-        if (!(found >= t_min && found <= t_max) || (fault == "drop" && id % 7 == 3)) return false;
+        if (!(found >= (ignores_t_min ? -INFINITY : ray.t_min) && found <= t_max)) return false;
+        if (drops && id % 7 == 3) return false;
         t = found;
         return true;
     }
 
     bool trace(const rtbench_ray &ray, bool any, rtbench_hit &hit) const {
         hit = {ray.t_max, RTBENCH_MISS};
+        float inverse[3]; // of a direction without zeros: no box then has NaN
+        for (int k = 0; k < 3; k++)
+            inverse[k] = 1 / (std::fabs(ray.direction[k]) < 1e-30f ? 1e-30f : ray.direction[k]);
+        auto centre = [&](uint32_t n) { // twice its way along the ray
+            float sum = 0;
+            for (int k = 0; k < 3; k++) sum += (nodes[n].low[k] + nodes[n].high[k]) * ray.direction[k];
+            return sum;
+        };
         uint32_t stack[128], top = 0;
         stack[top++] = 0;
         while (top > 0) {
             const Node &node = nodes[stack[--top]];
-            float enter = fault == "t-min" ? -INFINITY : ray.t_min, leave = hit.t;
+            float enter = ignores_t_min ? -INFINITY : ray.t_min, leave = hit.t;
             for (int k = 0; k < 3; k++) {
-                float inverse = 1 / ray.direction[k];
-                float a = (node.low[k] - ray.origin[k]) * inverse, b = (node.high[k] - ray.origin[k]) * inverse;
-                enter = std::fmax(enter, std::fmin(a, b));
-                leave = std::fmin(leave, std::fmax(a, b));
+                float a = (node.low[k] - ray.origin[k]) * inverse[k], b = (node.high[k] - ray.origin[k]) * inverse[k];
+                enter = std::max(enter, std::min(a, b));
+                leave = std::min(leave, std::max(a, b));
             }
             if (enter > leave * (leave > 0 ? 1.00001f : 0.99999f)) continue;
             for (uint32_t i = node.first; i < node.first + node.count; i++) {
@@ -96,7 +104,11 @@ struct Bvh {
                 if (test(ray, id, hit.t, t)) hit = {t, id};
             }
             if (any && hit.id != RTBENCH_MISS) return true;
-            if (node.count == 0) stack[top++] = node.first, stack[top++] = node.first + 1;
+            if (node.count == 0) { // the nearer child next
+                uint32_t nearer = node.first + (centre(node.first) > centre(node.first + 1));
+                stack[top++] = 2 * node.first + 1 - nearer;
+                stack[top++] = nearer;
+            }
         }
         return hit.id != RTBENCH_MISS;
     }
