@@ -32,6 +32,7 @@ pub mod second_opinion;
 pub mod source;
 #[allow(clippy::indexing_slicing)]
 pub mod tessellate;
+pub mod view_options;
 
 pub use error::{LoadError, Place};
 pub use scene::texture::{Texture, Wrap};
@@ -42,3 +43,4 @@ pub use scene::{
 pub use scene_file::set as scene_set;
 pub use source::{LoadedScene, SceneCatalogue, SceneRef, SceneSizes};
 pub use source::{hash as source_hash, names as source_names};
+pub use view_options::ViewOptions;

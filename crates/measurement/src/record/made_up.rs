@@ -35,6 +35,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
             quick: false,
             order: "scanline".into(),
             lights: "each".into(),
+            view: Vec::new(),
             by_kind: false,
         },
         scenes: scenes.iter().map(|(name, rows)| scene(name, rows)).collect(),

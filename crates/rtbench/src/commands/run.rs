@@ -14,6 +14,7 @@ use crate::commands::scale;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
+use crate::recorded_view;
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
@@ -68,7 +69,9 @@ fn resume(
         Ok(_) => return Err(differs("arguments: expected those of `run`".into()).into()),
         Err(error) => return Err(differs(format!("arguments: {error}")).into()),
     };
-    let plan = Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
+    let mut plan =
+        Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?;
+    recorded_view::apply(&begun.found.manifest.settings, &mut plan).map_err(differs)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
     for path in run_outputs::left_behind(&args.exports, exports) {

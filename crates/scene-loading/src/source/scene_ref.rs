@@ -13,6 +13,7 @@ use crate::source::described::Described;
 use crate::source::formats::parse_scene;
 use crate::source::generated::generate;
 use crate::source::hash::sha256_of_scene;
+use crate::view_options::{ViewOptions, light_if_dark};
 
 /// A scene that is known but not loaded.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,14 @@ pub struct SceneRef {
     /// Name in tables: `balls:5`, `kitchen`, the stem of a path.
     pub name: String,
     pub(crate) from: From,
+    /// View and lights instead of the scene's own.
+    pub view: ViewOptions,
+}
+
+impl SceneRef {
+    pub(crate) fn new(name: impl Into<String>, from: From) -> Self {
+        Self { name: name.into(), from, view: ViewOptions::default() }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -58,11 +67,13 @@ impl SceneRef {
         }
     }
 
-    /// Loads or generates the scene.
+    /// Loads or generates the scene. One without lights gets one at the eye, with a warning, unless
+    /// its scene file says that it has none (`"lights": []`).
     ///
     /// # Errors
     /// [`LoadError::NotFetched`] when its package is not on this machine,
-    /// [`LoadError::HashMismatch`], or the error of the loader or generator.
+    /// [`LoadError::HashMismatch`], or the error of the loader, of the generator or of
+    /// [`ViewOptions::apply`].
     pub fn load(&self) -> Result<LoadedScene, LoadError> {
         self.load_from(&Places::from_env())
     }
@@ -86,6 +97,10 @@ impl SceneRef {
             }
         };
         scene.name.clone_from(&self.name);
+        self.view.apply(&mut scene)?;
+        if self.description().is_none_or(|file| file.lights.is_none()) {
+            light_if_dark(&mut scene);
+        }
         Ok(LoadedScene { sha256: sha256_of_scene(&scene), scene, source, licence })
     }
 

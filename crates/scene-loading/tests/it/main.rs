@@ -11,3 +11,4 @@ mod load_obj;
 mod load_textures;
 mod own_scenes;
 mod spd;
+mod view;

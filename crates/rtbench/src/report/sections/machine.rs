@@ -70,7 +70,9 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
     let unknown = |text: &Option<String>| text.clone().unwrap_or_else(|| UNKNOWN.to_owned());
     let memory = |bytes: Option<u64>| bytes.map_or(UNKNOWN.to_owned(), |n| mebibytes(n) + " MiB");
     let [width, height] = run.settings.resolution;
-    vec![
+    let view = &run.settings.view;
+    let given = (!view.is_empty()).then(|| ("camera and lights given", view.join(" ")));
+    let mut facts = vec![
         ("started", utc(run.started_unix_s)),
         (
             "program",
@@ -105,7 +107,9 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
         ("lights asked", run.settings.lights.clone()),
         ("reference", reference::in_words(run)),
         ("largest resident set", memory(run.peak_rss_bytes)),
-    ]
+    ];
+    facts.extend(given);
+    facts
 }
 
 fn scenes(scenes: &[SceneRecord]) -> presentation::table::Table {
