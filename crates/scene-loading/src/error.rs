@@ -8,32 +8,41 @@ use thiserror::Error;
 
 use crate::polygon::ear_clipping::Entangled;
 
-/// A file and, where the format has them, a line; printed as `file:line`.
+/// A file and, where the format has them, a line, or else a byte; printed as `file:line` or
+/// `file: byte 80`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// The file as it was named to the loader.
     pub file: PathBuf,
     /// Line number counted from 1, or `None` for binary files and for the file as a whole.
     pub line: Option<usize>,
+    /// Byte counted from 0, in binary data.
+    pub byte: Option<usize>,
 }
 
 impl Place {
     /// The file as a whole.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.to_path_buf(), line: None }
+        Self { file: file.to_path_buf(), line: None, byte: None }
     }
 
     /// A line of the file, counted from 1.
     pub fn line(file: &Path, line: usize) -> Self {
-        Self { file: file.to_path_buf(), line: Some(line) }
+        Self { file: file.to_path_buf(), line: Some(line), byte: None }
+    }
+
+    /// A byte of a binary file, counted from 0 after decompression.
+    pub fn byte(file: &Path, byte: usize) -> Self {
+        Self { file: file.to_path_buf(), line: None, byte: Some(byte) }
     }
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.line {
-            Some(line) => write!(f, "{}:{line}", self.file.display()),
-            None => write!(f, "{}", self.file.display()),
+        match (self.line, self.byte) {
+            (Some(line), _) => write!(f, "{}:{line}", self.file.display()),
+            (None, Some(byte)) => write!(f, "{}: byte {byte}", self.file.display()),
+            (None, None) => write!(f, "{}", self.file.display()),
         }
     }
 }

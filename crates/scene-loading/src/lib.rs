@@ -20,8 +20,10 @@ pub mod gltf;
 pub mod info;
 mod input;
 pub mod limits;
+mod mesh;
 pub mod nff;
 pub mod obj;
+pub mod ply;
 mod polygon;
 #[allow(clippy::indexing_slicing, clippy::expect_used)]
 pub mod procedural;
@@ -30,8 +32,10 @@ pub mod scene;
 pub mod scene_file;
 pub mod second_opinion;
 pub mod source;
+pub mod stl;
 #[allow(clippy::indexing_slicing)]
 pub mod tessellate;
+pub mod triangle_soup;
 pub mod view_options;
 
 pub use error::{LoadError, Place};

@@ -7,11 +7,14 @@ use crate::input::decompress::decompress;
 use crate::input::read::lossy_text;
 use crate::obj::ObjOptions;
 use crate::scene::Scene;
-use crate::{gltf, nff, obj};
+use crate::{gltf, nff, obj, ply, stl, triangle_soup};
 
 /// The endings of scene files that loaders are registered for (scene descriptions, `.json`, are
 /// read by [`crate::source::SceneCatalogue`]).
-pub const ENDINGS: [&str; 7] = [".nff", ".nff.gz", ".obj", ".obj.gz", ".obj.zst", ".gltf", ".glb"];
+pub const ENDINGS: [&str; 14] = [
+    ".nff", ".nff.gz", ".obj", ".obj.gz", ".obj.zst", ".gltf", ".glb", ".ply", ".ply.gz",
+    ".ply.zst", ".stl", ".stl.gz", ".stl.zst", ".bin",
+];
 
 /// True when a loader is registered for the file's ending.
 pub fn is_scene_path(path: &Path) -> bool {
@@ -35,6 +38,12 @@ pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<S
         nff::parse_nff(path, &lossy_text(bytes))
     } else if name.ends_with(".obj") {
         obj::parse_obj(path, bytes, options)
+    } else if name.ends_with(".ply") {
+        ply::parse_ply(path, &bytes, options.triangulate)
+    } else if name.ends_with(".stl") {
+        stl::parse_stl(path, bytes)
+    } else if name.ends_with(".bin") {
+        triangle_soup::parse_triangle_soup(path, &bytes)
     } else {
         gltf::parse_gltf(path, &bytes)
     }

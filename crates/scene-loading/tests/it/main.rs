@@ -6,6 +6,7 @@ mod hostile;
 mod load_catalogue;
 mod load_effects;
 mod load_gltf;
+mod load_meshes;
 mod load_nff;
 mod load_obj;
 mod load_textures;
