@@ -23,6 +23,7 @@ pub mod limits;
 mod mesh;
 pub mod nff;
 pub mod obj;
+pub mod pbrt;
 pub mod ply;
 mod polygon;
 #[allow(clippy::indexing_slicing, clippy::expect_used)]
@@ -35,6 +36,7 @@ pub mod source;
 pub mod stl;
 #[allow(clippy::indexing_slicing)]
 pub mod tessellate;
+pub mod tray_racing;
 pub mod triangle_soup;
 pub mod view_options;
 

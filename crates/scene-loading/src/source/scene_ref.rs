@@ -5,12 +5,11 @@ use std::path::PathBuf;
 use crate::error::LoadError;
 use crate::fetch::Places;
 use crate::input::read::read_file;
-use crate::obj::ObjOptions;
 use crate::scene::Scene;
 use crate::scene_file::{SceneFile, Source};
 use crate::second_opinion::{SecondOpinion, second_opinion};
 use crate::source::described::Described;
-use crate::source::formats::parse_scene;
+use crate::source::formats::{ReadOptions, parse_scene};
 use crate::source::generated::generate;
 use crate::source::hash::sha256_of_scene;
 use crate::view_options::{ViewOptions, light_if_dark};
@@ -23,11 +22,13 @@ pub struct SceneRef {
     pub(crate) from: From,
     /// View and lights instead of the scene's own.
     pub view: ViewOptions,
+    /// What its file names may lie outside its folder.
+    outside: bool,
 }
 
 impl SceneRef {
     pub(crate) fn new(name: impl Into<String>, from: From) -> Self {
-        Self { name: name.into(), from, view: ViewOptions::default() }
+        Self { name: name.into(), from, view: ViewOptions::default(), outside: false }
     }
 }
 
@@ -62,6 +63,7 @@ impl SceneRef {
 
     /// Lets the source of a scene file lie outside its folder, as only files of one's own should.
     pub fn allow_outside(&mut self) {
+        self.outside = true;
         if let From::Described(described) = &mut self.from {
             described.outside = true;
         }
@@ -88,7 +90,8 @@ impl SceneRef {
                 (generate(spec)?, format!("generated: {spec}"), Some("CC0-1.0 (SPD)".to_string()))
             }
             From::File(path) => {
-                let scene = parse_scene(path, read_file(path)?, ObjOptions::default())?;
+                let options = ReadOptions { outside: self.outside, ..ReadOptions::default() };
+                let scene = parse_scene(path, read_file(path)?, options)?;
                 (scene, path.display().to_string(), None)
             }
             From::Described(described) => {
