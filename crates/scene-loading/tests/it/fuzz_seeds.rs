@@ -9,7 +9,7 @@ use scene_loading::info::{SceneInfo, validate};
 use scene_loading::nff::parse_nff;
 use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
 use scene_loading::scene_file::{SceneFile, Source};
-use scene_loading::source::formats::parse_scene;
+use scene_loading::source::formats::{ReadOptions, parse_scene};
 use scene_loading::tessellate::triangulate;
 use scene_loading::{LoadError, Scene};
 
@@ -74,7 +74,7 @@ fn nff() {
 fn packed() {
     let parse = |_: &Path, bytes: Vec<u8>| {
         let ending = if bytes.starts_with(&[0x1f]) { "gz" } else { "zst" };
-        parse_scene(Path::new(&format!("a.x.obj.{ending}")), bytes, ObjOptions::default())
+        parse_scene(Path::new(&format!("a.x.obj.{ending}")), bytes, ReadOptions::default())
     };
     assert!(replay("packed", parse) >= 2);
 }

@@ -9,6 +9,7 @@ mod load_gltf;
 mod load_meshes;
 mod load_nff;
 mod load_obj;
+mod load_pbrt;
 mod load_textures;
 mod own_scenes;
 mod spd;
