@@ -14,35 +14,45 @@ use crate::polygon::ear_clipping::Entangled;
 pub struct Place {
     /// The file as it was named to the loader.
     pub file: PathBuf,
-    /// Line number counted from 1, or `None` for binary files and for the file as a whole.
-    pub line: Option<usize>,
-    /// Byte counted from 0, in binary data.
-    pub byte: Option<usize>,
+    /// Where in it.
+    pub within: Within,
+}
+
+/// Where in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Within {
+    /// The file as a whole.
+    Whole,
+    /// A line, counted from 1.
+    Line(usize),
+    /// A byte of binary data, counted from 0 after decompression.
+    Byte(usize),
 }
 
 impl Place {
     /// The file as a whole.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.to_path_buf(), line: None, byte: None }
+        Self { file: file.to_path_buf(), within: Within::Whole }
     }
 
     /// A line of the file, counted from 1.
     pub fn line(file: &Path, line: usize) -> Self {
-        Self { file: file.to_path_buf(), line: Some(line), byte: None }
+        Self { file: file.to_path_buf(), within: Within::Line(line) }
     }
 
     /// A byte of a binary file, counted from 0 after decompression.
     pub fn byte(file: &Path, byte: usize) -> Self {
-        Self { file: file.to_path_buf(), line: None, byte: Some(byte) }
+        Self { file: file.to_path_buf(), within: Within::Byte(byte) }
     }
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.line, self.byte) {
-            (Some(line), _) => write!(f, "{}:{line}", self.file.display()),
-            (None, Some(byte)) => write!(f, "{}: byte {byte}", self.file.display()),
-            (None, None) => write!(f, "{}", self.file.display()),
+        let file = self.file.display();
+        match self.within {
+            Within::Whole => write!(f, "{file}"),
+            Within::Line(line) => write!(f, "{file}:{line}"),
+            Within::Byte(byte) => write!(f, "{file}: byte {byte}"),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{LoadError, Place, Within};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{area_vector, is_flat};
@@ -37,11 +37,11 @@ impl Tally {
 
     /// A warning where there is anything: how many of what, and where the first is.
     pub fn warn(&self, what: &str, scene: &mut Scene) {
-        let Some(Place { file, line, byte }) = &self.first else { return };
-        let first = match (line, byte) {
-            (Some(line), _) => format!(" (first: line {line})"),
-            (None, Some(byte)) => format!(" (first: byte {byte})"),
-            (None, None) => String::new(),
+        let Some(Place { file, within }) = &self.first else { return };
+        let first = match within {
+            Within::Whole => String::new(),
+            Within::Line(line) => format!(" (first: line {line})"),
+            Within::Byte(byte) => format!(" (first: byte {byte})"),
         };
         let text = format!("{}: {} {what}{first}", file.display(), self.count);
         scene.warnings.push(Warning(text));

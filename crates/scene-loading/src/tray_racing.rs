@@ -20,11 +20,10 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::error::{LoadError, Place, shortened};
-use crate::input::read::{confined, extension, lossy_text, read_file};
+use crate::input::read::{confined, extension, lossy_text};
 use crate::limits::MAX_JSON;
 use crate::mesh::coordinate;
 use crate::scene::{Camera, Light, Scene};
-use crate::source::formats::{ReadOptions, parse_scene};
 
 /// How far away the sun is, in radii of the scene.
 pub const SUN_DISTANCE: f64 = 100.0;
@@ -48,7 +47,8 @@ struct CameraEntry {
     fov: f64,
 }
 
-/// Parses a scene file and reads its model.
+/// Parses a scene file; `read_model` reads the file that it names. That may lie outside the folder
+/// where `outside` says so.
 ///
 /// # Errors
 /// [`LoadError::Parser`] with the line, [`LoadError::OutOfRange`], [`LoadError::OutsideSource`] for a
@@ -56,7 +56,8 @@ struct CameraEntry {
 pub fn parse_tray_racing(
     path: &Path,
     bytes: Vec<u8>,
-    options: ReadOptions,
+    outside: bool,
+    read_model: impl FnOnce(&Path) -> Result<Scene, LoadError>,
 ) -> Result<Scene, LoadError> {
     if bytes.len() as u64 > MAX_JSON {
         return Err(LoadError::TooLarge { place: Place::file(path), limit: MAX_JSON });
@@ -80,12 +81,12 @@ pub fn parse_tray_racing(
         ..Camera::default()
     };
     camera.check(place)?;
-    let model = model_of(path, &entry.model_path, options)?;
+    let model = model_of(path, &entry.model_path, outside)?;
     if matches!(extension(&model).as_str(), "ron" | "json") {
         let expected = "a model_path of a mesh: .obj, .glb, .ply, ...";
         return Err(LoadError::syntax(place(), &entry.model_path, expected));
     }
-    let mut scene = parse_scene(&model, read_file(&model)?, options)?;
+    let mut scene = read_model(&model)?;
     scene.camera = camera;
     let sun = DVec3::from_array(entry.sun_direction).normalize_or_zero();
     let bounds = scene.bounds();
@@ -98,12 +99,12 @@ pub fn parse_tray_racing(
 }
 
 /// The file that a scene file names as its model.
-fn model_of(path: &Path, name: &str, options: ReadOptions) -> Result<PathBuf, LoadError> {
+fn model_of(path: &Path, name: &str, outside: bool) -> Result<PathBuf, LoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(inside) = confined(folder, name).filter(|file| file.is_file()) {
         return Ok(inside);
     }
-    if !options.outside {
+    if !outside {
         let (place, path) = (Place::file(path), shortened(name));
         return Err(LoadError::OutsideSource { place, path });
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::{LoadError, Place};
 use crate::input::decompress::decompress;
-use crate::input::read::lossy_text;
+use crate::input::read::{lossy_text, read_file};
 use crate::obj::ObjOptions;
 use crate::scene::Scene;
 use crate::{gltf, nff, obj, pbrt, ply, stl, tray_racing, triangle_soup};
@@ -50,7 +50,8 @@ pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<
     } else if name.ends_with(".pbrt") {
         pbrt::parse_pbrt(path, bytes, options.triangulate)
     } else if name.ends_with(".ron") {
-        tray_racing::parse_tray_racing(path, bytes, options)
+        let read = |model: &Path| parse_scene(model, read_file(model)?, options);
+        tray_racing::parse_tray_racing(path, bytes, options.outside, read)
     } else if name.ends_with(".ply") {
         ply::parse_ply(path, &bytes, options.triangulate)
     } else if name.ends_with(".stl") {

@@ -92,7 +92,8 @@ impl Reader<'_> {
     }
 
     fn binary(&mut self, bytes: &[u8]) -> Result<(), LoadError> {
-        let place = |at| Place::byte(self.path, at);
+        let path = self.path;
+        let place = |at| Place::byte(path, at);
         let Some(count) = stated(bytes) else {
             let expected = "`solid`, or 80 bytes and the number of triangles".to_owned();
             return Err(LoadError::UnexpectedEnd { place: place(bytes.len()), expected });
@@ -114,7 +115,7 @@ impl Reader<'_> {
                 progress::at(i);
             }
             let at = HEADER + i * TRIANGLE;
-            let place = |offset: usize| Place::byte(self.path, at + offset);
+            let within = |offset: usize| Place::byte(path, at + offset);
             let numbers =
                 record.as_chunks::<4>().0.iter().map(|&b| f64::from(f32::from_le_bytes(b)));
             let mut corners = [[0.0; 3]; 3];
@@ -122,9 +123,9 @@ impl Reader<'_> {
             for (k, (slot, value)) in
                 corners.as_flattened_mut().iter_mut().zip(numbers.skip(3)).enumerate()
             {
-                *slot = coordinate(value, "a corner", || place(12 + 4 * k))?;
+                *slot = coordinate(value, "a corner", || within(12 + 4 * k))?;
             }
-            self.add(corners.map(DVec3::from_array), || Place::byte(self.path.as_ref(), at))?;
+            self.add(corners.map(DVec3::from_array), || place(at))?;
         }
         Ok(())
     }

@@ -109,7 +109,8 @@ fn pbrt() {
 #[test]
 fn tray_racing() {
     // no model is there
-    let parse = |path: &Path, bytes| parse_tray_racing(path, bytes, ReadOptions::default());
+    let parse =
+        |path: &Path, bytes| parse_tray_racing(path, bytes, false, |_| Ok(Scene::default()));
     assert_eq!(replay("tray_racing", parse), 0);
 }
 

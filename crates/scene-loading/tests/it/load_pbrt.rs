@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use scene_loading::pbrt::parse_pbrt;
-use scene_loading::source::formats::ReadOptions;
-use scene_loading::tray_racing::parse_tray_racing;
+use scene_loading::source::formats::{ReadOptions, parse_scene};
 use scene_loading::{LoadError, Scene, SceneCatalogue, Shape};
 
 const TRIANGLE: &str = "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n\
@@ -198,8 +197,8 @@ fn whatever_is_wrong_with_a_pbrt_file_is_said_with_its_line() {
         ("0 1 0]", "0 1 inf]", ":4:", "finite"),
         ("0 1 0]", "0 0 0]", ":", "no primitives"),
         ("0 1 0]", "0 1 0] \"normal N\" [0 0 1]", ":3:", "one for each of 3"),
-        ("0 1 0]", "0 1 0", ":6:", "ends where"),
-        ("\"trianglemesh\"", "\"trianglemesh", ":3:", "quoted"),
+        ("0 1 0]", "0 1 0", ":5:", "a value of point3 P"),
+        ("\"trianglemesh\" \"integer indices\" [0 1 2]", "\"trianglemesh", ":3:", "quoted"),
         ("\"trianglemesh\"", "\"sphere\" \"float radius\" -1", ":3:", "above 0"),
     ] {
         assert!(text.contains(from), "{from}");
@@ -233,8 +232,7 @@ const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 #[test]
 fn a_scene_of_tray_racing_has_its_camera_and_its_sun() {
     let (_folder, path) = folder(&[("a.obj", OBJ)]);
-    let parse =
-        |text: &str| parse_tray_racing(&path.join("a.ron"), text.into(), ReadOptions::default());
+    let parse = |text: &str| parse_scene(&path.join("a.ron"), text.into(), ReadOptions::default());
     let scene = parse(RON).unwrap();
     let camera = scene.camera;
     assert!(near(camera.from, [3., 1.5, 1.4]) && near(camera.at, [-3.9, 1.5, -1.7]));
