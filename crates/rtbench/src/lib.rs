@@ -37,6 +37,7 @@ pub mod like;
 pub mod profile;
 pub mod program;
 mod recorded_command;
+mod recorded_view;
 pub mod report;
 pub mod schema;
 
@@ -159,7 +160,8 @@ fn run_guarded(
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => add(added, &mut command_line, &mut arguments),
     }
-    let scenes = Configured::new(context.scenes, config.as_ref(), cli.allow_outside);
+    let view = cli.view.options();
+    let scenes = Configured::new(context.scenes, config.as_ref(), cli.allow_outside, view);
     match config::of_set(&arguments, &scenes) {
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => add(added, &mut command_line, &mut arguments),

@@ -13,6 +13,7 @@ use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings, s
 
 use crate::args::overrides_in;
 use crate::context::Context;
+use crate::recorded_view;
 
 /// Why a record gives no plan.
 #[derive(Debug, thiserror::Error)]
@@ -117,6 +118,8 @@ pub fn plan<'r>(
     let mut plan = Plan::of_run(&settings, context.registry, context.occluders, context.scenes)
         .or_else(|error| by_source(error, record, settings, context))?;
     plan.strides = FixedStrides::of(record, 1);
+    recorded_view::apply(&record.settings, &mut plan)
+        .map_err(|error| LikeError::Settings(format!("view: {error}")))?;
     Ok(plan)
 }
 

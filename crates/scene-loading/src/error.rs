@@ -8,32 +8,51 @@ use thiserror::Error;
 
 use crate::polygon::ear_clipping::Entangled;
 
-/// A file and, where the format has them, a line; printed as `file:line`.
+/// A file and, where the format has them, a line, or else a byte; printed as `file:line` or
+/// `file: byte 80`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// The file as it was named to the loader.
     pub file: PathBuf,
-    /// Line number counted from 1, or `None` for binary files and for the file as a whole.
-    pub line: Option<usize>,
+    /// Where in it.
+    pub within: Within,
+}
+
+/// Where in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Within {
+    /// The file as a whole.
+    Whole,
+    /// A line, counted from 1.
+    Line(usize),
+    /// A byte of binary data, counted from 0 after decompression.
+    Byte(usize),
 }
 
 impl Place {
     /// The file as a whole.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.to_path_buf(), line: None }
+        Self { file: file.to_path_buf(), within: Within::Whole }
     }
 
     /// A line of the file, counted from 1.
     pub fn line(file: &Path, line: usize) -> Self {
-        Self { file: file.to_path_buf(), line: Some(line) }
+        Self { file: file.to_path_buf(), within: Within::Line(line) }
+    }
+
+    /// A byte of a binary file, counted from 0 after decompression.
+    pub fn byte(file: &Path, byte: usize) -> Self {
+        Self { file: file.to_path_buf(), within: Within::Byte(byte) }
     }
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.line {
-            Some(line) => write!(f, "{}:{line}", self.file.display()),
-            None => write!(f, "{}", self.file.display()),
+        let file = self.file.display();
+        match self.within {
+            Within::Whole => write!(f, "{file}"),
+            Within::Line(line) => write!(f, "{file}:{line}"),
+            Within::Byte(byte) => write!(f, "{file}: byte {byte}"),
         }
     }
 }

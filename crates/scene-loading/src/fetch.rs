@@ -15,6 +15,7 @@ use crate::input::read::confined;
 
 /// A file inside a package.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PackageAsset {
     /// Name of the package.

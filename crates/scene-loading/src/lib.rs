@@ -1,4 +1,4 @@
-//! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF and JSON scene files, and
+//! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF, PLY, STL, PBRT and JSON scene files, and
 //! the Standard Procedural Databases generated in code.
 
 // What a file says can make nothing panic. Generators and the tessellator index lists of their
@@ -20,8 +20,11 @@ pub mod gltf;
 pub mod info;
 mod input;
 pub mod limits;
+mod mesh;
 pub mod nff;
 pub mod obj;
+pub mod pbrt;
+pub mod ply;
 mod polygon;
 #[allow(clippy::indexing_slicing, clippy::expect_used)]
 pub mod procedural;
@@ -30,8 +33,12 @@ pub mod scene;
 pub mod scene_file;
 pub mod second_opinion;
 pub mod source;
+pub mod stl;
 #[allow(clippy::indexing_slicing)]
 pub mod tessellate;
+pub mod tray_racing;
+pub mod triangle_soup;
+pub mod view_options;
 
 pub use error::{LoadError, Place};
 pub use scene::texture::{Texture, Wrap};
@@ -42,3 +49,4 @@ pub use scene::{
 pub use scene_file::set as scene_set;
 pub use source::{LoadedScene, SceneCatalogue, SceneRef, SceneSizes};
 pub use source::{hash as source_hash, names as source_names};
+pub use view_options::ViewOptions;

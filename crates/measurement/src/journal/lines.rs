@@ -335,6 +335,7 @@ pub(super) mod tests {
                 quick: true,
                 order: "scanline".into(),
                 lights: "each".into(),
+                view: Vec::new(),
                 by_kind: false,
                 processes: 1,
                 timed_by: "processor time".into(),

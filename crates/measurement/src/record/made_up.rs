@@ -36,6 +36,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
             quick: false,
             order: "scanline".into(),
             lights: "each".into(),
+            view: Vec::new(),
             by_kind: false,
             processes: 1,
             timed_by: TIME_OF_DAY.into(),

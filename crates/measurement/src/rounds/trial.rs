@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use crate::scenes::ViewOptions;
 use crate::settings::Precision;
 use crate::system::machine;
 use presentation::numbers;
@@ -35,6 +36,8 @@ pub struct BuildLimits {
 pub struct TrialBuild {
     /// Scene.
     pub scene: String,
+    /// What the scene is given instead of its own view and lights: occluders are built for lights.
+    pub view: ViewOptions,
     /// Label of the row.
     pub row: String,
     /// Threads that build.
@@ -88,6 +91,7 @@ impl TrialBuild {
             .args(["child", "build", "--scene", &self.scene, "--row", &self.row])
             .args(["--threads", &self.threads.to_string()])
             .args(["--precision", self.precision.name()])
+            .args(self.view.arguments())
             // it stays open as long as we live: it ends when this ends
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -25,6 +25,7 @@ mod scale;
 mod scenes;
 mod sweep;
 mod verify;
+mod view;
 
 pub use accuracy::AccuracyArgs;
 pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
@@ -52,6 +53,7 @@ pub use scale::{ScaleArgs, TrialArgs};
 pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
 pub use sweep::SweepArgs;
 pub use verify::VerifyArgs;
+pub use view::ViewArgs;
 
 use std::path::PathBuf;
 
@@ -78,6 +80,9 @@ pub struct Cli {
     /// Read scene files whose sources lie outside their folders: for files that are your own
     #[arg(long, global = true)]
     pub allow_outside: bool,
+    /// What scenes are given.
+    #[command(flatten)]
+    pub view: ViewArgs,
     /// Replace files and results that are there
     #[arg(long, global = true)]
     pub overwrite: bool,

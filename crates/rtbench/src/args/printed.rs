@@ -22,6 +22,8 @@ pub enum SchemaOf {
     GithubActionBenchmark,
     /// What --export-bencher writes
     BencherMetricFormat,
+    /// JSON scene files, which are read
+    Scene,
 }
 
 /// `rtbench completions`.

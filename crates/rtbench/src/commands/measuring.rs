@@ -347,6 +347,8 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
                 ShadowRays::EachLight => Lights::Each.name().into(),
                 ShadowRays::FirstLight => Lights::First.name().into(),
             },
+            // all scenes of a plan have the same
+            view: plan.scenes.first().map(|s| s.view().arguments()).unwrap_or_default(),
             by_kind: plan.by_kind,
             processes: plan.processes,
             timed_by: match plan.threads {

@@ -23,6 +23,7 @@ pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error>
         SchemaOf::RunRecord => schema::RUN_RECORD,
         SchemaOf::GithubActionBenchmark => schema::GITHUB_ACTION_BENCHMARK,
         SchemaOf::BencherMetricFormat => schema::BENCHER_METRIC_FORMAT,
+        SchemaOf::Scene => schema::SCENE,
     };
     context.out.write_all(text.as_bytes())?;
     Ok(context.out.flush()?)

@@ -15,6 +15,7 @@ use crate::commands::scale;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
+use crate::recorded_view;
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
@@ -78,7 +79,8 @@ fn resume(
         return Err(differs(message).into());
     }
     let with_plugins = WithPlugins::load(context, plugins)?;
-    let plan = plan_of(context, &args, &with_plugins)?;
+    let mut plan = plan_of(context, &args, &with_plugins)?;
+    recorded_view::apply(&begun.found.manifest.settings, &mut plan).map_err(differs)?;
     let record = begin(context, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
     if let Some(name) = kept.finished.values().find_map(|s| with_plugins.changed_since(s)) {

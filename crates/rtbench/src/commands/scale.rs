@@ -9,7 +9,8 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exports::occupied::Wanted;
 use crate::exports::outputs::Outputs;
-use measurement::journal::Journal;
+use crate::recorded_view;
+use measurement::journal::{Journal, JournalError};
 use measurement::plan::error::PlanError;
 use measurement::record::RunRecord;
 use presentation::json;
@@ -59,7 +60,12 @@ pub(super) fn resume(
     begun_before: Begun<'_>,
 ) -> Result<u8, Error> {
     let args = with_outputs(args, exports)?;
-    let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
+    let mut scale =
+        Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
+    let settings = &begun_before.found.manifest.settings;
+    recorded_view::apply(settings, &mut scale.plan).map_err(|differences| {
+        JournalError::Differs { folder: begun_before.folder.into(), differences }
+    })?;
     let record = begun(context, &scale);
     let (kept, record) = go_on(context, begun_before, &scale.plan, record)?;
     let outputs = outputs(&args)?;

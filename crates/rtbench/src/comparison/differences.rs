@@ -34,6 +34,11 @@ pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
     found.unless_equal(Concerns::Everything, "rays", &a.rays.join(","), &b.rays.join(","));
     found.unless_equal(Concerns::Everything, "order of rays", &a.order, &b.order);
     found.unless_equal(Concerns::Everything, "lights", &a.lights, &b.lights);
+    let views = [&a.view, &b.view].map(|view| match view.is_empty() {
+        true => "the scenes' own".to_owned(),
+        false => view.join(" "),
+    });
+    found.unless_equal(Concerns::Everything, "view", &views[0], &views[1]);
     found.unless_equal(Concerns::Everything, "seed", &a.seed, &b.seed);
     let (x, y) = (&old.compiler, &new.compiler);
     found.unless_known_equal(Concerns::Everything, "target", &x.target, &y.target);
@@ -138,7 +143,7 @@ mod tests {
         let old = run(&[("tetra", &[("obvhs-cwbvh", &[1.0])])]);
         assert_eq!(differences(&old, &old.clone()), []);
         type Plant = (fn(&mut RunRecord), &'static str, Concerns);
-        let plants: [Plant; 22] = [
+        let plants: [Plant; 23] = [
             (|r| r.settings.threads = 2, "threads: 1, then 2", Concerns::Everything),
             (
                 |r| r.settings.precision = "f64".into(),
@@ -164,6 +169,11 @@ mod tests {
             (
                 |r| r.settings.lights = "first".into(),
                 "lights: each, then first",
+                Concerns::Everything,
+            ),
+            (
+                |r| r.settings.view = vec!["--up=0,0,1".into()],
+                "view: the scenes' own, then --up=0,0,1",
                 Concerns::Everything,
             ),
             (|r| r.settings.seed = 7, "seed: 1, then 7", Concerns::Everything),

@@ -6,23 +6,25 @@ use scene_loading::source_names::{name_of_path, path_of_name};
 use serde_json::{Map, Value};
 
 use crate::config::file::Config;
-use measurement::scenes::{KnownScene, LoadError, SceneSizes, SceneSource};
+use measurement::scenes::{KnownScene, LoadError, SceneSizes, SceneSource, ViewOptions};
 
 /// A source of scenes with the sets of a configuration.
 pub struct Configured<'a> {
     source: &'a dyn SceneSource,
     config: Option<&'a Config>,
     allow_outside: bool,
+    view: ViewOptions,
 }
 
 impl<'a> Configured<'a> {
-    /// The source, and the configuration if there is one.
+    /// The source, the configuration if there is one, and what all scenes are given.
     pub fn new(
         source: &'a dyn SceneSource,
         config: Option<&'a Config>,
         allow_outside: bool,
+        view: ViewOptions,
     ) -> Self {
-        Self { source, config, allow_outside }
+        Self { source, config, allow_outside, view }
     }
 
     /// What a name stands for: the names in its set, each in its place, else itself. A set may name
@@ -71,6 +73,9 @@ impl SceneSource for Configured<'_> {
         let mut scenes = self.source.resolve(&expanded)?;
         if self.allow_outside {
             scenes.iter_mut().for_each(|scene| scene.allow_outside());
+        }
+        if !self.view.is_empty() {
+            scenes.iter_mut().for_each(|scene| scene.set_view(&self.view));
         }
         Ok(scenes)
     }

@@ -11,6 +11,7 @@ mod explain;
 mod hard_cases;
 mod house;
 mod occluders;
+mod own_view;
 mod plugins;
 mod processes;
 mod report;

@@ -290,6 +290,7 @@ fn a_process_that_is_no_rtbench_is_found_out() {
     // the program that trials start is the running one: here, this test
     let trial = TrialBuild {
         scene: "tetra:1".into(),
+        view: Default::default(),
         row: "uniform-grid".into(),
         threads: 1,
         precision: Precision::F32,

@@ -8,7 +8,7 @@
 //! - `pp` with more than three vertices is fanned into triangular patches, with a warning.
 //! - Surface properties are not clamped: the file is believed.
 
-mod tokens;
+pub(crate) mod tokens;
 
 use std::fmt;
 use std::path::Path;

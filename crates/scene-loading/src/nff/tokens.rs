@@ -65,7 +65,13 @@ impl<'a> Words<'a> {
         Some(word)
     }
 
-    fn expect(&mut self, what: impl Display) -> Result<Word<'a>, LoadError> {
+    /// Leaves out what is left of the line.
+    pub fn skip_line(&mut self) {
+        self.rest = self.rest.find('\n').and_then(|end| self.rest.get(end..)).unwrap_or("");
+    }
+
+    /// The next word, whatever it is.
+    pub fn any(&mut self, what: impl Display) -> Result<Word<'a>, LoadError> {
         self.next().ok_or_else(|| LoadError::UnexpectedEnd {
             place: self.place(self.line),
             expected: what.to_string(),
@@ -74,7 +80,7 @@ impl<'a> Words<'a> {
 
     /// A finite number.
     pub fn number(&mut self, what: impl Display + Copy) -> Result<f64, LoadError> {
-        let word = self.expect(what)?;
+        let word = self.any(what)?;
         let value: f64 = word.text.parse().map_err(|_| {
             LoadError::syntax(self.place(word.line), word.text, format!("a number ({what})"))
         })?;
@@ -95,7 +101,7 @@ impl<'a> Words<'a> {
 
     /// A whole number in `min..=max`.
     pub fn integer(&mut self, what: &str, min: u64, max: u64) -> Result<u64, LoadError> {
-        let word = self.expect(what)?;
+        let word = self.any(what)?;
         let value: u64 = word.text.parse().map_err(|_| {
             let expected = format!("a whole number from {min} ({what})");
             LoadError::syntax(self.place(word.line), word.text, expected)

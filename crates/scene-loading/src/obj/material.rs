@@ -5,7 +5,8 @@
 //! - colour = `Kd`, diffuse share 1;
 //! - specular share = mean of `Ks`, but only for the illumination models that reflect (`illum`
 //!   3 to 9): exporters write `Ks 0.5` for every matt surface, and here a share > 0 is a mirror;
-//! - shine = `Ns`; transmittance = 1 - `d` (or `Tr`); index of refraction = `Ni` where transparent.
+//! - shine = `Ns`; a material that reflects and has none is a mirror without a visible highlight;
+//!   transmittance = 1 - `d` (or `Tr`); index of refraction = `Ni` where transparent.
 //!
 //! Of textures, `map_Kd` is read, without options: its texels times `Kd` are the colour, as the
 //! format says. Other maps are not read.
@@ -23,6 +24,10 @@ pub(crate) const MAX_LIBRARY_BYTES: u64 = 256 << 20;
 
 /// The most bytes of a line.
 const MAX_LINE: usize = 1 << 16;
+
+/// Phong exponent of a highlight too small to be seen. With 0 a mirror's would be everywhere: a
+/// white disc instead of what it reflects.
+const NO_HIGHLIGHT: f64 = 100_000.0;
 
 /// A material of an MTL file, and its last `map_Kd` line.
 pub(crate) type MtlEntry = (Material, Option<ColorMap>);
@@ -144,7 +149,7 @@ impl Stated {
             color: self.diffuse.unwrap_or(default.color),
             diffuse: default.diffuse,
             specular: if reflects { specular.clamp(0.0, 1.0) } else { 0.0 },
-            shine: self.shininess.unwrap_or(0.0).max(0.0),
+            shine: self.shininess.unwrap_or(if reflects { NO_HIGHLIGHT } else { 0.0 }).max(0.0),
             transmittance,
             refraction_index: match self.optical_density {
                 Some(index) if transmittance > 0.0 && index > 0.0 => index,

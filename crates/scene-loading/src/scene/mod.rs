@@ -252,7 +252,9 @@ impl Scene {
             return;
         }
         let center = (bounds.min + bounds.max) * 0.5;
-        let radius = (bounds.size().length() * 0.5).max(f64::MIN_POSITIVE);
+        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+        // far from the origin the eye must still differ from the centre
+        let radius = (bounds.size().length() * 0.5).max(reach * 1e-9).max(f64::MIN_POSITIVE);
         let angle: f64 = 45.0;
         let distance = radius / (angle.to_radians() * 0.5).sin();
         self.camera = Camera {

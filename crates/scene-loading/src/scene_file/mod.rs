@@ -39,8 +39,12 @@ use crate::scene_file::shapes::{ShapeEntry, push_all};
 
 /// A scene file. Keys that are not listed here are errors.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
+    /// The address of this schema, for editors; not read.
+    #[serde(rename = "$schema")]
+    pub schema: Option<String>,
     /// Name on the command line; the same as the file's stem.
     pub name: String,
     /// A few words for tables.
@@ -77,6 +81,7 @@ pub struct SceneFile {
 
 /// Where the geometry of a scene file comes from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
     /// A generator's specification: `balls:4`.
@@ -91,14 +96,17 @@ pub enum Source {
 
 /// How finely curved primitives become triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Tessellate {
     /// The tessellator's resolution, at least 1.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub resolution: u32,
 }
 
 /// A camera in NFF's terms; see [`Camera`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CameraEntry {
     /// Eye.
@@ -116,17 +124,21 @@ pub struct CameraEntry {
     pub resolution: Option<[u32; 2]>,
     /// Radius of the lens in world units; 0 is a pinhole.
     #[serde(default, deserialize_with = "at_least_0")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub aperture: f64,
     /// Distance along the view at which the image is sharp; that of `at` when absent.
     #[serde(default, deserialize_with = "above_0")]
+    #[cfg_attr(feature = "schema", schemars(extend("exclusiveMinimum" = 0)))]
     pub focal_distance: Option<f64>,
     /// How long the shutter is open, in the unit of time of velocities.
     #[serde(default, deserialize_with = "at_least_0")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub shutter: f64,
 }
 
 /// All primitives of a material move.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MotionEntry {
     /// Name of the material.
@@ -137,6 +149,7 @@ pub struct MotionEntry {
 
 /// A light without falloff: a point, or a disc that faces what it lights.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LightEntry {
     /// Where it is.
@@ -145,11 +158,13 @@ pub struct LightEntry {
     pub color: Option<Rgb>,
     /// Radius of the disc in world units; 0 is a point.
     #[serde(default, deserialize_with = "at_least_0")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub radius: f64,
 }
 
 /// The properties of a material that a scene file changes; the others stay.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct MaterialEntry {
     /// Base colour.
@@ -166,27 +181,34 @@ pub struct MaterialEntry {
     pub refraction_index: Option<f64>,
     /// Roughness of what reflects; see [`Material::roughness`].
     #[serde(deserialize_with = "share")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1.0)))]
     pub roughness: Option<f64>,
 }
 
 /// How finely the effects of a scene are sampled; each has a default.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Effects {
     /// Eye rays a pixel for its area.
     #[serde(deserialize_with = "samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub supersamples: Option<u32>,
     /// Shadow rays a hit and light with a radius.
     #[serde(deserialize_with = "samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub shadow: Option<u32>,
     /// Reflected rays a hit on a rough mirror.
     #[serde(deserialize_with = "samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub glossy: Option<u32>,
     /// Eye rays a pixel for the time that the shutter is open.
     #[serde(deserialize_with = "samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub temporal: Option<u32>,
     /// Eye rays a pixel for the area of the lens.
     #[serde(deserialize_with = "samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub focal: Option<u32>,
 }
 

@@ -21,6 +21,7 @@ use crate::scene_file::numbers::at_least_0;
 
 /// A shape with its material and, if it moves, its velocity in world units per unit of time.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ShapeEntry {
     /// A sphere.
@@ -33,12 +34,14 @@ pub enum ShapeEntry {
 
 /// A sphere.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SphereEntry {
     /// Its centre.
     pub center: [f64; 3],
     /// Its radius.
     #[serde(deserialize_with = "at_least_0")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub radius: f64,
     /// Name of its material.
     pub material: String,
@@ -49,17 +52,20 @@ pub struct SphereEntry {
 
 /// A truncated cone, seen from outside.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ConeEntry {
     /// Centre of the base disc.
     pub base: [f64; 3],
     /// Radius of the base.
     #[serde(deserialize_with = "at_least_0")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub base_radius: f64,
     /// Centre of the apex disc.
     pub apex: [f64; 3],
     /// Radius of the apex.
     #[serde(deserialize_with = "at_least_0")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub apex_radius: f64,
     /// Name of its material.
     pub material: String,
@@ -70,6 +76,7 @@ pub struct ConeEntry {
 
 /// A polygon.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PolygonEntry {
     /// Its outline, three vertices or more.

@@ -150,30 +150,30 @@ impl SceneCatalogue {
         // a file of that name is meant, even if it is called like a generator's size
         let is_file = name.contains(':') && is_scene_path(path) && path.is_file();
         if is_file {
-            return Ok(SceneRef { name: scene_name(path), from: From::File(path.to_path_buf()) });
+            return Ok(SceneRef::new(scene_name(path), From::File(path.to_path_buf())));
         }
         if let Some(described) = self.scenes.get(name) {
             let from = From::Described(Box::new(described.clone()));
-            return Ok(SceneRef { name: name.to_string(), from });
+            return Ok(SceneRef::new(name, from));
         }
         if let Some(described) = described_of_size(&self.scenes, name)? {
             let from = From::Described(Box::new(described));
-            return Ok(SceneRef { name: name.to_string(), from });
+            return Ok(SceneRef::new(name, from));
         }
         let family = name.split(':').next().unwrap_or(name);
         if families().contains(&family) {
-            return Ok(SceneRef { name: name.to_string(), from: From::Spd(name.to_string()) });
+            return Ok(SceneRef::new(name, From::Spd(name.to_string())));
         }
         if extension(path) == "json" {
             let file = SceneFile::parse(path, &json_text(path)?)?;
             let path = path.to_path_buf();
             let described = Described { path, embedded: false, file, outside: false };
             let name = described.file.name.clone();
-            return Ok(SceneRef { name, from: From::Described(Box::new(described)) });
+            return Ok(SceneRef::new(name, From::Described(Box::new(described))));
         }
         if is_scene_path(path) {
             std::fs::metadata(path).map_err(|e| LoadError::io(path, e))?;
-            return Ok(SceneRef { name: scene_name(path), from: From::File(path.to_path_buf()) });
+            return Ok(SceneRef::new(scene_name(path), From::File(path.to_path_buf())));
         }
         if path.is_file() {
             let valid = format!("{}, .json", ENDINGS.join(", "));

@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{LoadError, Place, shortened};
 use crate::fetch::{PackageAsset, Places};
 use crate::input::read::{confined, read_file};
-use crate::obj::ObjOptions;
 use crate::scene::{Scene, Warning};
 use crate::scene_file::{SceneFile, Source};
 use crate::source::embedded::ASSETS;
-use crate::source::formats::parse_scene;
+use crate::source::formats::{ReadOptions, parse_scene};
 use crate::source::generated::{generate, tessellate};
 use crate::source::hash::sha256_of_bytes;
 
@@ -95,7 +94,8 @@ impl Described {
 
     fn parse(&self, path: &Path, bytes: Vec<u8>) -> Result<Scene, LoadError> {
         self.check_hash(path, &bytes)?;
-        parse_scene(path, bytes, ObjOptions { triangulate: self.file.triangulate })
+        let options = ReadOptions { triangulate: self.file.triangulate, outside: self.outside };
+        parse_scene(path, bytes, options)
     }
 
     pub fn check_hash(&self, path: &Path, bytes: &[u8]) -> Result<(), LoadError> {

@@ -4,14 +4,17 @@ use std::path::Path;
 
 use crate::error::{LoadError, Place};
 use crate::input::decompress::decompress;
-use crate::input::read::lossy_text;
+use crate::input::read::{lossy_text, read_file};
 use crate::obj::ObjOptions;
 use crate::scene::Scene;
-use crate::{gltf, nff, obj};
+use crate::{gltf, nff, obj, pbrt, ply, stl, tray_racing, triangle_soup};
 
 /// The endings of scene files that loaders are registered for (scene descriptions, `.json`, are
 /// read by [`crate::source::SceneCatalogue`]).
-pub const ENDINGS: [&str; 7] = [".nff", ".nff.gz", ".obj", ".obj.gz", ".obj.zst", ".gltf", ".glb"];
+pub const ENDINGS: [&str; 17] = [
+    ".nff", ".nff.gz", ".obj", ".obj.gz", ".obj.zst", ".gltf", ".glb", ".ply", ".ply.gz",
+    ".ply.zst", ".stl", ".stl.gz", ".stl.zst", ".bin", ".ron", ".pbrt", ".pbrt.gz",
+];
 
 /// True when a loader is registered for the file's ending.
 pub fn is_scene_path(path: &Path) -> bool {
@@ -19,11 +22,20 @@ pub fn is_scene_path(path: &Path) -> bool {
     ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
+/// How a scene file is read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Split every face with more than three corners.
+    pub triangulate: bool,
+    /// The model that a file names as its whole content may lie outside its folder.
+    pub outside: bool,
+}
+
 /// Parses the bytes of a scene file as its ending says.
 ///
 /// # Errors
 /// [`LoadError::UnknownFormat`] for other endings, else the error of the loader.
-pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Scene, LoadError> {
+pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Scene, LoadError> {
     let name = path.to_string_lossy().to_ascii_lowercase();
     let name = name.strip_suffix(".gz").or(name.strip_suffix(".zst")).unwrap_or(&name);
     if !is_scene_path(path) {
@@ -34,7 +46,18 @@ pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<S
     if name.ends_with(".nff") {
         nff::parse_nff(path, &lossy_text(bytes))
     } else if name.ends_with(".obj") {
-        obj::parse_obj(path, bytes, options)
+        obj::parse_obj(path, bytes, ObjOptions { triangulate: options.triangulate })
+    } else if name.ends_with(".pbrt") {
+        pbrt::parse_pbrt(path, bytes, options.triangulate)
+    } else if name.ends_with(".ron") {
+        let read = |model: &Path| parse_scene(model, read_file(model)?, options);
+        tray_racing::parse_tray_racing(path, bytes, options.outside, read)
+    } else if name.ends_with(".ply") {
+        ply::parse_ply(path, &bytes, options.triangulate)
+    } else if name.ends_with(".stl") {
+        stl::parse_stl(path, bytes)
+    } else if name.ends_with(".bin") {
+        triangle_soup::parse_triangle_soup(path, &bytes)
     } else {
         gltf::parse_gltf(path, &bytes)
     }

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use crate::error::LoadError;
 use crate::fetch::Places;
 use crate::input::read::read_file;
-use crate::obj::ObjOptions;
 use crate::scene::Scene;
 use crate::scene_file::{SceneFile, Source};
 use crate::second_opinion::{SecondOpinion, second_opinion};
 use crate::source::described::Described;
-use crate::source::formats::parse_scene;
+use crate::source::formats::{ReadOptions, parse_scene};
 use crate::source::generated::generate;
 use crate::source::hash::sha256_of_scene;
+use crate::view_options::{ViewOptions, light_if_dark};
 
 /// A scene that is known but not loaded.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,16 @@ pub struct SceneRef {
     /// Name in tables: `balls:5`, `kitchen`, the stem of a path.
     pub name: String,
     pub(crate) from: From,
+    /// View and lights instead of the scene's own.
+    pub view: ViewOptions,
+    /// What its file names may lie outside its folder.
+    outside: bool,
+}
+
+impl SceneRef {
+    pub(crate) fn new(name: impl Into<String>, from: From) -> Self {
+        Self { name: name.into(), from, view: ViewOptions::default(), outside: false }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -53,16 +63,19 @@ impl SceneRef {
 
     /// Lets the source of a scene file lie outside its folder, as only files of one's own should.
     pub fn allow_outside(&mut self) {
+        self.outside = true;
         if let From::Described(described) = &mut self.from {
             described.outside = true;
         }
     }
 
-    /// Loads or generates the scene.
+    /// Loads or generates the scene. One without lights gets one at the eye, with a warning, unless
+    /// its scene file says that it has none (`"lights": []`).
     ///
     /// # Errors
     /// [`LoadError::NotFetched`] when its package is not on this machine,
-    /// [`LoadError::HashMismatch`], or the error of the loader or generator.
+    /// [`LoadError::HashMismatch`], or the error of the loader, of the generator or of
+    /// [`ViewOptions::apply`].
     pub fn load(&self) -> Result<LoadedScene, LoadError> {
         self.load_from(&Places::from_env())
     }
@@ -77,7 +90,8 @@ impl SceneRef {
                 (generate(spec)?, format!("generated: {spec}"), Some("CC0-1.0 (SPD)".to_string()))
             }
             From::File(path) => {
-                let scene = parse_scene(path, read_file(path)?, ObjOptions::default())?;
+                let options = ReadOptions { outside: self.outside, ..ReadOptions::default() };
+                let scene = parse_scene(path, read_file(path)?, options)?;
                 (scene, path.display().to_string(), None)
             }
             From::Described(described) => {
@@ -86,6 +100,10 @@ impl SceneRef {
             }
         };
         scene.name.clone_from(&self.name);
+        self.view.apply(&mut scene)?;
+        if self.description().is_none_or(|file| file.lights.is_none()) {
+            light_if_dark(&mut scene);
+        }
         Ok(LoadedScene { sha256: sha256_of_scene(&scene), scene, source, licence })
     }
 

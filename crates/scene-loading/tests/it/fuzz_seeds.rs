@@ -8,10 +8,15 @@ use scene_loading::gltf::parse_gltf;
 use scene_loading::info::{SceneInfo, validate};
 use scene_loading::nff::parse_nff;
 use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
+use scene_loading::pbrt::parse_pbrt;
+use scene_loading::ply::parse_ply;
 use scene_loading::scene_file::{SceneFile, Source};
-use scene_loading::source::formats::parse_scene;
+use scene_loading::source::formats::{ReadOptions, parse_scene};
+use scene_loading::stl::parse_stl;
 use scene_loading::tessellate::triangulate;
-use scene_loading::{LoadError, Scene};
+use scene_loading::tray_racing::parse_tray_racing;
+use scene_loading::triangle_soup::parse_triangle_soup;
+use scene_loading::{LoadError, Place, Scene};
 
 /// The inputs of a target.
 fn seeds(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
@@ -71,10 +76,49 @@ fn nff() {
 }
 
 #[test]
+fn ply() {
+    for triangulate in [false, true] {
+        assert!(replay("ply", |path, bytes| parse_ply(path, &bytes, triangulate)) >= 3);
+    }
+}
+
+#[test]
+fn stl() {
+    assert!(replay("stl", parse_stl) >= 3);
+}
+
+#[test]
+fn triangle_soup() {
+    assert!(replay("triangle_soup", |path, bytes| parse_triangle_soup(path, &bytes)) >= 1);
+}
+
+#[test]
+fn pbrt() {
+    for triangulate in [false, true] {
+        let parse = |path: &Path, bytes: Vec<u8>| match parse_pbrt(path, bytes, triangulate) {
+            // of a file that another names
+            Err(LoadError::Io { .. }) => {
+                Err(LoadError::NoPrimitives { place: Place::file(path), expected: "file" })
+            }
+            other => other,
+        };
+        assert!(replay("pbrt", parse) >= 1);
+    }
+}
+
+#[test]
+fn tray_racing() {
+    // no model is there
+    let parse =
+        |path: &Path, bytes| parse_tray_racing(path, bytes, false, |_| Ok(Scene::default()));
+    assert_eq!(replay("tray_racing", parse), 0);
+}
+
+#[test]
 fn packed() {
     let parse = |_: &Path, bytes: Vec<u8>| {
         let ending = if bytes.starts_with(&[0x1f]) { "gz" } else { "zst" };
-        parse_scene(Path::new(&format!("a.x.obj.{ending}")), bytes, ObjOptions::default())
+        parse_scene(Path::new(&format!("a.x.obj.{ending}")), bytes, ReadOptions::default())
     };
     assert!(replay("packed", parse) >= 2);
 }

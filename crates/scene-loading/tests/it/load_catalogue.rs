@@ -125,8 +125,8 @@ fn paths_resolve_by_their_ending() {
     let missing = text(&folder.path().join("lost.obj"));
     let error = catalogue.resolve(&[missing]).unwrap_err();
     assert!(matches!(error, LoadError::Io { .. }) && error.to_string().contains("lost.obj"));
-    let odd = folder.path().join("x.ply");
-    std::fs::write(&odd, "ply").unwrap();
+    let odd = folder.path().join("x.fbx");
+    std::fs::write(&odd, "fbx").unwrap();
     let error = catalogue.resolve(&[text(&odd)]).unwrap_err();
     assert!(matches!(error, LoadError::UnknownFormat { .. }));
     assert!(error.to_string().contains(".obj.zst"), "{error}");
@@ -284,7 +284,8 @@ fn warnings_about_a_package_do_not_say_where_it_lies() {
         warnings,
         [
             "some 1.2.3: media/a.obj:1: material file some 1.2.3: media/lost.mtl is missing",
-            "some 1.2.3: media/a.obj: 1 faces without area left out (first: line 6)"
+            "some 1.2.3: media/a.obj: 1 faces without area left out (first: line 6)",
+            "no lights: one is put at the eye; --light X,Y,Z or a scene file gives others"
         ]
     );
 }

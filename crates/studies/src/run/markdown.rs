@@ -116,6 +116,9 @@ fn facts(run: &RunRecord) -> Vec<String> {
         let Settings { order, lights, .. } = settings;
         facts.push(format!("rays in order: {order}; shadow rays to lights: {lights}"));
     }
+    if !settings.view.is_empty() {
+        facts.push(format!("view and lights of all scenes: {}", settings.view.join(" ")));
+    }
     let command = format!("command: {}", code(&run.command_line.join(" ")));
     std::iter::once(command).chain(facts.iter().map(|fact| escaped(fact))).collect()
 }

@@ -19,6 +19,7 @@ pub fn trials(
     let outcome = |row: &MeasuredRow<'_>| {
         let trial = TrialBuild {
             scene: scene.to_owned(),
+            view: plan.scenes.first().map(|known| known.view()).unwrap_or_default(),
             row: row.label(),
             threads: plan.threads,
             precision: plan.precision,

@@ -73,7 +73,9 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
     let unknown = |text: &Option<String>| text.clone().unwrap_or_else(|| UNKNOWN.to_owned());
     let memory = |bytes: Option<u64>| bytes.map_or(UNKNOWN.to_owned(), |n| mebibytes(n) + " MiB");
     let [width, height] = run.settings.resolution;
-    vec![
+    let view = &run.settings.view;
+    let given = (!view.is_empty()).then(|| ("camera and lights given", view.join(" ")));
+    let mut facts = vec![
         ("started", utc(run.started_unix_s)),
         (
             "program",
@@ -110,7 +112,9 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
         ("processes", run.settings.processes.to_string()),
         ("timed by", run.settings.timed_by.clone()),
         ("largest resident set", memory(run.peak_rss_bytes)),
-    ]
+    ];
+    facts.extend(given);
+    facts
 }
 
 fn scenes(scenes: &[SceneRecord]) -> presentation::table::Table {

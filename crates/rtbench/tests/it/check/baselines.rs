@@ -83,3 +83,19 @@ fn wrong_hits_are_not_kept() {
     assert!(ended.err.contains("not kept"), "{}", ended.err);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn a_baseline_with_a_camera_is_checked_through_it() {
+    let folder = Folder::new();
+    let run = |arguments: &str| run_in(PLANTED, in_folder(&folder.path()), arguments);
+    let options = "--quick --size 16 -s obvhs-cwbvh --rounds 2";
+    let saved =
+        run(&format!("baseline save main tetra:2 {options} --light 3,4,5 --camera 2,2,2:0,0,0"));
+    assert_eq!(saved.code, 0, "{}", saved.err);
+    let same = run("check --baseline main");
+    assert!(!same.err.contains("sha256") && !same.err.contains("view:"), "{}", same.err);
+    assert!([0, 5].contains(&same.code), "{}: {}", same.code, same.err);
+    let other = run("check --baseline main --light 9,9,9");
+    assert!(other.code == 1 || other.code == 2, "{}: {}", other.code, other.out);
+    assert!(other.err.contains("view: --camera=2,2,2:0,0,0"), "{}", other.err);
+}

@@ -1,0 +1,31 @@
+//! The view and the lights that scenes are given from the command line.
+
+use clap::Args;
+use glam::DVec3;
+use scene_loading::ViewOptions;
+use scene_loading::view_options::{CameraOption, LightOption, direction};
+
+/// The view and the lights that scenes are given from the command line, of every command that loads
+/// scenes.
+#[derive(Debug, Clone, Default, Args)]
+pub struct ViewArgs {
+    /// Camera instead of the scenes' own, in world units and degrees: 1,2,3:0,0,0:45 [default: the
+    /// scene's, or one that frames it]
+    #[arg(long, global = true, value_name = "FROM:AT[:FOV]", allow_hyphen_values = true)]
+    pub camera: Option<CameraOption>,
+    /// Up direction of the camera [default: the scene's, or 0,1,0]
+    #[arg(long, global = true, value_name = "X,Y,Z", allow_hyphen_values = true,
+          value_parser = direction)]
+    pub up: Option<DVec3>,
+    /// Point light instead of the scenes' own, repeatable: 0,10,0 or 0,10,0:1,0.9,0.8 [default: the
+    /// scene's, or one at the eye]
+    #[arg(long, global = true, value_name = "POS[:COLOR]", allow_hyphen_values = true)]
+    pub light: Vec<LightOption>,
+}
+
+impl ViewArgs {
+    /// What was typed.
+    pub fn options(&self) -> ViewOptions {
+        ViewOptions { camera: self.camera, up: self.up, lights: self.light.clone() }
+    }
+}

@@ -1,0 +1,110 @@
+//! Camera, lights and materials of PBRT files, as far as scenes here have them.
+
+use glam::{DMat4, DVec3};
+
+use crate::error::LoadError;
+use crate::pbrt::params::Params;
+use crate::scene::{Camera, Light, Material, Rgb, Scene};
+use crate::tray_racing::SUN_DISTANCE;
+
+/// Phong exponent of a highlight too small to be seen.
+const NO_HIGHLIGHT: f64 = 100_000.0;
+
+/// A light before its colour is scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LightEntry {
+    place: LightPlace,
+    color: Rgb,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum LightPlace {
+    At(DVec3),
+    /// Parallel rays in that direction.
+    Along(DVec3),
+}
+
+/// `Camera`: the transform so far leads from the world to the camera.
+pub(super) fn camera(params: &Params, from_world: DMat4) -> Result<Camera, LoadError> {
+    let to_world = from_world.inverse();
+    let from = to_world.transform_point3(DVec3::ZERO);
+    let camera = Camera {
+        from,
+        at: from + to_world.transform_vector3(DVec3::Z).normalize_or_zero(),
+        up: to_world.transform_vector3(DVec3::Y),
+        angle: params.number("fov", 90.0)?,
+        ..Camera::default()
+    };
+    camera.check(|| params.place())?;
+    Ok(camera)
+}
+
+/// `LightSource`; none for kinds that scenes here do not have.
+pub(super) fn light(
+    kind: &str,
+    params: &Params,
+    transform: DMat4,
+) -> Result<Option<LightEntry>, LoadError> {
+    let scale = params.number("scale", 1.0)?.max(0.0);
+    let from = DVec3::from_array(params.vector("from", [0.0; 3])?);
+    let (name, place) = match kind {
+        "point" | "spot" => ("I", LightPlace::At(transform.transform_point3(from))),
+        "distant" => {
+            let to = DVec3::from_array(params.vector("to", [0.0, 0.0, 1.0])?);
+            let along = transform.transform_vector3(to - from);
+            ("L", LightPlace::Along(along.normalize_or_zero()))
+        }
+        _ => return Ok(None),
+    };
+    let color = params.rgb(name)?.unwrap_or([1.0; 3]);
+    Ok(Some(LightEntry { place, color: color.map(|share| (share * scale).max(0.0)) }))
+}
+
+/// Adds lights to a scene whose shapes are all there; the strongest gets intensity 1, because lights
+/// here do not fall off.
+pub(super) fn add_lights(lights: &[LightEntry], scene: &mut Scene) {
+    let shares = lights.iter().flat_map(|light| light.color);
+    let strongest = shares.fold(0.0, f64::max);
+    let bounds = scene.bounds();
+    for light in lights {
+        let position = match light.place {
+            LightPlace::At(position) => position,
+            LightPlace::Along(along) => {
+                let center = (bounds.min + bounds.max) * 0.5;
+                center - along * (bounds.size().length() * 0.5 * SUN_DISTANCE)
+            }
+        };
+        if !position.is_finite() {
+            continue;
+        }
+        let color = (strongest > 0.0).then(|| light.color.map(|share| share / strongest));
+        scene.lights.push(Light::Point { position, color });
+    }
+}
+
+/// `Material` or `MakeNamedMaterial`.
+pub(super) fn material(name: &str, kind: &str, params: &Params) -> Result<Material, LoadError> {
+    let plain = Material { name: name.to_owned(), ..Material::default() };
+    Ok(match kind {
+        "diffuse" | "coateddiffuse" | "diffusetransmission" => {
+            Material { color: params.rgb("reflectance")?.unwrap_or([0.5; 3]), ..plain }
+        }
+        "conductor" | "coatedconductor" => {
+            let color = params.rgb("reflectance")?.unwrap_or([1.0; 3]);
+            Material { color, diffuse: 0.2, specular: 0.8, shine: NO_HIGHLIGHT, ..plain }
+        }
+        "dielectric" | "thindielectric" => {
+            let eta = if kind == "dielectric" { params.number("eta", 1.5)? } else { 1.0 };
+            Material {
+                color: [1.0; 3],
+                diffuse: 0.0,
+                specular: 0.1,
+                shine: NO_HIGHLIGHT,
+                transmittance: 0.9,
+                refraction_index: if eta > 0.0 { eta } else { 1.0 },
+                ..plain
+            }
+        }
+        _ => plain,
+    })
+}

@@ -1,0 +1,374 @@
+//! Scene descriptions of PBRT, version 4 (M. Pharr, W. Jakob, G. Humphreys, pbrt.org/fileformat-v4), as
+//! far as a benchmark of acceleration structures needs them.
+//!
+//! - Shapes `trianglemesh`, `plymesh`, `bilinearmesh` (as quadrangles, split where they are bent) and
+//!   `sphere` (whole; only under transforms that keep it one). Others are left out and counted.
+//! - All transforms, attributes, `Include` and `Import`; objects and their instances, which are
+//!   flattened: each instance is a copy of its shapes.
+//! - The camera's place, direction and field of view. PBRT's camera space is left-handed: without
+//!   `Scale -1 1 1` before it, the image here is the mirror image of PBRT's.
+//! - `point`, `spot` (both as points) and `distant` lights (as in `tray_racing`). Area lights are plain surfaces,
+//!   environments are left out; both are counted.
+//! - Colours of `diffuse` and `coateddiffuse`; `conductor`s are mirrors, `dielectric`s glass. Textures
+//!   and spectra are not read: what has one is grey.
+//! - Everything else (film, sampler, media, ...) is passed over.
+//!
+//! Files that are named must lie in the folder of the first one, from which their names count.
+
+mod looks;
+mod params;
+mod shapes;
+mod state;
+mod tokens;
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+use glam::DMat4;
+
+use crate::error::{LoadError, Place, shortened};
+use crate::input::decompress::decompress;
+use crate::input::read::{confined, lossy_text, read_at_most, scene_name};
+use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
+use crate::mesh::{FaceCounts, Tally};
+use crate::pbrt::looks::{LightEntry, add_lights};
+use crate::pbrt::params::Params;
+use crate::pbrt::shapes::{Adding, LeftOut};
+use crate::pbrt::state::{Attributes, State};
+use crate::pbrt::tokens::{Token, Tokens};
+use crate::ply::add_ply;
+use crate::progress;
+use crate::scene::{Camera, Material, Scene};
+
+/// How deep files may include others, and how many there may be of all.
+const MAX_INCLUDES: usize = 16;
+const MAX_FILES: usize = 1 << 16;
+
+/// The most objects that instances may be made of.
+const MAX_OBJECTS: usize = 1 << 20;
+
+/// Parses a PBRT file, and reads the files that it names. `path` gives the scene its name and appears
+/// in errors. `triangulate` splits quadrangles and the larger faces of PLY files.
+///
+/// # Errors
+/// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],
+/// [`LoadError::OutOfRange`], [`LoadError::CountTooLarge`], [`LoadError::IndexOutOfRange`] with the
+/// line, [`LoadError::OutsideFolder`], [`LoadError::Io`] and those of PLY for files that are
+/// named, and [`LoadError::NoPrimitives`].
+pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scene, LoadError> {
+    let mut loader = Loader {
+        folder: path.parent().unwrap_or(Path::new("")),
+        triangulate,
+        scene: Scene::new(scene_name(path)),
+        camera: None,
+        lights: Vec::new(),
+        state: State::default(),
+        materials: HashMap::new(),
+        plain: None,
+        objects: HashMap::new(),
+        object: None,
+        counts: FaceCounts::default(),
+        left_out: BTreeMap::new(),
+        files: 0,
+        budget: MAX_BYTES.saturating_sub(bytes.len() as u64),
+    };
+    loader.file(path, &lossy_text(bytes), 0)?;
+    progress::end();
+    if loader.state.depth() > 0 || loader.object.is_some() {
+        let expected = "AttributeEnd or ObjectEnd for each beginning".to_owned();
+        return Err(LoadError::UnexpectedEnd { place: Place::file(path), expected });
+    }
+    let Loader { mut scene, camera, lights, counts, left_out, .. } = loader;
+    if scene.primitives.is_empty() {
+        let expected = "Shape trianglemesh, plymesh, bilinearmesh or sphere";
+        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+    }
+    counts.warn(&mut scene);
+    left_out.iter().for_each(|(what, tally)| tally.warn(what, &mut scene));
+    match camera {
+        Some(camera) => scene.camera = camera,
+        None => scene.frame_camera(),
+    }
+    add_lights(&lights, &mut scene);
+    Ok(scene)
+}
+
+struct Loader<'a> {
+    folder: &'a Path,
+    triangulate: bool,
+    scene: Scene,
+    camera: Option<Camera>,
+    lights: Vec<LightEntry>,
+    state: State,
+    /// Named materials.
+    materials: HashMap<String, u32>,
+    /// The material of shapes before any `Material`.
+    plain: Option<u32>,
+    /// The shapes of objects, placed as where they are defined.
+    objects: HashMap<String, Scene>,
+    /// The object that is being defined.
+    object: Option<(String, Scene)>,
+    counts: FaceCounts,
+    /// What was left out, in words.
+    left_out: BTreeMap<String, Tally>,
+    files: usize,
+    /// Bytes that may still be read.
+    budget: u64,
+}
+
+impl Loader<'_> {
+    fn file(&mut self, path: &Path, text: &str, depth: usize) -> Result<(), LoadError> {
+        let mut tokens = Tokens::new(path, text);
+        if depth == 0 {
+            progress::begin(text.len());
+        }
+        while let Some(token) = tokens.next()? {
+            if depth == 0 {
+                progress::at(text.len() - tokens.remaining());
+            }
+            if !token.is_directive() {
+                let expected = "a directive as Shape, Translate, AttributeBegin";
+                return Err(LoadError::syntax(tokens.place(token.line), token.text, expected));
+            }
+            self.statement(token, &mut tokens, depth)?;
+        }
+        Ok(())
+    }
+
+    fn statement(
+        &mut self,
+        token: Token<'_>,
+        tokens: &mut Tokens<'_>,
+        depth: usize,
+    ) -> Result<(), LoadError> {
+        let (path, line) = (tokens.path, token.line);
+        let place = || Place::line(path, line);
+        if self.state.statement(token, tokens)? {
+            return Ok(());
+        }
+        match token.text {
+            "WorldBegin" => {
+                self.state.now = Attributes::default();
+                self.state.name_system("world", DMat4::IDENTITY, place)
+            }
+            "Camera" => self.camera(token, tokens),
+            "LightSource" => self.light(token, tokens),
+            "AreaLightSource" => {
+                tokens.quoted("type")?;
+                Params::read(tokens, line)?;
+                self.state.now.shines = true;
+                Ok(())
+            }
+            "Material" => {
+                let kind = tokens.name("type")?;
+                let params = Params::read(tokens, line)?;
+                self.state.now.material = Some(self.material("", &kind, &params)?);
+                Ok(())
+            }
+            "MakeNamedMaterial" => {
+                let name = tokens.name("name")?;
+                let params = Params::read(tokens, line)?;
+                let kind = params.string("type").unwrap_or_default().to_owned();
+                let id = self.material(&name, &kind, &params)?;
+                self.materials.insert(name, id);
+                Ok(())
+            }
+            "NamedMaterial" => {
+                let name = tokens.name("name")?;
+                let Some(&id) = self.materials.get(&name) else {
+                    return Err(LoadError::syntax(place(), &name, "a named material before it"));
+                };
+                self.state.now.material = Some(id);
+                Ok(())
+            }
+            "ObjectBegin" => {
+                let name = tokens.name("name")?;
+                if self.object.is_some() {
+                    return Err(LoadError::syntax(place(), "ObjectBegin", "ObjectEnd before it"));
+                }
+                let count = self.objects.len() + 1;
+                limits::check(count, MAX_OBJECTS, "the number of objects", place)?;
+                self.state.save(place)?;
+                self.object = Some((name, Scene::default()));
+                Ok(())
+            }
+            "ObjectEnd" => {
+                let Some((name, object)) = self.object.take() else {
+                    return Err(LoadError::syntax(place(), "ObjectEnd", "ObjectBegin before it"));
+                };
+                self.objects.insert(name, object);
+                self.state.restore(token.text, place)
+            }
+            "ObjectInstance" => self.instance(token, tokens),
+            "Shape" => self.shape(token, tokens),
+            "Include" | "Import" => self.include(token, tokens, depth),
+            "Attribute" | "Accelerator" | "ColorSpace" | "Film" | "Integrator"
+            | "MakeNamedMedium" | "MediumInterface" | "Option" | "PixelFilter"
+            | "ReverseOrientation" | "Sampler" | "Texture" | "TransformTimes" => tokens.pass_over(),
+            other => Err(LoadError::syntax(place(), other, "a directive of PBRT, version 4")),
+        }
+    }
+
+    fn camera(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
+        let kind = tokens.name("type")?;
+        let params = Params::read(tokens, token.line)?;
+        let from_world = self.state.now.transform;
+        let to_world = from_world.inverse();
+        self.camera = Some(looks::camera(&params, from_world)?);
+        if kind != "perspective" {
+            self.leave_out(format!("cameras {} taken as perspective", shortened(&kind)), || {
+                params.place()
+            });
+        }
+        self.state.name_system("camera", to_world, || params.place())
+    }
+
+    fn light(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
+        let kind = tokens.name("type")?;
+        let params = Params::read(tokens, token.line)?;
+        let count = self.lights.len() + 1;
+        limits::check(count, MAX_LIGHTS, "the number of lights", || params.place())?;
+        match looks::light(&kind, &params, self.state.now.transform)? {
+            Some(light) => self.lights.push(light),
+            None => {
+                self.leave_out(format!("lights {} left out", shortened(&kind)), || params.place());
+            }
+        }
+        Ok(())
+    }
+
+    fn material(&mut self, name: &str, kind: &str, params: &Params) -> Result<u32, LoadError> {
+        let count = self.scene.materials.len() + 1;
+        limits::check(count, MAX_MATERIALS, "the number of materials", || params.place())?;
+        if params.has_texture() {
+            self.leave_out("materials with textures have a plain colour".into(), || params.place());
+        }
+        Ok(self.scene.push_material(looks::material(name, kind, params)?))
+    }
+
+    /// Counts what is not as the file says.
+    fn leave_out(&mut self, what: String, place: impl FnOnce() -> Place) {
+        let is_new = !self.left_out.contains_key(&what);
+        let what = if is_new && self.left_out.len() >= MAX_WARNINGS {
+            "more of other kinds".into()
+        } else {
+            what
+        };
+        self.left_out.entry(what).or_default().add(place);
+    }
+
+    fn current_material(&mut self) -> u32 {
+        match self.state.now.material {
+            Some(id) => id,
+            None => {
+                let scene = &mut self.scene;
+                *self.plain.get_or_insert_with(|| scene.push_material(Material::default()))
+            }
+        }
+    }
+
+    fn shape(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
+        let kind = tokens.name("type")?;
+        let params = Params::read(tokens, token.line)?;
+        let place = || params.place();
+        let material = self.current_material();
+        let ply = match kind.as_str() {
+            "plymesh" => Some(self.ply_of(&params)?),
+            _ => None,
+        };
+        let mut adding = Adding {
+            scene: match &mut self.object {
+                Some((_, object)) => object,
+                None => &mut self.scene,
+            },
+            counts: &mut self.counts,
+            transform: self.state.now.transform,
+            material,
+            triangulate: self.triangulate,
+        };
+        let added = match kind.as_str() {
+            "trianglemesh" => adding.mesh(&params, 3).map(Ok),
+            "bilinearmesh" => adding.mesh(&params, 4).map(Ok),
+            "sphere" => adding.sphere(&params),
+            "plymesh" => {
+                let (vertices, normals) = (adding.scene.vertices.len(), adding.scene.normals.len());
+                let (path, bytes) = ply.unwrap_or_default();
+                add_ply(&path, &bytes, self.triangulate, material, adding.scene)?;
+                adding.place_since(vertices, normals, &path).map(Ok)
+            }
+            _ => Ok(Err(LeftOut)),
+        };
+        if added?.is_err() {
+            self.leave_out(format!("shapes {} left out", shortened(&kind)), place);
+        } else if self.state.now.shines {
+            self.leave_out("area lights are plain surfaces".into(), place);
+        }
+        Ok(())
+    }
+
+    /// The PLY file of a shape, and where it lies.
+    fn ply_of(&mut self, params: &Params) -> Result<(PathBuf, Vec<u8>), LoadError> {
+        let Some(name) = params.string("filename") else {
+            return Err(LoadError::syntax(params.place(), "plymesh", "a \"string filename\""));
+        };
+        let path = self.named_file(name, || params.place())?;
+        let bytes = self.read(&path, || params.place())?;
+        Ok((path, bytes))
+    }
+
+    fn instance(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
+        let name = tokens.name("name")?;
+        let place = || tokens.place(token.line);
+        if self.object.is_some() {
+            return Err(LoadError::syntax(place(), "ObjectInstance", "ObjectEnd before it"));
+        }
+        let Some(object) = self.objects.get(&name) else {
+            return Err(LoadError::syntax(place(), &name, "an object before it"));
+        };
+        let mut adding = Adding {
+            scene: &mut self.scene,
+            counts: &mut self.counts,
+            transform: self.state.now.transform,
+            material: 0,
+            triangulate: self.triangulate,
+        };
+        for _ in 0..adding.instance(object, place)? {
+            self.leave_out("shapes sphere left out".into(), place);
+        }
+        Ok(())
+    }
+
+    fn include(
+        &mut self,
+        token: Token<'_>,
+        tokens: &mut Tokens<'_>,
+        depth: usize,
+    ) -> Result<(), LoadError> {
+        let name = tokens.name("filename")?;
+        let place = || tokens.place(token.line);
+        limits::check(depth + 1, MAX_INCLUDES, "the depth of Include", place)?;
+        let path = self.named_file(&name, place)?;
+        let text = lossy_text(self.read(&path, place)?);
+        let before = self.state.now;
+        self.file(&path, &text, depth + 1)?;
+        if token.text == "Import" {
+            self.state.now = before;
+        }
+        Ok(())
+    }
+
+    fn named_file(&self, name: &str, place: impl FnOnce() -> Place) -> Result<PathBuf, LoadError> {
+        confined(self.folder, name)
+            .ok_or_else(|| LoadError::OutsideFolder { place: place(), uri: shortened(name) })
+    }
+
+    /// A file's bytes, unpacked; all files together stay within the limit of one.
+    fn read(&mut self, path: &Path, place: impl FnOnce() -> Place) -> Result<Vec<u8>, LoadError> {
+        self.files += 1;
+        limits::check(self.files, MAX_FILES, "the number of files", place)?;
+        let bytes = decompress(path, read_at_most(path, self.budget)?)?;
+        let too_large = || LoadError::TooLarge { place: Place::file(path), limit: MAX_BYTES };
+        self.budget = self.budget.checked_sub(bytes.len() as u64).ok_or_else(too_large)?;
+        Ok(bytes)
+    }
+}

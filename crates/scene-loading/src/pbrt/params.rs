@@ -1,0 +1,170 @@
+//! Parameter lists: `"float radius" 2 "point3 P" [0 0 0 1 0 0]`.
+
+use crate::error::{LoadError, Place, shortened};
+use crate::limits::{self, MAX_ELEMENTS, MAX_NAME};
+use crate::mesh::coordinate;
+use crate::pbrt::tokens::{Kind, Token, Tokens};
+use crate::scene::Rgb;
+
+/// The most parameters of a statement.
+const MAX_PARAMS: usize = 1 << 12;
+
+/// The most numbers of a parameter.
+const MAX_NUMBERS: usize = 3 * MAX_ELEMENTS;
+
+/// The values of a parameter: numbers, or strings and `true` and `false`.
+#[derive(Debug, Default)]
+pub(super) struct Param {
+    kind: String,
+    name: String,
+    line: usize,
+    numbers: Vec<f64>,
+    words: Vec<String>,
+}
+
+/// The parameters of a statement.
+#[derive(Debug)]
+pub(super) struct Params {
+    file: std::path::PathBuf,
+    /// Where the statement begins.
+    pub line: usize,
+    all: Vec<Param>,
+}
+
+impl Params {
+    /// Reads parameters up to the next statement.
+    ///
+    /// # Errors
+    /// [`LoadError::Syntax`], [`LoadError::CountTooLarge`], [`LoadError::UnexpectedEnd`].
+    pub fn read(tokens: &mut Tokens<'_>, line: usize) -> Result<Self, LoadError> {
+        let mut all = Vec::new();
+        while let Some(token) = tokens.peek()? {
+            if token.is_directive() {
+                break;
+            }
+            let place = || Place::line(tokens.path, token.line);
+            limits::check(all.len() + 1, MAX_PARAMS, "the number of parameters", place)?;
+            let declared = tokens.quoted("type name")?;
+            limits::check(declared.text.len(), MAX_NAME, "the length of a name", || {
+                tokens.place(declared.line)
+            })?;
+            let mut words = declared.text.split_ascii_whitespace();
+            let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
+                let place = tokens.place(declared.line);
+                return Err(LoadError::syntax(place, declared.text, "a parameter: \"type name\""));
+            };
+            let (kind, name) = (kind.to_owned(), name.to_owned());
+            let mut param = Param { kind, name, line: declared.line, ..Param::default() };
+            let first = tokens.expect("a value, or [")?;
+            if first.kind == Kind::Open {
+                loop {
+                    let value = tokens.expect("a value, or ]")?;
+                    if value.kind == Kind::Close {
+                        break;
+                    }
+                    param.push(value, tokens)?;
+                }
+            } else {
+                param.push(first, tokens)?;
+            }
+            all.push(param);
+        }
+        Ok(Self { file: tokens.path.to_owned(), line, all })
+    }
+
+    pub fn place(&self) -> Place {
+        Place::line(&self.file, self.line)
+    }
+
+    fn find(&self, name: &str) -> Option<&Param> {
+        self.all.iter().find(|param| param.name == name)
+    }
+
+    /// The numbers of a parameter; empty where it is not there.
+    ///
+    /// # Errors
+    /// [`LoadError::Syntax`] for strings, [`LoadError::OutOfRange`].
+    pub fn numbers(&self, name: &str) -> Result<&[f64], LoadError> {
+        let Some(param) = self.find(name) else { return Ok(&[]) };
+        let place = || Place::line(&self.file, param.line);
+        if let Some(word) = param.words.first() {
+            return Err(LoadError::syntax(place(), word, format!("numbers ({name})")));
+        }
+        for &value in &param.numbers {
+            coordinate(value, name, place)?;
+        }
+        Ok(&param.numbers)
+    }
+
+    /// One number; spectra and textures are none.
+    ///
+    /// # Errors
+    /// As [`Params::numbers`], and [`LoadError::Syntax`] for more.
+    pub fn number(&self, name: &str, default: f64) -> Result<f64, LoadError> {
+        let varies = |param: &Param| matches!(&*param.kind, "spectrum" | "texture" | "rgb");
+        if self.find(name).is_some_and(varies) {
+            return Ok(default);
+        }
+        match self.numbers(name)? {
+            [] => Ok(default),
+            [value] => Ok(*value),
+            more => {
+                let found = format!("{} numbers", more.len());
+                Err(LoadError::syntax(self.place(), &found, format!("one ({name})")))
+            }
+        }
+    }
+
+    /// Three numbers.
+    ///
+    /// # Errors
+    /// As [`Params::number`].
+    pub fn vector(&self, name: &str, default: [f64; 3]) -> Result<[f64; 3], LoadError> {
+        match self.numbers(name)? {
+            [] => Ok(default),
+            [x, y, z] => Ok([*x, *y, *z]),
+            other => {
+                let found = format!("{} numbers", other.len());
+                Err(LoadError::syntax(self.place(), &found, format!("three ({name})")))
+            }
+        }
+    }
+
+    /// A colour that is given as `rgb`; spectra, textures and temperatures are none.
+    ///
+    /// # Errors
+    /// As [`Params::vector`].
+    pub fn rgb(&self, name: &str) -> Result<Option<Rgb>, LoadError> {
+        match self.find(name) {
+            Some(param) if param.kind == "rgb" => self.vector(name, [0.0; 3]).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    /// A string.
+    pub fn string(&self, name: &str) -> Option<&str> {
+        self.find(name)?.words.first().map(String::as_str)
+    }
+
+    /// True where a parameter names a texture.
+    pub fn has_texture(&self) -> bool {
+        self.all.iter().any(|param| param.kind == "texture")
+    }
+}
+
+impl Param {
+    fn push(&mut self, value: Token<'_>, tokens: &Tokens<'_>) -> Result<(), LoadError> {
+        let place = || tokens.place(value.line);
+        if let Some(number) = value.number() {
+            self.numbers.push(number);
+            return limits::check(self.numbers.len(), MAX_NUMBERS, &self.name, place);
+        }
+        if value.kind == Kind::Quoted || matches!(value.text, "true" | "false") {
+            limits::check(value.text.len(), MAX_NAME, "the length of a string", place)?;
+            self.words.push(value.text.to_owned());
+            return limits::check(self.words.len(), MAX_ELEMENTS, &self.name, place);
+        }
+        let expected = format!("a value of {} {}", shortened(&self.kind), shortened(&self.name));
+        Err(LoadError::syntax(place(), value.text, expected))
+    }
+}

@@ -1,0 +1,224 @@
+//! Shapes of PBRT files: triangles, bilinear patches, spheres and PLY files; and instances of objects.
+
+use std::path::Path;
+
+use glam::{DMat3, DMat4, DVec3};
+
+use crate::error::{LoadError, Place};
+use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::{FaceCounts, Mesh, coordinate};
+use crate::pbrt::params::Params;
+use crate::pbrt::state::uniform_scale;
+use crate::scene::{Primitive, Scene, Shape};
+
+/// A shape that scenes here do not have.
+pub(super) struct LeftOut;
+
+/// The most there may be of vertices, normals, or primitives after so many more of each.
+pub(super) fn check_size(
+    scene: &Scene,
+    more: usize,
+    place: impl FnOnce() -> Place,
+) -> Result<(), LoadError> {
+    let most = scene.vertices.len().max(scene.normals.len()).max(scene.primitives.len());
+    limits::check(
+        most.saturating_add(more),
+        MAX_ELEMENTS,
+        "the number of vertices or triangles",
+        place,
+    )
+}
+
+/// What shapes need to be added.
+pub(super) struct Adding<'a> {
+    pub scene: &'a mut Scene,
+    pub counts: &'a mut FaceCounts,
+    pub transform: DMat4,
+    pub material: u32,
+    pub triangulate: bool,
+}
+
+impl Adding<'_> {
+    /// `trianglemesh` and `bilinearmesh`: `corners` is 3 or 4.
+    pub fn mesh(&mut self, params: &Params, corners: usize) -> Result<(), LoadError> {
+        let place = || params.place();
+        let positions = points(params, "P")?;
+        let normals = points(params, "N")?;
+        if !normals.is_empty() && normals.len() != positions.len() {
+            let found = format!("{} normals", normals.len());
+            return Err(LoadError::syntax(
+                place(),
+                &found,
+                format!("one for each of {}", positions.len()),
+            ));
+        }
+        check_size(self.scene, positions.len(), place)?;
+        let indices = params.numbers("indices")?;
+        let all: Vec<f64> = (0..corners).map(|i| i as f64).collect();
+        // one face may go without
+        let indices = if indices.is_empty() && positions.len() == corners { &all } else { indices };
+        if indices.is_empty() || indices.len() % corners != 0 {
+            let found = format!("{} indices", indices.len());
+            return Err(LoadError::syntax(place(), &found, format!("a multiple of {corners}")));
+        }
+        let mesh = Mesh {
+            material: self.material,
+            first: u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX),
+            normals: self.add_normals(&normals),
+            triangulate: self.triangulate,
+        };
+        self.add_positions(&positions, place)?;
+        let size = indices.len() / corners;
+        check_size(self.scene, size, place)?;
+        for face in indices.chunks_exact(corners) {
+            let mut picked = [0; 4];
+            for (slot, &index) in picked.iter_mut().zip(face) {
+                *slot = valid_index(index, positions.len(), place)?;
+            }
+            match (corners, picked) {
+                // a patch's corners are (0,0), (1,0), (0,1), (1,1)
+                (4, [a, b, c, d]) => self.face(mesh, &[a, b, d, c], place)?,
+                (_, [a, b, c, _]) => self.face(mesh, &[a, b, c], place)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn face(
+        &mut self,
+        mesh: Mesh,
+        corners: &[u32],
+        place: impl Fn() -> Place,
+    ) -> Result<(), LoadError> {
+        mesh.add(corners, self.scene, self.counts, place)
+    }
+
+    /// `sphere`, whole, where the transform keeps it one.
+    pub fn sphere(&mut self, params: &Params) -> Result<Result<(), LeftOut>, LoadError> {
+        let radius = params.number("radius", 1.0)?;
+        if radius <= 0.0 {
+            let (what, found) = ("radius".to_owned(), radius.to_string());
+            let expected = "above 0".to_owned();
+            return Err(LoadError::OutOfRange { place: params.place(), what, found, expected });
+        }
+        check_size(self.scene, 1, || params.place())?;
+        let Some(scale) = uniform_scale(&self.transform) else { return Ok(Err(LeftOut)) };
+        let center = self.transform.transform_point3(DVec3::ZERO);
+        checked(center + DVec3::splat(radius * scale), || params.place())?;
+        self.scene.push_sphere(self.material, center, radius * scale);
+        Ok(Ok(()))
+    }
+
+    /// What `add_ply` added behind these lengths of vertices and normals is moved to its place.
+    pub fn place_since(
+        &mut self,
+        vertices: usize,
+        normals: usize,
+        path: &Path,
+    ) -> Result<(), LoadError> {
+        for vertex in self.scene.vertices.iter_mut().skip(vertices) {
+            *vertex = checked(self.transform.transform_point3(*vertex), || Place::file(path))?;
+        }
+        let turn = normal_transform(&self.transform);
+        for normal in self.scene.normals.iter_mut().skip(normals) {
+            *normal = (turn * *normal).normalize_or_zero();
+        }
+        Ok(())
+    }
+
+    /// An instance of an object: its shapes once more, at another place.
+    pub fn instance(
+        &mut self,
+        object: &Scene,
+        place: impl Fn() -> Place,
+    ) -> Result<usize, LoadError> {
+        let more = object.vertices.len().max(object.normals.len()).max(object.primitives.len());
+        check_size(self.scene, more, &place)?;
+        let first = u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX);
+        let first_n = self.add_normals(&object.normals).unwrap_or(0);
+        self.add_positions(&object.vertices, &place)?;
+        let scale = uniform_scale(&self.transform);
+        let mut left_out = 0;
+        for primitive in &object.primitives {
+            let material = primitive.material;
+            let shape = match primitive.shape {
+                Shape::Triangle { v } => Shape::Triangle { v: v.map(|i| i.saturating_add(first)) },
+                Shape::Patch { v, n } => Shape::Patch {
+                    v: v.map(|i| i.saturating_add(first)),
+                    n: n.map(|i| i.saturating_add(first_n)),
+                },
+                Shape::Polygon { first: of, count } => {
+                    Shape::Polygon { first: of.saturating_add(first), count }
+                }
+                Shape::Sphere(i) => {
+                    let sphere = object.spheres.get(i as usize);
+                    let (Some(sphere), Some(scale)) = (sphere, scale) else {
+                        left_out += 1;
+                        continue;
+                    };
+                    let center = self.transform.transform_point3(sphere.center);
+                    let radius = sphere.radius * scale;
+                    checked(center + DVec3::splat(radius), &place)?;
+                    self.scene.push_sphere(material, center, radius);
+                    continue;
+                }
+                Shape::Cone(_) => continue,
+            };
+            self.scene.primitives.push(Primitive { shape, material });
+        }
+        Ok(left_out)
+    }
+
+    fn add_positions(
+        &mut self,
+        positions: &[DVec3],
+        place: impl Fn() -> Place,
+    ) -> Result<(), LoadError> {
+        self.scene.vertices.reserve(positions.len());
+        for &position in positions {
+            let placed = checked(self.transform.transform_point3(position), &place)?;
+            self.scene.vertices.push(placed);
+        }
+        Ok(())
+    }
+
+    /// The place of the first, where there are any.
+    fn add_normals(&mut self, normals: &[DVec3]) -> Option<u32> {
+        let first = u32::try_from(self.scene.normals.len()).ok()?;
+        let turn = normal_transform(&self.transform);
+        let turned = normals.iter().map(|normal| (turn * *normal).normalize_or_zero());
+        self.scene.normals.extend(turned);
+        (!normals.is_empty()).then_some(first)
+    }
+}
+
+/// Normals stay perpendicular to surfaces: the inverse transposed, without its factor.
+fn normal_transform(transform: &DMat4) -> DMat3 {
+    let [x, y, z] = [transform.x_axis, transform.y_axis, transform.z_axis].map(|c| c.truncate());
+    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * x.cross(y).dot(z).signum()
+}
+
+fn checked(point: DVec3, place: impl Fn() -> Place) -> Result<DVec3, LoadError> {
+    for value in point.to_array() {
+        coordinate(value, "a transformed coordinate", &place)?;
+    }
+    Ok(point)
+}
+
+fn points(params: &Params, name: &str) -> Result<Vec<DVec3>, LoadError> {
+    let numbers = params.numbers(name)?;
+    let (points, []) = numbers.as_chunks::<3>() else {
+        let found = format!("{} numbers", numbers.len());
+        return Err(LoadError::syntax(params.place(), &found, format!("three a point ({name})")));
+    };
+    Ok(points.iter().map(|&point| DVec3::from_array(point)).collect())
+}
+
+fn valid_index(index: f64, count: usize, place: impl Fn() -> Place) -> Result<u32, LoadError> {
+    if index >= 0.0 && index < count as f64 && index.fract() == 0.0 {
+        return Ok(index as u32);
+    }
+    let (what, index) = ("vertex".to_owned(), index.to_string());
+    let valid = format!("{count} vertices, counted from 0");
+    Err(LoadError::IndexOutOfRange { place: place(), what, index, valid })
+}

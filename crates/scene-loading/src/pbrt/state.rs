@@ -1,0 +1,193 @@
+//! What statements change for those that follow: the transform, the material, whether shapes shine.
+
+use std::collections::HashMap;
+
+use glam::{DMat4, DVec3, DVec4};
+
+use crate::error::{LoadError, Place};
+use crate::limits;
+use crate::pbrt::tokens::{Token, Tokens};
+
+/// How deep attributes may nest.
+const MAX_DEPTH: usize = 1 << 12;
+
+/// The most named coordinate systems.
+const MAX_SYSTEMS: usize = 1 << 16;
+
+/// Attributes of the shapes that follow.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Attributes {
+    /// From the space of the shapes to the world.
+    pub transform: DMat4,
+    /// Index of the material; none is the default one.
+    pub material: Option<u32>,
+    /// Shapes are area lights.
+    pub shines: bool,
+    /// Transforms change the start of the exposure, which is what is read.
+    pub at_start: bool,
+}
+
+impl Default for Attributes {
+    fn default() -> Self {
+        Self { transform: DMat4::IDENTITY, material: None, shines: false, at_start: true }
+    }
+}
+
+/// The attributes, those that were saved, and named coordinate systems.
+#[derive(Debug, Default)]
+pub(super) struct State {
+    pub now: Attributes,
+    saved: Vec<Attributes>,
+    pub systems: HashMap<String, DMat4>,
+}
+
+impl State {
+    pub fn save(&mut self, place: impl FnOnce() -> Place) -> Result<(), LoadError> {
+        limits::check(self.saved.len() + 1, MAX_DEPTH, "the depth of attributes", place)?;
+        self.saved.push(self.now);
+        Ok(())
+    }
+
+    pub fn restore(
+        &mut self,
+        directive: &str,
+        place: impl FnOnce() -> Place,
+    ) -> Result<(), LoadError> {
+        self.now = self
+            .saved
+            .pop()
+            .ok_or_else(|| LoadError::syntax(place(), directive, "as many beginnings before it"))?;
+        Ok(())
+    }
+
+    /// Does what a statement says of transforms and attributes; false where it is none of them.
+    pub fn statement(
+        &mut self,
+        token: Token<'_>,
+        tokens: &mut Tokens<'_>,
+    ) -> Result<bool, LoadError> {
+        let (path, line) = (tokens.path, token.line);
+        let place = || Place::line(path, line);
+        match token.text {
+            "Identity" => self.set_transform(DMat4::IDENTITY, place),
+            "Translate" => {
+                let by = DVec3::from_array(tokens.numbers("Translate")?);
+                self.transform(DMat4::from_translation(by), place)
+            }
+            "Scale" => {
+                let by = DVec3::from_array(tokens.numbers("Scale")?);
+                self.transform(DMat4::from_scale(by), place)
+            }
+            "Rotate" => {
+                let [angle, x, y, z] = tokens.numbers("Rotate")?;
+                let Some(axis) = DVec3::new(x, y, z).try_normalize() else {
+                    let expected = "an angle and an axis other than 0 0 0";
+                    return Err(LoadError::syntax(place(), "Rotate", expected));
+                };
+                let turn = DMat4::from_axis_angle(axis, angle.to_radians());
+                self.transform(turn, place)
+            }
+            "LookAt" => {
+                let [a, b, c, d, e, f, g, h, i] = tokens.numbers("LookAt")?;
+                let (from, at, up) =
+                    (DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
+                let Some(matrix) = look_at(from, at, up) else {
+                    let expected = "an eye, another point, and an up not along the view";
+                    return Err(LoadError::syntax(place(), "LookAt", expected));
+                };
+                self.transform(matrix, place)
+            }
+            "Transform" => {
+                let matrix = DMat4::from_cols_array(&tokens.numbers("Transform")?);
+                self.set_transform(matrix, place)
+            }
+            "ConcatTransform" => {
+                let matrix = DMat4::from_cols_array(&tokens.numbers("ConcatTransform")?);
+                self.transform(matrix, place)
+            }
+            "CoordinateSystem" => {
+                let name = tokens.name("name")?;
+                self.name_system(&name, self.now.transform, place)
+            }
+            "CoordSysTransform" => {
+                let name = tokens.name("name")?;
+                let Some(&matrix) = self.systems.get(&name) else {
+                    return Err(LoadError::syntax(place(), &name, "a coordinate system before it"));
+                };
+                self.set_transform(matrix, place)
+            }
+            "ActiveTransform" => {
+                let which = tokens.expect("StartTime, EndTime or All")?;
+                self.now.at_start = which.text != "EndTime";
+                Ok(())
+            }
+            "AttributeBegin" | "TransformBegin" => self.save(place),
+            "AttributeEnd" | "TransformEnd" => self.restore(token.text, place),
+            _ => return Ok(false),
+        }?;
+        Ok(true)
+    }
+
+    /// Attributes that are saved now.
+    pub fn depth(&self) -> usize {
+        self.saved.len()
+    }
+
+    /// Applies `matrix` before the transforms so far; all numbers stay finite.
+    pub fn transform(
+        &mut self,
+        matrix: DMat4,
+        place: impl FnOnce() -> Place,
+    ) -> Result<(), LoadError> {
+        self.set_transform(self.now.transform * matrix, place)
+    }
+
+    pub fn set_transform(
+        &mut self,
+        matrix: DMat4,
+        place: impl FnOnce() -> Place,
+    ) -> Result<(), LoadError> {
+        if !self.now.at_start {
+            return Ok(());
+        }
+        if !matrix.is_finite() {
+            let (what, found) = ("a transform".to_owned(), "not finite".to_owned());
+            return Err(LoadError::NotFinite { place: place(), what, found });
+        }
+        self.now.transform = matrix;
+        Ok(())
+    }
+
+    pub fn name_system(
+        &mut self,
+        name: &str,
+        matrix: DMat4,
+        place: impl FnOnce() -> Place,
+    ) -> Result<(), LoadError> {
+        let count = self.systems.len() + 1;
+        limits::check(count, MAX_SYSTEMS, "the number of coordinate systems", place)?;
+        self.systems.insert(name.to_owned(), matrix);
+        Ok(())
+    }
+}
+
+/// `LookAt`: from the world to a camera that looks along its z axis, y up, in a left-handed space.
+/// None where nothing is seen that way.
+fn look_at(from: DVec3, at: DVec3, up: DVec3) -> Option<DMat4> {
+    let along = (at - from).try_normalize()?;
+    let right = up.cross(along).try_normalize()?;
+    let above = along.cross(right);
+    let column = |v: DVec3| v.extend(0.0);
+    let to_world = DMat4::from_cols(column(right), column(above), column(along), from.extend(1.0));
+    Some(to_world.inverse()).filter(DMat4::is_finite)
+}
+
+/// The factor by which a transform scales all lengths; none where that differs by direction.
+pub(super) fn uniform_scale(matrix: &DMat4) -> Option<f64> {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec4::truncate);
+    let scale = x.length();
+    let slack = scale * 1e-6;
+    let same = (y.length() - scale).abs() <= slack && (z.length() - scale).abs() <= slack;
+    let square = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|dot| dot.abs() <= slack * scale);
+    (same && square && scale > 0.0).then_some(scale)
+}

@@ -1,0 +1,356 @@
+//! The Polygon File Format, PLY (G. Turk, "The PLY Polygon File Format", 1994): text and both binary
+//! encodings, all types.
+//!
+//! Of the element `vertex`, `x`, `y`, `z` are read and, where all three are there, `nx`, `ny`, `nz`:
+//! faces then have normals. Of `face`, the list `vertex_indices` or `vertex_index`, else its only
+//! list of whole numbers; of `tristrips`, strips of triangles that -1 ends. Everything else is left
+//! out: colours, texture coordinates, further elements. Lines of text may be broken anywhere.
+
+mod header;
+mod values;
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{LoadError, Place};
+use crate::input::read::scene_name;
+use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::{FaceCounts, Mesh, Tally, coordinate};
+use crate::ply::header::{Element, Encoding, Header, Kind, Property, Scalar, parse_header};
+use crate::ply::values::{Binary, Text, Values};
+use crate::polygon::ear_clipping::MAX_CORNERS;
+use crate::progress;
+use crate::scene::{Material, Scene};
+
+/// Progress is told once for so many elements.
+const TOLD_EVERY: u64 = 1 << 16;
+
+/// Names of the list of a face's corners.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// Parses a PLY file. `path` gives the scene its name and appears in errors, with the line in the
+/// header and in texts, with the byte in binary data. Scenes have no lights, one material, and a
+/// camera that frames them. `triangulate` splits larger faces.
+///
+/// # Errors
+/// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],
+/// [`LoadError::OutOfRange`], [`LoadError::CountTooLarge`], [`LoadError::IndexOutOfRange`],
+/// [`LoadError::NoPrimitives`].
+pub fn parse_ply(path: &Path, bytes: &[u8], triangulate: bool) -> Result<Scene, LoadError> {
+    let mut scene = Scene::new(scene_name(path));
+    let material = scene.push_material(Material::default());
+    add_ply(path, bytes, triangulate, material, &mut scene)?;
+    if scene.primitives.is_empty() {
+        let expected = "face with an area (is it a cloud of points?)";
+        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+    }
+    scene.frame_camera();
+    Ok(scene)
+}
+
+/// Adds the faces of a PLY file to a scene, and warnings of what was left out.
+pub(crate) fn add_ply(
+    path: &Path,
+    bytes: &[u8],
+    triangulate: bool,
+    material: u32,
+    scene: &mut Scene,
+) -> Result<(), LoadError> {
+    let header = parse_header(path, bytes)?;
+    let at = header.data;
+    let mesh = Mesh { material, first: 0, normals: None, triangulate };
+    match header.encoding {
+        Encoding::Ascii => {
+            let values = Text { path, bytes, at, line: header.line };
+            Reader::new(path, values, mesh, scene).read(&header)
+        }
+        encoding => {
+            let values = Binary { path, bytes, at, encoding };
+            Reader::new(path, values, mesh, scene).read(&header)
+        }
+    }
+}
+
+struct Reader<'a, V> {
+    path: &'a Path,
+    values: V,
+    mesh: Mesh,
+    scene: &'a mut Scene,
+    /// Vertices of the file, once they are read.
+    vertices: Option<usize>,
+    counts: FaceCounts,
+    too_few: Tally,
+    corners: Vec<u32>,
+}
+
+impl<'a, V: Values> Reader<'a, V> {
+    fn new(path: &'a Path, values: V, mesh: Mesh, scene: &'a mut Scene) -> Self {
+        let (counts, too_few) = (FaceCounts::default(), Tally::default());
+        let corners = Vec::new();
+        Self { path, values, mesh, scene, vertices: None, counts, too_few, corners }
+    }
+
+    fn read(mut self, header: &Header) -> Result<(), LoadError> {
+        for element in &header.elements {
+            self.check_count(element, header.encoding)?;
+            match element.name.as_str() {
+                "vertex" => self.vertices(element)?,
+                "face" => self.faces(element)?,
+                "tristrips" => self.strips(element)?,
+                _ => self.each(element, |reader, property, _| reader.skip(property))?,
+            }
+        }
+        progress::end();
+        self.counts.warn(self.scene);
+        self.too_few.warn("faces with fewer than 3 corners left out", self.scene);
+        Ok(())
+    }
+
+    /// Refuses what the rest of the file cannot hold, before memory is taken.
+    fn check_count(&self, element: &Element, encoding: Encoding) -> Result<(), LoadError> {
+        let least = element.least_bytes(encoding).max(1);
+        // the last number of a text needs nothing behind it
+        let fits = (self.values.remaining() as u64 + 1) / least;
+        let limit = fits.min(MAX_ELEMENTS as u64);
+        if element.count <= limit || element.properties.is_empty() {
+            return Ok(());
+        }
+        let place = Place::line(self.path, element.line);
+        let what = format!("element {}", element.name);
+        Err(LoadError::CountTooLarge { place, what, count: element.count, limit })
+    }
+
+    /// Reads all of an element, property by property.
+    fn each(
+        &mut self,
+        element: &Element,
+        mut read: impl FnMut(&mut Self, &Property, usize) -> Result<(), LoadError>,
+    ) -> Result<(), LoadError> {
+        if element.properties.is_empty() {
+            return Ok(());
+        }
+        progress::begin(usize::try_from(element.count).unwrap_or(usize::MAX));
+        for i in 0..element.count {
+            if i % TOLD_EVERY == 0 {
+                progress::at(usize::try_from(i).unwrap_or(usize::MAX));
+            }
+            for (position, property) in element.properties.iter().enumerate() {
+                read(self, property, position)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn skip(&mut self, property: &Property) -> Result<(), LoadError> {
+        match property.kind {
+            Kind::One(scalar) => self.values.skip(scalar, 1, &property.name),
+            Kind::List { count, item } => {
+                let count = self.length(count, &property.name)?;
+                self.values.skip(item, count, &property.name)
+            }
+        }
+    }
+
+    /// The length of a list, which the rest of the file can hold.
+    fn length(&mut self, scalar: Scalar, what: &str) -> Result<u64, LoadError> {
+        let place = self.values.place();
+        let length = self.values.next(scalar, what)?;
+        let limit = self.values.remaining();
+        if length >= 0.0 && length <= limit as f64 {
+            return Ok(length as u64);
+        }
+        let what = format!("the length of the list {what}");
+        if length >= 0.0 {
+            let (count, limit) = (length as u64, limit as u64);
+            return Err(LoadError::CountTooLarge { place, what, count, limit });
+        }
+        let (found, expected) = (length.to_string(), "at least 0".to_owned());
+        Err(LoadError::OutOfRange { place, what, found, expected })
+    }
+
+    fn vertices(&mut self, element: &Element) -> Result<(), LoadError> {
+        let place = || Place::line(self.path, element.line);
+        if self.vertices.is_some() {
+            return Err(LoadError::syntax(place(), "element vertex", "one element vertex only"));
+        }
+        let count = usize::try_from(element.count).unwrap_or(usize::MAX);
+        let all = self.scene.vertices.len().saturating_add(count);
+        limits::check(all, MAX_ELEMENTS, "the number of vertices", place)?;
+        let scalars = |names: [&str; 3]| {
+            let place_of = names.map(|name| {
+                let at = element.position(name)?;
+                let property = element.properties.get(at)?;
+                matches!(property.kind, Kind::One(_)).then_some(at)
+            });
+            match place_of {
+                [Some(x), Some(y), Some(z)] => Some([x, y, z]),
+                _ => None,
+            }
+        };
+        let Some(positions) = scalars(["x", "y", "z"]) else {
+            let expected = "an element vertex with properties x, y and z";
+            return Err(LoadError::syntax(place(), "element vertex", expected));
+        };
+        let normals = scalars(["nx", "ny", "nz"]);
+        self.mesh.first = u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX);
+        self.mesh.normals = normals.and(u32::try_from(self.scene.normals.len()).ok());
+        self.scene.vertices.reserve(count);
+        self.scene.normals.reserve(if normals.is_some() { count } else { 0 });
+        let (mut position, mut normal) = ([0.0; 3], [0.0; 3]);
+        let last = element.properties.len() - 1;
+        self.each(element, |reader, property, at| {
+            let axis = |of: [usize; 3]| of.iter().position(|&place| place == at);
+            let slot = match (axis(positions), normals.and_then(axis)) {
+                (Some(i), _) => position.get_mut(i),
+                (None, Some(i)) => normal.get_mut(i),
+                (None, None) => None,
+            };
+            match (slot, property.kind) {
+                (Some(slot), Kind::One(scalar)) => {
+                    let at = reader.values.place();
+                    let value = reader.values.next(scalar, &property.name)?;
+                    *slot = coordinate(value, &property.name, || at.clone())?;
+                }
+                _ => reader.skip(property)?,
+            }
+            if at == last {
+                reader.scene.vertices.push(DVec3::from_array(position));
+                if normals.is_some() {
+                    reader.scene.normals.push(DVec3::from_array(normal));
+                }
+            }
+            Ok(())
+        })?;
+        self.vertices = Some(count);
+        Ok(())
+    }
+
+    /// The list of corners among the properties of an element, and its types.
+    fn corner_list(&self, element: &Element) -> Result<(usize, Scalar, Scalar), LoadError> {
+        let lists = || element.properties.iter().enumerate().filter_map(list_of_whole_numbers);
+        let named = |at: usize| {
+            element.properties.get(at).is_some_and(|p| CORNERS.contains(&p.name.as_str()))
+        };
+        let found = lists().find(|(at, ..)| named(*at)).or_else(|| {
+            let mut all = lists();
+            all.next().filter(|_| all.next().is_none())
+        });
+        found.ok_or_else(|| {
+            let expected = "a list vertex_indices or vertex_index of whole numbers";
+            let found = format!("element {}", element.name);
+            LoadError::syntax(Place::line(self.path, element.line), &found, expected)
+        })
+    }
+
+    fn vertices_before(&self, element: &Element) -> Result<usize, LoadError> {
+        self.vertices.ok_or_else(|| {
+            let found = format!("element {}", element.name);
+            let place = Place::line(self.path, element.line);
+            LoadError::syntax(place, &found, "element vertex before it")
+        })
+    }
+
+    fn faces(&mut self, element: &Element) -> Result<(), LoadError> {
+        if element.count == 0 {
+            return Ok(());
+        }
+        let vertices = self.vertices_before(element)?;
+        let (list, count, item) = self.corner_list(element)?;
+        self.each(element, |reader, property, at| {
+            if at != list {
+                return reader.skip(property);
+            }
+            let place = reader.values.place();
+            let place = || place.clone();
+            let length = reader.length(count, &property.name)?;
+            let length = usize::try_from(length).unwrap_or(usize::MAX);
+            limits::check(length, MAX_CORNERS, "the number of corners of a face", place)?;
+            // reused from face to face: files have millions
+            let mut corners = std::mem::take(&mut reader.corners);
+            corners.clear();
+            for _ in 0..length {
+                corners.push(reader.index(item, vertices)?);
+            }
+            if length < 3 {
+                reader.too_few.add(place);
+            } else {
+                reader.add(&corners, place)?;
+            }
+            reader.corners = corners;
+            Ok(())
+        })
+    }
+
+    fn add(&mut self, corners: &[u32], place: impl Fn() -> Place) -> Result<(), LoadError> {
+        let size = self.scene.primitives.len() + 1;
+        limits::check(size, MAX_ELEMENTS, "the number of faces", &place)?;
+        self.mesh.add(corners, self.scene, &mut self.counts, place)
+    }
+
+    /// Strips: each corner after the second makes a triangle with the two before it, turned every
+    /// other time; -1 begins a new strip.
+    fn strips(&mut self, element: &Element) -> Result<(), LoadError> {
+        if element.count == 0 {
+            return Ok(());
+        }
+        let vertices = self.vertices_before(element)?;
+        let (list, count, item) = self.corner_list(element)?;
+        self.each(element, |reader, property, at| {
+            if at != list {
+                return reader.skip(property);
+            }
+            let length = reader.length(count, &property.name)?;
+            let mut strip: Option<[u32; 2]> = None;
+            let (mut begun, mut turned) = (None, false);
+            for _ in 0..length {
+                let place = reader.values.place();
+                let Some(corner) = reader.index_or_end(item, vertices)? else {
+                    (strip, begun, turned) = (None, None, false);
+                    continue;
+                };
+                let Some([a, b]) = strip else {
+                    strip = begun.replace(corner).map(|first| [first, corner]);
+                    continue;
+                };
+                let corners = if turned { [b, a, corner] } else { [a, b, corner] };
+                reader.add(&corners, || place.clone())?;
+                (strip, turned) = (Some([b, corner]), !turned);
+            }
+            Ok(())
+        })
+    }
+
+    fn index(&mut self, item: Scalar, vertices: usize) -> Result<u32, LoadError> {
+        let place = self.values.place();
+        let index = self.values.next(item, "the index of a vertex")?;
+        valid_index(index, vertices, place)
+    }
+
+    /// An index, or none for -1.
+    fn index_or_end(&mut self, item: Scalar, vertices: usize) -> Result<Option<u32>, LoadError> {
+        let place = self.values.place();
+        let index = self.values.next(item, "the index of a vertex, or -1")?;
+        if index == -1.0 { Ok(None) } else { valid_index(index, vertices, place).map(Some) }
+    }
+}
+
+fn valid_index(index: f64, vertices: usize, place: Place) -> Result<u32, LoadError> {
+    if index >= 0.0 && index < vertices as f64 {
+        return Ok(index as u32);
+    }
+    let valid = match vertices {
+        0 => "the file has no vertices".to_owned(),
+        _ => format!("0 to {} are there", vertices - 1),
+    };
+    let (what, index) = ("vertex".to_owned(), index.to_string());
+    Err(LoadError::IndexOutOfRange { place, what, index, valid })
+}
+
+/// A list of whole numbers: its place, and the types of its length and items.
+fn list_of_whole_numbers((at, property): (usize, &Property)) -> Option<(usize, Scalar, Scalar)> {
+    match property.kind {
+        Kind::List { count, item } if item.is_integer() => Some((at, count, item)),
+        _ => None,
+    }
+}

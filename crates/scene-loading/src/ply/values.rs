@@ -1,0 +1,151 @@
+//! The numbers after a PLY header, one after the other, in text or binary.
+
+use std::path::Path;
+
+use crate::error::{LoadError, Place, shortened};
+use crate::ply::header::{Encoding, Scalar};
+
+/// Numbers in the order of the file.
+pub(super) trait Values {
+    /// The next one; whole numbers are exact.
+    fn next(&mut self, scalar: Scalar, what: &str) -> Result<f64, LoadError>;
+
+    /// Leaves out so many.
+    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), LoadError>;
+
+    /// Where the next one is; white space before it is passed.
+    fn place(&mut self) -> Place;
+
+    /// Bytes not yet read.
+    fn remaining(&self) -> usize;
+}
+
+/// A binary file: places are bytes.
+pub(super) struct Binary<'a> {
+    pub path: &'a Path,
+    pub bytes: &'a [u8],
+    pub at: usize,
+    pub encoding: Encoding,
+}
+
+impl Binary<'_> {
+    fn take<const N: usize>(&mut self, what: &str) -> Result<[u8; N], LoadError> {
+        let taken = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<N>());
+        let Some(&taken) = taken else { return Err(self.ended(what)) };
+        self.at += N;
+        Ok(taken)
+    }
+
+    fn ended(&self, what: &str) -> LoadError {
+        let place = Place::byte(self.path, self.at);
+        LoadError::UnexpectedEnd { place, expected: what.to_owned() }
+    }
+}
+
+impl Values for Binary<'_> {
+    fn next(&mut self, scalar: Scalar, what: &str) -> Result<f64, LoadError> {
+        let little = self.encoding == Encoding::LittleEndian;
+        macro_rules! read {
+            ($type:ty) => {{
+                let bytes = self.take(what)?;
+                let value = if little {
+                    <$type>::from_le_bytes(bytes)
+                } else {
+                    <$type>::from_be_bytes(bytes)
+                };
+                f64::from(value)
+            }};
+        }
+        Ok(match scalar {
+            Scalar::I8 => read!(i8),
+            Scalar::U8 => read!(u8),
+            Scalar::I16 => read!(i16),
+            Scalar::U16 => read!(u16),
+            Scalar::I32 => read!(i32),
+            Scalar::U32 => read!(u32),
+            Scalar::F32 => read!(f32),
+            Scalar::F64 => read!(f64),
+        })
+    }
+
+    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), LoadError> {
+        let bytes = count.saturating_mul(scalar.size() as u64);
+        if bytes > self.remaining() as u64 {
+            return Err(self.ended(what));
+        }
+        self.at += usize::try_from(bytes).unwrap_or(usize::MAX);
+        Ok(())
+    }
+
+    fn place(&mut self) -> Place {
+        Place::byte(self.path, self.at)
+    }
+
+    fn remaining(&self) -> usize {
+        self.bytes.len().saturating_sub(self.at)
+    }
+}
+
+/// A text: places are lines. Line breaks count as any other white space.
+pub(super) struct Text<'a> {
+    pub path: &'a Path,
+    pub bytes: &'a [u8],
+    pub at: usize,
+    pub line: usize,
+}
+
+impl<'a> Text<'a> {
+    /// What is left from the next word on.
+    fn rest(&mut self) -> &'a [u8] {
+        let mut rest = self.bytes.get(self.at..).unwrap_or_default();
+        while let [first, more @ ..] = rest
+            && first.is_ascii_whitespace()
+        {
+            self.line += usize::from(*first == b'\n');
+            rest = more;
+        }
+        self.at = self.bytes.len() - rest.len();
+        rest
+    }
+
+    fn word(&mut self, what: &str) -> Result<&'a str, LoadError> {
+        let rest = self.rest();
+        let length = rest.iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
+        let word = rest.get(..length).unwrap_or_default();
+        self.at += length;
+        if word.is_empty() {
+            let (place, expected) = (Place::line(self.path, self.line), what.to_owned());
+            return Err(LoadError::UnexpectedEnd { place, expected });
+        }
+        Ok(std::str::from_utf8(word).unwrap_or("\u{fffd}"))
+    }
+}
+
+impl Values for Text<'_> {
+    fn next(&mut self, scalar: Scalar, what: &str) -> Result<f64, LoadError> {
+        let word = self.word(what)?;
+        let value: Option<f64> = word.parse().ok();
+        // some writers give whole numbers as 3.0
+        match value.filter(|value| !scalar.is_integer() || value.fract() == 0.0) {
+            Some(value) => Ok(value),
+            None => {
+                let number = if scalar.is_integer() { "a whole number" } else { "a number" };
+                let (found, expected) = (shortened(word), format!("{number} ({what})"));
+                Err(LoadError::syntax(Place::line(self.path, self.line), &found, expected))
+            }
+        }
+    }
+
+    fn skip(&mut self, _: Scalar, count: u64, what: &str) -> Result<(), LoadError> {
+        (0..count).try_for_each(|_| self.word(what).map(|_| ()))
+    }
+
+    fn place(&mut self) -> Place {
+        self.rest();
+        Place::line(self.path, self.line)
+    }
+
+    fn remaining(&self) -> usize {
+        self.bytes.len().saturating_sub(self.at)
+    }
+}

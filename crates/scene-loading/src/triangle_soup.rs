@@ -1,0 +1,74 @@
+//! The `.bin` files of tinybvh's test scenes (github.com/jbikker/tinybvh, `testdata/*.bin`): the number
+//! of triangles as a little-endian u32, then three corners for each of them, 16 bytes a corner: x, y, z
+//! as f32, and a word of colour, which is left out. Corners in the same place become one vertex.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::error::{LoadError, Place};
+use crate::input::read::scene_name;
+use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::{FaceCounts, Mesh, Welder, coordinate};
+use crate::progress;
+use crate::scene::{Material, Scene};
+
+/// Bytes of a corner.
+const CORNER: usize = 16;
+
+/// Bytes of a triangle.
+const TRIANGLE: usize = 3 * CORNER;
+
+/// Progress is told once for so many triangles.
+const TOLD_EVERY: usize = 1 << 16;
+
+/// Parses such a file. `path` gives the scene its name and appears in errors, with the byte. Scenes
+/// have no lights, one material, and a camera that frames them.
+///
+/// # Errors
+/// [`LoadError::Syntax`] where the length is not what the number says (other formats end in `.bin`,
+/// too), [`LoadError::NotFinite`], [`LoadError::OutOfRange`], [`LoadError::CountTooLarge`],
+/// [`LoadError::NoPrimitives`].
+pub fn parse_triangle_soup(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
+    let expected = "a number n of triangles in the first 4 bytes, and 48 n bytes behind them";
+    let fail = || {
+        let found = format!("{} bytes", bytes.len());
+        LoadError::syntax(Place::byte(path, 0), &found, expected)
+    };
+    let (&count, data) = bytes.split_first_chunk::<4>().ok_or_else(fail)?;
+    let count = usize::try_from(u32::from_le_bytes(count)).unwrap_or(usize::MAX);
+    if count.checked_mul(TRIANGLE) != Some(data.len()) {
+        return Err(fail());
+    }
+    let mut scene = Scene::new(scene_name(path));
+    let material = scene.push_material(Material::default());
+    let mesh = Mesh { material, first: 0, normals: None, triangulate: false };
+    let (mut welder, mut counts) = (Welder::default(), FaceCounts::default());
+    progress::begin(count);
+    for (i, record) in data.chunks_exact(TRIANGLE).enumerate() {
+        if i % TOLD_EVERY == 0 {
+            progress::at(i);
+        }
+        let at = 4 + i * TRIANGLE;
+        let place = || Place::byte(path, at);
+        let size = scene.vertices.len().max(scene.primitives.len()) + 3;
+        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
+        let mut corners = [0; 3];
+        for (slot, corner) in corners.iter_mut().zip(record.chunks_exact(CORNER)) {
+            let mut position = [0.0; 3];
+            for (value, &bytes) in position.iter_mut().zip(corner.as_chunks::<4>().0) {
+                *value = coordinate(f64::from(f32::from_le_bytes(bytes)), "a corner", place)?;
+            }
+            *slot = welder.vertex(DVec3::from_array(position), &mut scene);
+        }
+        mesh.add(&corners, &mut scene, &mut counts, place)?;
+    }
+    progress::end();
+    counts.warn(&mut scene);
+    if scene.primitives.is_empty() {
+        let expected = "triangle with an area";
+        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+    }
+    scene.frame_camera();
+    Ok(scene)
+}
