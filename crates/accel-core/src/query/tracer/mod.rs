@@ -59,4 +59,9 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     fn batches(&self) -> Batches {
         Batches::RayByRay
     }
+    /// The types of the primitives and of the structure that its traversals are compiled for, as the
+    /// compiler names them: tracers of the same name run the same instructions.
+    fn code(&self) -> &'static str {
+        std::any::type_name::<Self>()
+    }
 }
