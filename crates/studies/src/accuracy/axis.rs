@@ -25,7 +25,40 @@ pub struct Axis {
     /// Which setting of the product varies.
     pub setting: &'static str,
     /// All variants on a scene, timed and judged.
-    pub measure: fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>,
+    pub measure: Measure,
+}
+
+/// How an axis is measured on a scene.
+#[derive(Debug, Clone, Copy)]
+pub enum Measure {
+    /// At once.
+    Whole(fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>),
+    /// Subject by subject, each with variants, ratios and a front of its own: structures with
+    /// settings, as `run -s` takes them.
+    Each(&'static [&'static str], fn(&Stage<'_>, &str) -> Result<SceneOutcome, StudyError>),
+}
+
+impl Measure {
+    /// The subjects; an empty name where there is no choice of them.
+    pub fn subjects(self) -> &'static [&'static str] {
+        match self {
+            Self::Whole(_) => &[""],
+            Self::Each(subjects, _) => subjects,
+        }
+    }
+
+    /// The outcome of a subject.
+    ///
+    /// # Errors
+    /// [`StudyError`] for a scene that does not serve.
+    pub fn outcome(self, stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
+        match self {
+            Self::Whole(measure) => measure(stage),
+            Self::Each(_, measure) => {
+                Ok(SceneOutcome { subject: subject.replace(':', " "), ..measure(stage, subject)? })
+            }
+        }
+    }
 }
 
 /// Every axis: one line each.
@@ -48,6 +81,8 @@ pub static AXES: &[&Axis] = &[
     &axes::effects::MOTION,
     &axes::effects::FOCUS,
     &axes::gating::AXIS,
+    #[cfg(feature = "compiled-tests")]
+    &axes::right_answers::AXIS,
 ];
 
 /// The axes of these names, each once; all when there are none.

@@ -4,7 +4,7 @@ use accel_core::query::tracer::Tracer;
 use accel_core::{Ray, Scalar};
 use renderer::Geometry;
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
@@ -22,7 +22,7 @@ pub static AXIS: Axis = Axis {
     reference: "the scene and the same rays in f64",
     scenes: &["teapot", "rings", "pavilion"],
     setting: "run --precision, STRUCTURE.triangle-test, STRUCTURE.sphere-test",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// What t may be off by: a few epsilons of f32.
@@ -49,6 +49,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: name.into(),
             setting: built.setting(),
             known_defect: built.known_defect,
+            is_without: false,
             is_reference: false,
             error: compared(&replay.answers, &reference.answers).error(),
             also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes()))],
@@ -59,6 +60,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         name: "f64".into(),
         setting: format!("run -s {TRACER} --precision f64"),
         known_defect: None,
+        is_without: false,
         is_reference: true,
         error: compared(&reference.answers, &reference.answers).error(),
         also: vec![("MiB of primitives", mebibytes(geometry.bytes()))],
