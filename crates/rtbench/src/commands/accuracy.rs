@@ -100,14 +100,22 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             scenes: Vec::new(),
         };
         for known in asked {
-            for subject in axis.measure.subjects() {
+            let subjects = match scenes.of(&**known, context) {
+                Ok(prepared) => axis.measure.subjects(prepared),
+                Err(error) => {
+                    failures += 1;
+                    context.error(&error);
+                    continue;
+                }
+            };
+            for subject in subjects {
                 let shared = Shared {
                     registry: context.registry,
                     occluders: context.occluders,
                     clock: context.clock,
                 };
                 let outcome = scenes.of(&**known, context).and_then(|prepared| {
-                    let of = (axis, *subject);
+                    let of = (axis, subject);
                     one_thread.install(|| shared.on_scene(of, known.name(), prepared, &limits))
                 });
                 match outcome {
@@ -147,7 +155,8 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let words = record
         .axes
         .iter()
-        .filter_map(|axis| Some(summary::line(axis, &summary::cost(axis, record.seed)?)));
+        .flat_map(AxisRecord::by_subject)
+        .filter_map(|axis| Some(summary::line(&axis, &summary::cost(&axis, record.seed)?)));
     for words in words {
         writeln!(context.out, "\n{}", line(&words))?;
     }

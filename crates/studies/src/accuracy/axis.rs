@@ -2,7 +2,7 @@
 
 use crate::accuracy::axes;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::Stage;
+use crate::accuracy::stage::{Prepared, Stage};
 use crate::error::StudyError;
 use measurement::plan::error::PlanError;
 use measurement::settings::suggest;
@@ -35,15 +35,24 @@ pub enum Measure {
     Whole(fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>),
     /// Subject by subject, each with variants, ratios and a front of its own: structures with
     /// settings, as `run -s` takes them.
-    Each(&'static [&'static str], fn(&Stage<'_>, &str) -> Result<SceneOutcome, StudyError>),
+    Each {
+        /// All there are.
+        subjects: &'static [&'static str],
+        /// Whether one tells more of a scene than others do.
+        serves: fn(&Prepared, &str) -> bool,
+        /// The outcome of one.
+        measure: fn(&Stage<'_>, &str) -> Result<SceneOutcome, StudyError>,
+    },
 }
 
 impl Measure {
-    /// The subjects; an empty name where there is no choice of them.
-    pub fn subjects(self) -> &'static [&'static str] {
+    /// The subjects for a scene; an empty name where there is no choice of them.
+    pub fn subjects(self, prepared: &Prepared) -> Vec<&'static str> {
         match self {
-            Self::Whole(_) => &[""],
-            Self::Each(subjects, _) => subjects,
+            Self::Whole(_) => vec![""],
+            Self::Each { subjects, serves, .. } => {
+                subjects.iter().copied().filter(|subject| serves(prepared, subject)).collect()
+            }
         }
     }
 
@@ -54,7 +63,7 @@ impl Measure {
     pub fn outcome(self, stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
         match self {
             Self::Whole(measure) => measure(stage),
-            Self::Each(_, measure) => {
+            Self::Each { measure, .. } => {
                 Ok(SceneOutcome { subject: subject.replace(':', " "), ..measure(stage, subject)? })
             }
         }

@@ -145,6 +145,25 @@ pub struct AxisRecord {
     pub scenes: Vec<SceneOutcome>,
 }
 
+impl AxisRecord {
+    /// The same for each subject by itself, which the axis is then named after; itself where it has
+    /// none.
+    pub fn by_subject(&self) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for scene in &self.scenes {
+            let axis = match scene.subject.as_str() {
+                "" => self.axis.clone(),
+                subject => format!("{} ({subject})", self.axis),
+            };
+            match all.iter_mut().find(|of| of.axis == axis) {
+                Some(of) => of.scenes.push(scene.clone()),
+                None => all.push(Self { axis, scenes: vec![scene.clone()], ..self.clone() }),
+            }
+        }
+        all
+    }
+}
+
 /// A whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyRecord {

@@ -65,9 +65,9 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time\n\n");
     push_facts(&mut text, run);
     let mut lists: [Vec<String>; 5] = Default::default();
-    for axis in &run.axes {
-        let Some(cost) = cost(axis, run.seed) else { continue };
-        let line = format!("**{}**: {}", escaped(&axis.axis), escaped(&words(axis, &cost)));
+    for axis in run.axes.iter().flat_map(AxisRecord::by_subject) {
+        let Some(cost) = cost(&axis, run.seed) else { continue };
+        let line = format!("**{}**: {}", escaped(&axis.axis), escaped(&words(&axis, &cost)));
         let list = match cost {
             Cost::Free => 0,
             Cost::Cheap(_) => 1,

@@ -75,8 +75,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(replay),
         }
     });
+    let made = match cfg!(feature = "compiled-tests") {
+        true => "each test compiled into it",
+        false => "each test is a call",
+    };
     let said = Said {
-        timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
+        timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives; {made}"),
         judged: format!("{} rays at corners, edges and faces of boxes", aims.len()),
         ..Said::default()
     };

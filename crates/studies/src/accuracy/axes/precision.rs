@@ -4,6 +4,7 @@ use accel_core::query::tracer::Tracer;
 use accel_core::{Ray, Scalar};
 use renderer::Geometry;
 
+use super::chosen_tests;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
@@ -31,6 +32,8 @@ const TOLERATED: f64 = 1.0 / (1 << 20) as f64;
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let single = stage.built(TRACER)?;
     let mixed = stage.built(&format!("{TRACER}:triangle-test=f64:sphere-test=f64"))?;
+    let chosen = [mixed];
+    let [mixed] = &chosen;
     let sheets = stage.all_sheets();
     let rays = count(&sheets);
     let wide_sheets: Sheets<f64> = sheets
@@ -43,7 +46,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
     let reference = Replay::new(&*double, &wide_sheets);
     let mut variants = Vec::new();
-    for (name, built) in [("f32", &single), ("f32, tests in f64", &mixed)] {
+    for (name, built) in [("f32", &single), ("f32, tests in f64", mixed)] {
         let replay = Replay::new(&*built.tracer, &sheets);
         variants.push(Variant {
             name: name.into(),
@@ -67,7 +70,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         work: Box::new(reference),
     });
     let said = Said {
-        timed: format!("{rays} rays of the scene through {TRACER}"),
+        timed: format!(
+            "{rays} rays of the scene through {TRACER}; {}",
+            chosen_tests::made(&chosen)
+        ),
         judged: "the same rays".into(),
         ..Said::default()
     };

@@ -32,7 +32,11 @@ pub static AXIS: Axis = Axis {
     reference: "exact predicates; a plane is not met again from outside; height over the surface",
     scenes: &["teapot-tess", "mount", "pavilion"],
     setting: "STRUCTURE.padding, STRUCTURE.triangle-test, rays.offset, run --precision",
-    measure: Measure::Each(&["obvhs-cwbvh", "uniform-grid", "wide-bvh"], measure),
+    measure: Measure::Each {
+        subjects: &["obvhs-cwbvh", "uniform-grid", "wide-bvh"],
+        serves: |_, _| true,
+        measure,
+    },
 };
 
 /// A step: what it adds, the structure's settings from there on, how rays leave surfaces.
