@@ -17,8 +17,8 @@ use crate::primitives::{
     Watertight,
 };
 use crate::query::tracer::Tracer;
+use crate::query::tracer::tested::tested_as;
 use crate::structure::{BuildError, Structure};
-use crate::structures::tested_as;
 use crate::variants::chosen_tests::{Choice, SphereChoice, TriangleChoice};
 use crate::variants::sphere_tests::{NaiveSphere, SphereInDouble};
 use crate::variants::triangle_tests::{

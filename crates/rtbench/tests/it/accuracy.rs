@@ -171,13 +171,13 @@ fn sampled_effects_state_the_error_of_their_reference() {
 fn right_answers_have_a_price_step_by_step() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = format!(
-        "accuracy right-answers --scene pavilion,teapot-tess:3 --quick --rounds 3 --trials 3000 -o {}",
+        "accuracy right-answers --scene pavilion,teapot:3 --quick --rounds 3 --trials 3000 -o {}",
         folder.path().display()
     );
     let ended = run(&arguments);
     assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
     let rows = rows(folder.path());
-    for scene in ["pavilion", "teapot-tess:3"] {
+    for scene in ["pavilion", "teapot:3"] {
         for (subject, steps) in [("obvhs-cwbvh", 8), ("uniform-grid", 7), ("wide-bvh", 5)] {
             let is_of = |r: &&Row| r["scene"] == scene && r["subject"] == subject;
             let of: Vec<&Row> = rows.iter().filter(is_of).collect();

@@ -4,6 +4,7 @@ mod bound;
 mod counting;
 mod in_motion;
 pub(crate) mod nearby;
+pub(crate) mod tested;
 
 pub use bound::Bound;
 pub use in_motion::BoundInMotion;

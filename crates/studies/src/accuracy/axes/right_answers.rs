@@ -30,7 +30,7 @@ pub static AXIS: Axis = Axis {
     paper: "Moeller, Trumbore 1997; Woop, Benthin, Wald 2013; Ize 2013",
     metric: "rays in 10^6, aimed at what breaks cheap variants, that are answered wrongly",
     reference: "exact predicates; a plane is not met again from outside; height over the surface",
-    scenes: &["teapot-tess", "mount", "pavilion"],
+    scenes: &["mount", "gears-tess", "pavilion"],
     setting: "STRUCTURE.padding, STRUCTURE.triangle-test, rays.offset, run --precision",
     measure: Measure::Each {
         subjects: &["obvhs-cwbvh", "uniform-grid", "wide-bvh"],
