@@ -5,7 +5,7 @@
 # differ by more than 1%. Then plants a fault - the same choice without the feature, where tests are
 # called - which must be found out.
 # usage: scripts/compiled-tests.sh [STRUCTURE[:SETTING=VALUE]...]
-# PROFILE=dev builds sooner.
+# PROFILE=dev builds sooner; CARGO_FLAGS are given to cargo.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 command -v valgrind >/dev/null || { echo "compiled-tests: valgrind is needed" >&2; exit 1; }
@@ -13,7 +13,8 @@ rows=("$@")
 [ ${#rows[@]} -gt 0 ] || rows=(obvhs-bvh2:kernel=scalar obvhs-bvh2 obvhs-cwbvh:kernel=scalar obvhs-cwbvh
     uniform-grid uniform-grid:kernel=block kd-tree kd-tree:kernel=block wide-bvh irregular-grid)
 profile=${PROFILE:-release}
-case $profile in release) flags=(--release) ;; *) flags=() ;; esac
+read -ra flags <<<"${CARGO_FLAGS:-}"
+[ "$profile" = release ] && flags+=(--release)
 dir=${CARGO_TARGET_DIR:-target}/$profile
 [ "$profile" = dev ] && dir=${CARGO_TARGET_DIR:-target}/debug
 work=$(mktemp -d)
