@@ -1,6 +1,7 @@
 //! One pass of the timed path over a small scene, for instruction counts:
 //! `valgrind --tool=callgrind --toggle-collect='timed_pass::timed_pass*' timed_pass [STRUCTURE [SCENE]]`,
-//! where SCENE is a generated one (balls:3).
+//! where STRUCTURE may have settings (kd-tree:kernel=block) and SCENE is a generated one (balls:3). The
+//! rays are made with the structure's defaults, so that they are the same for all settings.
 
 use accel_core::Hit;
 use accel_core::query::tracer::Tracer;
@@ -31,10 +32,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = std::env::args().nth(2).unwrap_or_else(|| "balls:3".to_owned());
     let scene = scene_loading::procedural::generate(&scene)?;
     let geometry = Geometry::<f32>::of(&scene)?;
-    let entry = find(&name).ok_or("no such structure")?;
-    let tracer = entry.build(geometry.prims(), &entry.params([])?)?;
+    let mut parts = name.split(':');
+    let entry = find(parts.next().unwrap_or_default()).ok_or("no such structure")?;
+    let asked = parts.map(|part| part.split_once('=').ok_or("expected name=value"));
+    let asked = asked.collect::<Result<Vec<_>, _>>()?;
+    let default = entry.build(geometry.prims(), &entry.params([])?)?;
     let settings = RaySettings { resolution: [96, 96], ..RaySettings::default() };
-    let batch = generate_rays(&scene, tracer.as_ref(), &settings);
+    let batch = generate_rays(&scene, default.as_ref(), &settings);
+    let tracer = entry.build(geometry.prims(), &entry.params(asked)?)?;
     println!("{name}: {} rays, {} answers", batch.total(), timed_pass(tracer.as_ref(), &batch));
     Ok(())
 }

@@ -10,6 +10,7 @@ use crate::primitives::collinear::without_sliver;
 use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
 use crate::primitives::shear::Shear;
+use crate::primitives::sphere::{Rearranged, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::triangle::{TriangleTest, Watertight};
 use crate::primitives::{Cone, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet};
@@ -202,6 +203,28 @@ impl<S: Scalar> MixedSet<S> {
         }
     }
 
+    /// The parameter of the hit of primitive `id`, triangles tested by `T` and spheres by `Q`.
+    #[inline(always)]
+    pub(crate) fn tested<T: TriangleTest<S>, Q: SphereTest<S>>(
+        &self,
+        id: u32,
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        setup: &T::Setup,
+        t_max: S,
+    ) -> Option<S> {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        match tagged.kind() {
+            PrimitiveKind::Triangle => T::intersect(&self.triangles[i], ray, setup, t_max),
+            PrimitiveKind::Polygon => {
+                self.polygons[i].intersect(&self.polygon_vertices, ray, shear, t_max)
+            }
+            PrimitiveKind::Sphere => Q::intersect(&self.spheres[i], ray, t_max),
+            PrimitiveKind::Cone => self.cones[i].intersect(ray, t_max),
+        }
+    }
+
     pub(crate) fn motion(&self) -> &Motion<S> {
         &self.motion
     }
@@ -296,16 +319,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
 
     #[inline(always)]
     fn intersect(&self, id: u32, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
-        let tagged = self.order[id as usize];
-        let i = tagged.index();
-        match tagged.kind() {
-            PrimitiveKind::Triangle => Watertight::intersect(&self.triangles[i], ray, shear, t_max),
-            PrimitiveKind::Polygon => {
-                self.polygons[i].intersect(&self.polygon_vertices, ray, shear, t_max)
-            }
-            PrimitiveKind::Sphere => self.spheres[i].intersect(ray, t_max),
-            PrimitiveKind::Cone => self.cones[i].intersect(ray, t_max),
-        }
+        self.tested::<Watertight, Rearranged>(id, ray, shear, shear, t_max)
     }
 
     #[inline(always)]

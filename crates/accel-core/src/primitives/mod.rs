@@ -2,8 +2,10 @@
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
+//! * [`Retested`]: a mixed set under other tests, compiled in.
 //! * [`ChosenTests`](crate::variants::chosen_tests::ChosenTests): either of them under tests that are chosen at run time.
 
+pub(crate) mod block_tests;
 pub(crate) mod blocks;
 mod collinear;
 mod cone;
@@ -14,6 +16,7 @@ mod polygon;
 mod precise;
 mod prim_set;
 mod prims_ref;
+mod retested;
 mod shear;
 mod sphere;
 mod support;
@@ -28,8 +31,9 @@ pub use polygon::{Polygon, newell_normal};
 pub(crate) use prim_set::TransmissiveSet;
 pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind};
 pub use prims_ref::PrimsRef;
+pub use retested::Retested;
 pub use shear::Shear;
-pub use sphere::Sphere;
+pub use sphere::{Rearranged, Sphere, SphereTest};
 pub use support::Ball;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 pub use triangle_block::TriangleBlock;

@@ -20,6 +20,27 @@ pub struct Sphere<S: Scalar> {
     pub radius: S,
 }
 
+/// A way to intersect a ray with a sphere.
+pub trait SphereTest<S: Scalar>: Send + Sync + 'static {
+    /// Name in settings and tables.
+    const NAME: &'static str;
+    /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
+    fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S>;
+}
+
+/// [`Sphere::intersect`].
+#[derive(Debug, Clone, Copy)]
+pub struct Rearranged;
+
+impl<S: Scalar> SphereTest<S> for Rearranged {
+    const NAME: &'static str = "rearranged";
+
+    #[inline(always)]
+    fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
+        sphere.intersect(ray, t_max)
+    }
+}
+
 impl<S: Scalar> Sphere<S> {
     /// The near root if it lies in `[ray.t_min, t_max]`, else the far one likewise.
     #[inline(always)]

@@ -15,6 +15,7 @@ use glam::DVec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::block_tests;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::shear::Shear;
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
@@ -30,6 +31,11 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     const NAME: &'static str;
     /// Prepares a ray for triangles of which no coordinate is larger than `magnitude`.
     fn setup(ray: &Ray<S>, magnitude: S) -> Self::Setup;
+    /// The same where the ray's shear is known: the watertight test does not compute it twice.
+    #[inline(always)]
+    fn setup_beside(ray: &Ray<S>, magnitude: S, _shear: &Shear<S>) -> Self::Setup {
+        Self::setup(ray, magnitude)
+    }
     /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
     fn intersect(v: &[[S; 3]; 3], ray: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S>;
     /// Replaces `best` by a closer hit of a triangle of the block, or by an equal one of a lower id.
@@ -76,6 +82,11 @@ impl<S: Scalar> TriangleTest<S> for Watertight {
     }
 
     #[inline(always)]
+    fn setup_beside(_: &Ray<S>, _: S, shear: &Shear<S>) -> Shear<S> {
+        *shear
+    }
+
+    #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
         watertight::intersect(tri, ray, shear, t_max)
     }
@@ -116,6 +127,23 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
         moeller_trumbore(tri, ray, t_max, S::ZERO)
     }
+
+    #[inline(always)]
+    fn closest_in_block(block: &TriangleBlock<S>, ray: &Ray<S>, _: &(), best: &mut Hit<S>) {
+        let (lanes, t) = block_tests::moeller_trumbore(block, ray, best.t, S::ZERO);
+        block.take_closest(lanes, &t, best);
+    }
+
+    #[inline(always)]
+    fn any_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        _: &(),
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        let (lanes, _) = block_tests::moeller_trumbore(block, ray, ray.t_max, S::ZERO);
+        block.any_of(lanes, counts)
+    }
 }
 
 /// The test of Moeller and Trumbore 1997, hits accepted up to `tolerance` outside in barycentric
@@ -149,6 +177,7 @@ pub(crate) fn moeller_trumbore<S: Scalar>(
 
 /// Triangles alone, tested by `T`. 36 bytes a triangle in f32, 72 in f64.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub struct TriangleSet<S: Scalar, T: TriangleTest<S> = Watertight> {
     triangles: Vec<[[S; 3]; 3]>,
     transmissive: TransmissiveSet,
@@ -179,6 +208,12 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
         let coordinates = triangles.as_flattened().as_flattened();
         let magnitude = coordinates.iter().fold(S::ZERO, |m, x| m.greater(x.abs()));
         Ok(Self { triangles, transmissive, magnitude, test: PhantomData })
+    }
+
+    /// The same triangles under another test; nothing is copied.
+    pub fn tested_by<U: TriangleTest<S>>(&self) -> &TriangleSet<S, U> {
+        // SAFETY: `repr(C)` lays both types out by the same fields, `PhantomData` of no size apart
+        unsafe { &*std::ptr::from_ref(self).cast::<TriangleSet<S, U>>() }
     }
 
     /// The vertices, by id.

@@ -84,13 +84,59 @@ impl<S: Scalar> TriangleBlock<S> {
         if lane == 0 { self.ids[0] & !MORE } else { self.ids[lane] }
     }
 
+    /// By corner, axis and lane; NaN in lanes without a triangle.
+    #[inline(always)]
+    pub(crate) fn corners(&self) -> &[[[S; LANES]; 3]; 3] {
+        &self.corners
+    }
+
+    /// The corners in a lane.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, lane: usize) -> [[S; 3]; 3] {
+        self.corners.map(|corner| corner.map(|axis| axis[lane]))
+    }
+
+    /// The same triangles in f64.
+    #[inline(always)]
+    pub(crate) fn widened(&self) -> TriangleBlock<f64> {
+        let corners = self.corners.map(|corner| corner.map(|axis| axis.map(S::to_f64)));
+        TriangleBlock { corners, ids: self.ids }
+    }
+
     /// Replaces `best` by a closer hit within the ray's interval, or by an equal one of a lower id.
     #[inline(always)]
     pub fn closest(&self, ray: &Ray<S>, shear: &Shear<S>, best: &mut Hit<S>) {
-        let Some((mut lanes, doubtful, mut t)) = self.test(ray, shear, best.t) else { return };
-        if doubtful != 0 {
-            lanes |= self.test_again(ray, shear, best.t, doubtful, &mut t);
+        if let Some((lanes, t)) = self.hits(ray, shear, best.t) {
+            self.take_closest(lanes, &t, best);
         }
+    }
+
+    /// Whether the ray meets a triangle of which `counts` holds.
+    #[inline(always)]
+    pub fn any(&self, ray: &Ray<S>, shear: &Shear<S>, counts: impl Fn(u32) -> bool) -> bool {
+        let tested = self.hits(ray, shear, ray.t_max);
+        tested.is_some_and(|(lanes, _)| self.any_of(lanes, counts))
+    }
+
+    /// Lanes that the watertight test says are hit, with their parameters; `None` or no lanes where
+    /// none is.
+    #[inline(always)]
+    pub(crate) fn hits(
+        &self,
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        t_max: S,
+    ) -> Option<(u32, [S; LANES])> {
+        let (mut lanes, doubtful, mut t) = self.test(ray, shear, t_max)?;
+        if doubtful != 0 {
+            lanes |= self.test_again(ray, shear, t_max, doubtful, &mut t);
+        }
+        Some((lanes, t))
+    }
+
+    /// Replaces `best` by the closest of the lanes that are hit, or by an equal one of a lower id.
+    #[inline(always)]
+    pub(crate) fn take_closest(&self, mut lanes: u32, t: &[S; LANES], best: &mut Hit<S>) {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
@@ -101,14 +147,9 @@ impl<S: Scalar> TriangleBlock<S> {
         }
     }
 
-    /// Whether the ray meets a triangle of which `counts` holds.
+    /// Whether `counts` holds of any of the lanes that are hit.
     #[inline(always)]
-    pub fn any(&self, ray: &Ray<S>, shear: &Shear<S>, counts: impl Fn(u32) -> bool) -> bool {
-        let tested = self.test(ray, shear, ray.t_max);
-        let Some((mut lanes, doubtful, mut t)) = tested else { return false };
-        if doubtful != 0 {
-            lanes |= self.test_again(ray, shear, ray.t_max, doubtful, &mut t);
-        }
+    pub(crate) fn any_of(&self, mut lanes: u32, counts: impl Fn(u32) -> bool) -> bool {
         while lanes != 0 {
             if counts(self.id(lanes.trailing_zeros() as usize)) {
                 return true;
@@ -176,8 +217,7 @@ impl<S: Scalar> TriangleBlock<S> {
     ) -> u32 {
         let mut hits = 0;
         for (lane, t) in t.iter_mut().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
-            let triangle = self.corners.map(|corner| corner.map(|axis| axis[lane]));
-            if let Some(found) = watertight::intersect(&triangle, ray, shear, t_max) {
+            if let Some(found) = watertight::intersect(&self.triangle(lane), ray, shear, t_max) {
                 *t = found;
                 hits |= 1 << lane;
             }
@@ -188,7 +228,10 @@ impl<S: Scalar> TriangleBlock<S> {
 
 /// The corners of all lanes in the sheared space, as `Shear::apply` has them.
 #[inline(always)]
-fn sheared<S: Scalar>(corners: &[[[S; LANES]; 3]; 3], shear: &Shear<S>) -> [[EightOf<S>; 3]; 3] {
+pub(super) fn sheared<S: Scalar>(
+    corners: &[[[S; LANES]; 3]; 3],
+    shear: &Shear<S>,
+) -> [[EightOf<S>; 3]; 3] {
     let splat = EightOf::<S>::splat;
     let [kx, ky, kz] = shear.axes.map(|k| k.min(2));
     let (origin, factors) = (shear.origin.map(splat), shear.shear.map(splat));

@@ -177,8 +177,15 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         match &self.volumes {
             Volumes::Boxes(volumes) => self.filter(volumes, ray, sink),
-            Volumes::Compared(test, volumes) => {
-                self.filter_with(volumes, (*test, *ray), ray, sink);
+            // a loop of its own for each, where the test is compiled in
+            Volumes::Compared(BoxTest::Plain, volumes) => {
+                self.filter_with(volumes, (BoxTest::Plain, *ray), ray, sink);
+            }
+            Volumes::Compared(BoxTest::Padded, volumes) => {
+                self.filter_with(volumes, (BoxTest::Padded, *ray), ray, sink);
+            }
+            Volumes::Compared(BoxTest::Double, volumes) => {
+                self.filter_with(volumes, (BoxTest::Double, *ray), ray, sink);
             }
             Volumes::Spheres(volumes) => self.filter(volumes, ray, sink),
             Volumes::Slabs3(volumes) => self.filter(volumes, ray, sink),

@@ -27,19 +27,18 @@ pub mod uniform_grid;
 pub mod wide_bvh;
 
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamError, ParamSpec, Params};
-use crate::primitives::{PrimSet, PrimsRef};
-use crate::query::kernel;
-use crate::query::mailbox::{self, Setting};
+use crate::params::{ParamSpec, Params};
+use crate::primitives::PrimsRef;
+use crate::query::tracer::tested::{mailbox_of, tested_as};
 use crate::query::tracer::{Bound, BoundInMotion, Tracer};
 use crate::registry::{self, Buildable, Listed};
-use crate::structure::{BuildError, Structure, refuse_unusable};
+use crate::structure::{BuildError, Structure};
 use crate::variants::chosen_tests::{self, Choice, ChosenTests};
 
 /// Every structure of the workspace: one line each.
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
-    entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    compiled_entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
     entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
     entry!(compact_grid::CompactGrid, compact_grid::INFO),
     entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
@@ -48,14 +47,14 @@ pub static REGISTRY: &[Entry] = &[
     entry!(hug::Hug, hug::INFO),
     entry!(two_level_grid::TwoLevelGrid, two_level_grid::INFO),
     entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
-    entry!(irregular_grid::IrregularGrid, irregular_grid::INFO),
+    compiled_entry!(irregular_grid::IrregularGrid, irregular_grid::INFO),
     entry!(octree::Octree, octree::INFO),
-    entry!(kd_tree::KdTree, kd_tree::INFO),
+    compiled_entry!(kd_tree::KdTree, kd_tree::INFO),
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
-    entry!(wide_bvh::WideBvh, wide_bvh::INFO),
-    entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
-    entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
+    compiled_entry!(wide_bvh::WideBvh, wide_bvh::INFO),
+    compiled_entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
+    compiled_entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     #[cfg(feature = "embree")]
     entry!(embree::Embree, embree::INFO),
 ];
@@ -96,60 +95,43 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
     prims: PrimsRef<'a, S>,
     params: &Params,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    fn over<'a, S: Scalar, P: PrimSet<S>, T: Structure<S> + 'a>(
-        prims: &'a P,
-        params: &Params,
-    ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-        let mailbox = mailbox::<S, P>(prims, params)?;
-        let bound = Bound::new(prims, T::build(prims, params)?).with_mailbox(mailbox);
-        let has_blocks =
-            params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params);
-        Ok(Box::new(if has_blocks { bound.with_blocks(params)? } else { bound }))
-    }
-    fn asks_for_mailbox(params: &Params) -> bool {
-        params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none")
-    }
-    fn mailbox<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        params: &Params,
-    ) -> Result<Setting, BuildError> {
-        refuse_unusable(prims, params)?;
-        if params.changed().any(|setting| setting == (kernel::PARAM.name, "block"))
-            && asks_for_mailbox(params)
-        {
-            return Err(BuildError::Param(ParamError::Invalid {
-                structure: params.structure(),
-                name: kernel::PARAM.name,
-                value: "block".to_owned(),
-                expected: "scalar where there is a mailbox".to_owned(),
-            }));
-        }
-        Ok(Setting::of(params, prims.len(), prims.bytes()))
-    }
     if let Some(choice) = Choice::of(params) {
         // built from the same bounds, so the structure is that of the set itself
         let (view, mailbox, structure) = match prims {
             PrimsRef::Watertight(p) => {
-                let mailbox = mailbox::<S, _>(p, params)?;
+                let mailbox = mailbox_of::<S, _>(p, params)?;
                 (ChosenTests::of_triangles(p, choice), mailbox, T::build(p, params)?)
             }
             PrimsRef::Mixed(p) => {
-                let mailbox = mailbox::<S, _>(p, params)?;
+                let mailbox = mailbox_of::<S, _>(p, params)?;
                 (ChosenTests::of_mixed(p, choice), mailbox, T::build(p, params)?)
             }
         };
         return Ok(Box::new(Bound::new(Box::new(view), structure).with_mailbox(mailbox)));
     }
     match prims {
-        PrimsRef::Watertight(p) => over::<S, _, T>(p, params),
+        PrimsRef::Watertight(p) => tested_as::<S, _, _, T>(p, p, params),
         PrimsRef::Mixed(p) if p.has_motion() => {
             // built from the bounds of the whole way, so the structure is that of any mixed set
-            let mailbox = mailbox::<S, _>(p, params)?;
+            let mailbox = mailbox_of::<S, _>(p, params)?;
             let bound = Bound::new(p.in_motion(), T::build(p, params)?).with_mailbox(mailbox);
             Ok(Box::new(BoundInMotion(bound)))
         }
-        PrimsRef::Mixed(p) => over::<S, _, T>(p, params),
+        PrimsRef::Mixed(p) => tested_as::<S, _, _, T>(p, p, params),
     }
+}
+
+/// [`build_tracer`] for a structure whose chosen tests are compiled into its traversals where the
+/// feature `compiled-tests` is on (f32 alone).
+pub fn build_compiled<'a, T: Structure<f32> + 'a>(
+    prims: PrimsRef<'a, f32>,
+    params: &Params,
+) -> Result<Box<dyn Tracer<f32> + 'a>, BuildError> {
+    #[cfg(feature = "compiled-tests")]
+    if let Some(built) = crate::variants::compiled_tests::build::<T>(prims, params) {
+        return built;
+    }
+    build_tracer::<f32, T>(prims, params)
 }
 
 /// A registry entry for a generic structure and its description.
@@ -169,4 +151,22 @@ macro_rules! entry {
         )
     };
 }
+
+/// [`entry!`] for a structure whose chosen tests can be compiled in: see [`build_compiled`].
+macro_rules! compiled_entry {
+    ($structure:path, $info:path) => {
+        $crate::structures::Entry::new(
+            &$info,
+            |p, s| {
+                use $structure as It;
+                $crate::structures::build_compiled::<It<f32>>(p, s)
+            },
+            |p, s| {
+                use $structure as It;
+                $crate::structures::build_tracer::<f64, It<f64>>(p, s)
+            },
+        )
+    };
+}
+use compiled_entry;
 use entry;

@@ -1,10 +1,12 @@
-//! A set whose tests are chosen at run time: what other tests of triangles and spheres cost and
-//! lose, all through equal machinery.
+//! A set whose tests are chosen at run time: what other tests of triangles and spheres lose, all
+//! through equal machinery.
 //!
 //! It is a view of a set. A test is a call of one function that branches to the test chosen, the
-//! same way for all rays; the tests that are the default are compiled into every walk and pass by
-//! here not at all. So the times of chosen tests are to be compared with one another, and
-//! `watertight` and `rearranged`, the defaults, can be chosen for that.
+//! same way for all rays; the tests that are the default are compiled into every traversal and pass by
+//! here not at all. So the times of chosen tests say nothing beside the default's, and little beside
+//! one another's: the call hides what differs. Their prices are measured with the feature
+//! `compiled-tests`, which compiles each into the traversals of some structures as the default
+//! is (`variants/compiled_tests.rs`, [`is_compiled`]).
 //!
 //! The settings are parameters of every structure ([`PARAMS`]).
 
@@ -19,6 +21,7 @@ use crate::primitives::Sphere;
 use crate::primitives::mixed::ShapeRef;
 use crate::primitives::triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
+use crate::query::tracer::Tracer;
 use crate::variants::sphere_tests;
 use crate::variants::triangle_tests::{
     InDouble, MoellerTrumboreTolerant, Pluecker, WatertightFallback,
@@ -32,7 +35,7 @@ pub static PARAMS: &[ParamSpec] = &[
     ParamSpec {
         name: "triangle-test",
         summary: "test of triangles: the default is the watertight one, compiled into each walk; \
-                  others are called",
+                  others are called, unless built with the feature compiled-tests",
         default: DEFAULT,
         kind: ParamKind::Choice(&[
             DEFAULT,
@@ -47,11 +50,16 @@ pub static PARAMS: &[ParamSpec] = &[
     ParamSpec {
         name: "sphere-test",
         summary: "test of spheres: the default is the rearranged one, compiled into each walk; \
-                  others are called",
+                  others are called, unless built with the feature compiled-tests",
         default: DEFAULT,
         kind: ParamKind::Choice(&[DEFAULT, "naive", "rearranged", "f64"]),
     },
 ];
+
+/// Whether a tracer's chosen tests are compiled into its traversals, as the default tests are.
+pub fn is_compiled<S: Scalar>(tracer: &dyn Tracer<S>) -> bool {
+    !tracer.code().contains("ChosenTests")
+}
 
 /// A test of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

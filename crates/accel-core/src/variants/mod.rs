@@ -2,6 +2,8 @@
 
 pub mod accumulating_walk;
 pub mod chosen_tests;
+#[cfg(feature = "compiled-tests")]
+pub mod compiled_tests;
 pub mod double_walk;
 pub mod sphere_tests;
 pub mod triangle_tests;

@@ -8,7 +8,33 @@
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::primitives::Sphere;
+use crate::primitives::{Sphere, SphereTest};
+
+/// The quadratic formula as it stands.
+#[derive(Debug, Clone, Copy)]
+pub struct NaiveSphere;
+
+impl<S: Scalar> SphereTest<S> for NaiveSphere {
+    const NAME: &'static str = "naive";
+
+    #[inline(always)]
+    fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
+        naive(sphere, ray, t_max)
+    }
+}
+
+/// The rearranged test in f64, of the same sphere and ray.
+#[derive(Debug, Clone, Copy)]
+pub struct SphereInDouble;
+
+impl<S: Scalar> SphereTest<S> for SphereInDouble {
+    const NAME: &'static str = "f64";
+
+    #[inline(always)]
+    fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
+        in_double(sphere, ray, t_max)
+    }
+}
 
 /// The quadratic formula as it stands.
 #[inline(always)]

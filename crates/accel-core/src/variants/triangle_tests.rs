@@ -9,15 +9,20 @@
 //! Deviations: coordinates of the Pluecker test are relative to the ray's origin, so that only the
 //! moment of each edge is left; the test in f64 is the watertight one on the same vertices.
 
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::primitives::Shear;
 use crate::primitives::triangle::{TriangleTest, Watertight, moeller_trumbore};
 use crate::primitives::watertight::edge_function;
+use crate::primitives::{Shear, TriangleBlock, block_tests};
 
 /// How far outside, in barycentric coordinates and epsilons of the scalar, Moeller-Trumbore with a
 /// tolerance accepts a hit: 10^-6 in f32.
 const TOLERANCE_EPSILONS: f64 = 8.0;
+
+#[inline(always)]
+fn tolerance<S: Scalar>() -> S {
+    S::EPSILON * S::from_f64(TOLERANCE_EPSILONS)
+}
 
 /// Moeller and Trumbore 1997 with a tolerance: triangles are a little larger than they are.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +37,29 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumboreTolerant {
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
-        moeller_trumbore(tri, ray, t_max, S::EPSILON * S::from_f64(TOLERANCE_EPSILONS))
+        moeller_trumbore(tri, ray, t_max, tolerance())
+    }
+
+    #[inline(always)]
+    fn closest_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        _: &Self::Setup,
+        best: &mut Hit<S>,
+    ) {
+        let (lanes, t) = block_tests::moeller_trumbore(block, ray, best.t, tolerance());
+        block.take_closest(lanes, &t, best);
+    }
+
+    #[inline(always)]
+    fn any_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        _: &Self::Setup,
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        let (lanes, _) = block_tests::moeller_trumbore(block, ray, ray.t_max, tolerance());
+        block.any_of(lanes, counts)
     }
 }
 
@@ -64,6 +91,28 @@ impl<S: Scalar> TriangleTest<S> for Pluecker {
         }
         let t = a.dot(normal) / det;
         (t >= ray.t_min && t <= t_max).then_some(t)
+    }
+
+    #[inline(always)]
+    fn closest_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        _: &Self::Setup,
+        best: &mut Hit<S>,
+    ) {
+        let (lanes, t) = block_tests::pluecker(block, ray, best.t);
+        block.take_closest(lanes, &t, best);
+    }
+
+    #[inline(always)]
+    fn any_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        _: &Self::Setup,
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        let (lanes, _) = block_tests::pluecker(block, ray, ray.t_max);
+        block.any_of(lanes, counts)
     }
 }
 
@@ -101,6 +150,41 @@ impl<S: Scalar> TriangleTest<S> for WatertightFallback {
         let t = (u * a[2] + v * b[2] + w * c[2]) * shear.depth_scale() / det;
         (t >= ray.t_min && t <= t_max).then_some(t)
     }
+
+    #[inline(always)]
+    fn closest_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        shear: &Self::Setup,
+        best: &mut Hit<S>,
+    ) {
+        let (lanes, t) = in_lanes(block, ray, shear, best.t);
+        block.take_closest(lanes, &t, best);
+    }
+
+    #[inline(always)]
+    fn any_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        shear: &Self::Setup,
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        let (lanes, _) = in_lanes(block, ray, shear, ray.t_max);
+        block.any_of(lanes, counts)
+    }
+}
+
+/// [`WatertightFallback`] in lanes.
+#[inline(always)]
+fn in_lanes<S: Scalar>(
+    block: &TriangleBlock<S>,
+    ray: &Ray<S>,
+    shear: &Shear<S>,
+    t_max: S,
+) -> (u32, [S; 8]) {
+    block_tests::watertight_fallback(block, ray, shear, t_max, |triangle| {
+        WatertightFallback::intersect(triangle, ray, shear, t_max)
+    })
 }
 
 #[cold]
@@ -133,11 +217,54 @@ impl<S: Scalar> TriangleTest<S> for InDouble {
         // rounding must not carry it beyond the end that the caller compares with
         (t <= t_max).then_some(t)
     }
+
+    #[inline(always)]
+    fn closest_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::Setup,
+        best: &mut Hit<S>,
+    ) {
+        let (lanes, t) = doubled(block, ray, setup, best.t);
+        block.take_closest(lanes, &t, best);
+    }
+
+    #[inline(always)]
+    fn any_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::Setup,
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        let (lanes, _) = doubled(block, ray, setup, ray.t_max);
+        block.any_of(lanes, counts)
+    }
+}
+
+/// [`InDouble`] in lanes: those that are hit, their parameters rounded to `S`.
+#[inline(always)]
+fn doubled<S: Scalar>(
+    block: &TriangleBlock<S>,
+    _: &Ray<S>,
+    (ray, shear): &(Ray<f64>, Shear<f64>),
+    t_max: S,
+) -> (u32, [S; 8]) {
+    let Some((mut lanes, t)) = block.widened().hits(ray, shear, t_max.to_f64()) else {
+        return (0, [S::ZERO; 8]);
+    };
+    let t = t.map(S::from_f64);
+    for (lane, t) in t.iter().enumerate() {
+        lanes &= !(u32::from(*t > t_max) << lane);
+    }
+    (lanes, t)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::ray::MISS;
+    use crate::primitives::MoellerTrumbore;
+    use crate::structures::test_scenes::Random;
 
     /// Every test finds the middle of a triangle from both sides, and passes by what is beside it.
     fn finds<S: Scalar, T: TriangleTest<S>>() {
@@ -163,5 +290,54 @@ mod tests {
         finds::<f32, InDouble>();
         finds::<f64, WatertightFallback>();
         finds::<f64, InDouble>();
+    }
+
+    /// On a coarse lattice, where edges are met exactly, and off it.
+    fn blocks_agree<S: Scalar, T: TriangleTest<S>>() {
+        let mut random = Random(11);
+        let mut point =
+            |cells: f64| [0; 3].map(|_| S::from_f64((random.unit() * cells).floor() / cells));
+        let mut hits = 0;
+        for round in 0..3000 {
+            let cells = if round % 2 == 0 { 4.0 } else { 1e6 };
+            let triangles = [0; 5].map(|_| [0; 3].map(|_| point(cells)));
+            let (from, to) = (point(cells), point(cells));
+            let d: [S; 3] = std::array::from_fn(|k| to[k] - from[k]);
+            if d == [S::ZERO; 3] {
+                continue;
+            }
+            let mut ray = Ray::<S>::new(Vec3::<S>::from_array(from), Vec3::<S>::from_array(d));
+            ray.t_max = S::from_f64(3.0);
+            let setup = T::setup(&ray, S::ONE);
+            let numbered = || triangles.iter().zip(7..).map(|(t, id)| (id, *t));
+            let block = TriangleBlock::new(numbered(), false);
+            let mut expected = Hit { t: ray.t_max, id: MISS };
+            for (id, triangle) in numbered() {
+                if let Some(t) = T::intersect(&triangle, &ray, &setup, expected.t)
+                    && (t < expected.t || id < expected.id)
+                {
+                    expected = Hit { t, id };
+                }
+            }
+            let mut best = Hit { t: ray.t_max, id: MISS };
+            T::closest_in_block(&block, &ray, &setup, &mut best);
+            assert_eq!(best, expected, "{} {round}", T::NAME);
+            assert_eq!(T::any_in_block(&block, &ray, &setup, |_| true), expected.is_hit());
+            assert!(!T::any_in_block(&block, &ray, &setup, |_| false));
+            hits += usize::from(best.is_hit());
+        }
+        assert!(hits > 200, "{} {hits}", T::NAME);
+    }
+
+    #[test]
+    fn eight_at_once_are_one_after_the_other() {
+        blocks_agree::<f32, MoellerTrumbore>();
+        blocks_agree::<f64, MoellerTrumbore>();
+        blocks_agree::<f32, MoellerTrumboreTolerant>();
+        blocks_agree::<f32, Pluecker>();
+        blocks_agree::<f64, Pluecker>();
+        blocks_agree::<f32, WatertightFallback>();
+        blocks_agree::<f64, WatertightFallback>();
+        blocks_agree::<f32, InDouble>();
     }
 }

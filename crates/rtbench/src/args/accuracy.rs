@@ -19,6 +19,10 @@ pub struct AccuracyArgs {
     /// Rounds: each times every variant of an axis once [default: 15, quick 5]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(3..=1000))]
     pub rounds: Option<u32>,
+    /// Pixels across the image whose rays are traced, with as many more rays timed as it has pixels
+    /// [default: 96, quick 32]
+    #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(8..=2048))]
+    pub size: Option<u32>,
     /// Trials of an exact oracle for each variant [default: 100000, quick 10000]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(100..=100_000_000))]
     pub trials: Option<u32>,

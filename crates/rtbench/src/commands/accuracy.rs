@@ -22,7 +22,7 @@ use presentation::text::{write_notes, write_table};
 use studies::accuracy::axis::{Axis, select};
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
 use studies::accuracy::stage::{Prepared, Stage};
-use studies::accuracy::{csv, pictures, plot, summary, tables};
+use studies::accuracy::{csv, effect_prices, parts, pictures, plot, summary, tables};
 
 /// Pixels of the image whose rays are traced, an axis, in a full run and in a quick one.
 const SIZE: (u32, u32) = (96, 32);
@@ -72,7 +72,15 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     };
     let colors = context.terminal.colors(color);
     let (start, mut failures) = (context.clock.now(), 0);
-    let mut scenes = Scenes { size: pick(SIZE, quick), seed: args.seed, prepared: BTreeMap::new() };
+    let size = args.size.unwrap_or(pick(SIZE, quick));
+    let mut scenes = Scenes { size, seed: args.seed, prepared: BTreeMap::new() };
+    let limits = Limits {
+        rounds,
+        timed_rays: timed_rays(size, quick),
+        aims: args.trials.map_or(pick(TRIALS, quick), |n| n as usize),
+        quick,
+        seed: args.seed,
+    };
     // builds and rays use the threads of this pool: one, so that nothing is timed beside another
     let one_thread = pool(1)?;
     for axis in axes {
@@ -92,33 +100,44 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             scenes: Vec::new(),
         };
         for known in asked {
-            let limits = Limits {
-                rounds,
-                timed_rays: pick(TIMED_RAYS, quick),
-                aims: args.trials.map_or(pick(TRIALS, quick), |n| n as usize),
-                quick: args.quick,
-                seed: args.seed,
-            };
-            let shared = Shared {
-                registry: context.registry,
-                occluders: context.occluders,
-                clock: context.clock,
-            };
-            let outcome = scenes.of(&**known, context).and_then(|prepared| {
-                one_thread.install(|| shared.on_scene(axis, known.name(), prepared, &limits))
-            });
-            match outcome {
-                Ok(outcome) => of_axis.scenes.push(outcome),
+            let subjects = match scenes.of(&**known, context) {
+                Ok(prepared) => axis.measure.subjects(prepared),
                 Err(error) => {
                     failures += 1;
                     context.error(&error);
                     continue;
                 }
+            };
+            for subject in subjects {
+                let shared = Shared {
+                    registry: context.registry,
+                    occluders: context.occluders,
+                    clock: context.clock,
+                };
+                let outcome = scenes.of(&**known, context).and_then(|prepared| {
+                    let of = (axis, subject);
+                    one_thread.install(|| shared.on_scene(of, known.name(), prepared, &limits))
+                });
+                match outcome {
+                    Ok(outcome) => of_axis.scenes.push(outcome),
+                    Err(error) => {
+                        failures += 1;
+                        context.error(&error);
+                        // what a scene lacks, it lacks for all subjects
+                        break;
+                    }
+                }
+                if let Some(scene) = of_axis.scenes.last() {
+                    let steps = parts::steps(&of_axis, scene, args.seed);
+                    for table in [tables::table(&of_axis, scene)].into_iter().chain(steps) {
+                        write_table(context.out, &table, colors)?;
+                    }
+                    context.out.flush()?;
+                }
             }
-            if let Some(scene) = of_axis.scenes.last() {
-                write_table(context.out, &tables::table(&of_axis, scene), colors)?;
-                context.out.flush()?;
-            }
+        }
+        for table in parts::over_scenes(&of_axis, args.seed) {
+            write_table(context.out, &table, colors)?;
         }
         record.axes.push(of_axis);
         record.took_s = context.clock.seconds_since(start);
@@ -129,11 +148,15 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     if let Some(folder) = &args.output {
         pictures::write_all(folder, context.registry)?;
     }
+    if let Some(table) = effect_prices::table(&record) {
+        write_table(context.out, &table, colors)?;
+    }
     write_notes(context.out, tables::GLOSSARY, colors)?;
     let words = record
         .axes
         .iter()
-        .filter_map(|axis| Some(summary::line(axis, &summary::cost(axis, record.seed)?)));
+        .flat_map(AxisRecord::by_subject)
+        .filter_map(|axis| Some(summary::line(&axis, &summary::cost(&axis, record.seed)?)));
     for words in words {
         writeln!(context.out, "\n{}", line(&words))?;
     }
@@ -141,6 +164,12 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     context.out.flush()?;
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
     Ok(if failures > 0 || has_faults { FAILURE } else { SUCCESS })
+}
+
+/// Rays of a timed pass: as many more as the image has more pixels.
+fn timed_rays(size: u32, quick: bool) -> usize {
+    let share = f64::from(size) / f64::from(pick(SIZE, quick));
+    (pick(TIMED_RAYS, quick) as f64 * share * share).ceil() as usize
 }
 
 /// How much is done.
@@ -162,7 +191,7 @@ struct Shared<'a> {
 impl Shared<'_> {
     fn on_scene(
         &self,
-        axis: &'static Axis,
+        (axis, subject): (&'static Axis, &str),
         name: &str,
         prepared: &Prepared,
         limits: &Limits,
@@ -180,7 +209,7 @@ impl Shared<'_> {
             aims: limits.aims,
             quick: limits.quick,
         };
-        Ok((axis.measure)(&stage)?)
+        Ok(axis.measure.outcome(&stage, subject)?)
     }
 }
 

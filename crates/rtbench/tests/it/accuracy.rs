@@ -63,6 +63,14 @@ fn errors_are_real_and_references_have_none() {
         assert!(error_of(&rows, axis, cheap) > 0.0, "{axis}: {cheap}");
         assert_eq!(error_of(&rows, axis, reference), 0.0, "{axis}: {reference}");
     }
+    for row in &rows {
+        let is_by_kind = row["parts"].starts_with("primary=");
+        assert_eq!(is_by_kind, row["axis"] == "triangle-test", "{row:?}");
+    }
+    assert!(ended.out.contains("time over that of moeller-trumbore, by kind of ray"));
+    let is_compiled = cfg!(feature = "compiled-tests");
+    assert_eq!(ended.out.contains("compiled into it as the default is"), is_compiled);
+    assert_eq!(ended.out.contains("each test is a call"), !is_compiled);
     assert!(rows.iter().filter(|r| r["axis"] == "mailbox").all(|r| number(r, "error") == 0.0));
     for axis in ["triangle-test", "voxel-walk", "ray-offset", "mailbox", "cell-insertion"] {
         let of_axis = || rows.iter().filter(|r| r["axis"] == axis);
@@ -147,9 +155,38 @@ fn sampled_effects_state_the_error_of_their_reference() {
         assert!(own > 0.0);
         assert_eq!(row["below_reference"] == "true", error < 10.0 * own, "{row:?}");
     }
+    assert_eq!(soft[0]["variant"], "left out");
+    let ratio = |row: &Row| number(row, "ratio_to_cheapest");
+    assert!(soft[1..].iter().any(|row| ratio(row) == 1.0), "ratios are to samples");
+    assert!(ended.out.contains("effects: the price of each where it is called for"));
+    let prices = ended.out.lines().filter(|line| line.starts_with("soft-shadows  "));
+    assert_eq!(prices.count(), soft.len() - 1);
     assert!(number(soft[0], "error") > 2.0 * number(soft[soft.len() - 1], "error"));
     let gating = rows.iter().filter(|r| r["axis"] == "effect-gating");
     assert!(gating.clone().count() == 3 && gating.clone().all(|r| number(r, "error") == 0.0));
+}
+
+#[cfg(feature = "compiled-tests")]
+#[test]
+fn right_answers_have_a_price_step_by_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = format!(
+        "accuracy right-answers --scene pavilion,teapot:3 --quick --rounds 3 --trials 3000 -o {}",
+        folder.path().display()
+    );
+    let ended = run(&arguments);
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    let rows = rows(folder.path());
+    for scene in ["pavilion", "teapot:3"] {
+        for (subject, steps) in [("obvhs-cwbvh", 8), ("uniform-grid", 7), ("wide-bvh", 5)] {
+            let is_of = |r: &&Row| r["scene"] == scene && r["subject"] == subject;
+            let of: Vec<&Row> = rows.iter().filter(is_of).collect();
+            assert_eq!(of.len(), steps, "{scene} {subject}");
+            assert!(number(of[0], "error") > 0.0, "{scene} {subject}");
+            assert_eq!(number(of[steps - 1], "error"), 0.0, "{scene} {subject}");
+            assert!(ended.out.contains(&format!("{scene}, {subject}, step by step")));
+        }
+    }
 }
 
 /// A list that answers every so many-th ray with a miss, whichever that is: its answers while it is

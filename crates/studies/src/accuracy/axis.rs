@@ -2,7 +2,7 @@
 
 use crate::accuracy::axes;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::Stage;
+use crate::accuracy::stage::{Prepared, Stage};
 use crate::error::StudyError;
 use measurement::plan::error::PlanError;
 use measurement::settings::suggest;
@@ -25,7 +25,49 @@ pub struct Axis {
     /// Which setting of the product varies.
     pub setting: &'static str,
     /// All variants on a scene, timed and judged.
-    pub measure: fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>,
+    pub measure: Measure,
+}
+
+/// How an axis is measured on a scene.
+#[derive(Debug, Clone, Copy)]
+pub enum Measure {
+    /// At once.
+    Whole(fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>),
+    /// Subject by subject, each with variants, ratios and a front of its own: structures with
+    /// settings, as `run -s` takes them.
+    Each {
+        /// All there are.
+        subjects: &'static [&'static str],
+        /// Whether one tells more of a scene than others do.
+        serves: fn(&Prepared, &str) -> bool,
+        /// The outcome of one.
+        measure: fn(&Stage<'_>, &str) -> Result<SceneOutcome, StudyError>,
+    },
+}
+
+impl Measure {
+    /// The subjects for a scene; an empty name where there is no choice of them.
+    pub fn subjects(self, prepared: &Prepared) -> Vec<&'static str> {
+        match self {
+            Self::Whole(_) => vec![""],
+            Self::Each { subjects, serves, .. } => {
+                subjects.iter().copied().filter(|subject| serves(prepared, subject)).collect()
+            }
+        }
+    }
+
+    /// The outcome of a subject.
+    ///
+    /// # Errors
+    /// [`StudyError`] for a scene that does not serve.
+    pub fn outcome(self, stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
+        match self {
+            Self::Whole(measure) => measure(stage),
+            Self::Each { measure, .. } => {
+                Ok(SceneOutcome { subject: subject.replace(':', " "), ..measure(stage, subject)? })
+            }
+        }
+    }
 }
 
 /// Every axis: one line each.
@@ -48,6 +90,8 @@ pub static AXES: &[&Axis] = &[
     &axes::effects::MOTION,
     &axes::effects::FOCUS,
     &axes::gating::AXIS,
+    #[cfg(feature = "compiled-tests")]
+    &axes::right_answers::AXIS,
 ];
 
 /// The axes of these names, each once; all when there are none.

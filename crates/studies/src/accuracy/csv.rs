@@ -3,14 +3,15 @@
 use csv::Writer;
 
 use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::AccuracyRecord;
+use crate::accuracy::record::{AccuracyRecord, PartTime};
 use presentation::csv::written;
 use presentation::format_error::FormatError;
 
 /// The columns, in order.
-pub const COLUMNS: [&str; 21] = [
+pub const COLUMNS: [&str; 23] = [
     "axis",
     "scene",
+    "subject",
     "variant",
     "setting",
     "metric",
@@ -30,6 +31,7 @@ pub const COLUMNS: [&str; 21] = [
     "is_reference",
     "also",
     "seconds",
+    "parts",
 ];
 
 /// All finished axes.
@@ -38,6 +40,12 @@ pub const COLUMNS: [&str; 21] = [
 /// [`FormatError`].
 pub fn to_string(run: &AccuracyRecord) -> Result<String, FormatError> {
     written(|writer| fill(writer, run))
+}
+
+/// Name and seconds by round.
+fn part(part: &PartTime) -> String {
+    let seconds: Vec<String> = part.seconds.iter().map(|s| format!("{s:e}")).collect();
+    format!("{}={}", part.part, seconds.join(" "))
 }
 
 fn fill(writer: &mut Writer<Vec<u8>>, run: &AccuracyRecord) -> Result<(), csv::Error> {
@@ -54,6 +62,7 @@ fn fill(writer: &mut Writer<Vec<u8>>, run: &AccuracyRecord) -> Result<(), csv::E
                 writer.write_record([
                     axis.axis.clone(),
                     scene.scene.clone(),
+                    scene.subject.clone(),
                     row.variant.clone(),
                     row.setting.clone(),
                     axis.metric.clone(),
@@ -73,6 +82,7 @@ fn fill(writer: &mut Writer<Vec<u8>>, run: &AccuracyRecord) -> Result<(), csv::E
                     row.is_reference.to_string(),
                     also.join("; "),
                     seconds.join(" "),
+                    row.parts.iter().map(part).collect::<Vec<_>>().join("; "),
                 ])?;
             }
         }

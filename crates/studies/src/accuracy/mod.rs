@@ -12,8 +12,10 @@ pub mod audit;
 pub mod axes;
 pub mod axis;
 pub mod csv;
+pub mod effect_prices;
 pub mod error_of;
 pub mod pareto;
+pub mod parts;
 #[allow(clippy::indexing_slicing)]
 pub mod pictures;
 pub mod plot;
@@ -22,5 +24,7 @@ pub mod sampled;
 pub mod stage;
 pub mod summary;
 pub mod tables;
+#[cfg(test)]
+pub(crate) mod test_records;
 pub mod timing;
 pub mod work;

@@ -49,7 +49,7 @@ pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
     let mut levels = vec![Level { y: 1.0, label: "cheapest = 1".into() }];
     levels.truncate(usize::from(slowest.is_finite()));
     Plot {
-        title: format!("{}: {}", axis.axis, scene.scene),
+        title: format!("{}: {}", axis.axis, scene.place()),
         subtitle,
         x: Axis {
             label: axis.metric.clone(),

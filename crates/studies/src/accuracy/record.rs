@@ -30,6 +30,17 @@ impl Standing {
     }
 }
 
+/// What a part of a variant's work takes: rays of a kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PartTime {
+    /// Its name.
+    pub part: String,
+    /// Seconds of each round.
+    pub seconds: Vec<f64>,
+    /// Time over that of the first variant in the same rounds.
+    pub ratio: Estimate,
+}
+
 /// A variant on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariantRecord {
@@ -55,6 +66,17 @@ pub struct VariantRecord {
     pub standing: Standing,
     /// More of it, by name.
     pub also: BTreeMap<String, f64>,
+    /// Its parts, where they are timed one by one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<PartTime>,
+    /// It is what there is without any of the variants, and no variant itself: ratios are not taken
+    /// to it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_without: bool,
+}
+
+fn is_none(pixels: &u32) -> bool {
+    *pixels == 0
 }
 
 /// An axis on a scene.
@@ -62,6 +84,15 @@ pub struct VariantRecord {
 pub struct SceneOutcome {
     /// Scene.
     pub scene: String,
+    /// Through which structure, where an axis has several.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub subject: String,
+    /// Each variant is the one before it with one thing more.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_stepwise: bool,
+    /// Pixels of the image that was timed; 0 where none was.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub pixels: u32,
     /// What was timed, in words.
     pub timed: String,
     /// What was judged, in words.
@@ -75,6 +106,14 @@ pub struct SceneOutcome {
 }
 
 impl SceneOutcome {
+    /// Scene and subject.
+    pub fn place(&self) -> String {
+        match self.subject.as_str() {
+            "" => self.scene.clone(),
+            subject => format!("{}, {subject}", self.scene),
+        }
+    }
+
     /// The cheapest variant: that to which ratios are taken.
     pub fn cheapest(&self) -> Option<&VariantRecord> {
         let width = |row: &VariantRecord| row.ratio.high - row.ratio.low;
@@ -104,6 +143,25 @@ pub struct AxisRecord {
     pub reference: String,
     /// One a scene.
     pub scenes: Vec<SceneOutcome>,
+}
+
+impl AxisRecord {
+    /// The same for each subject by itself, which the axis is then named after; itself where it has
+    /// none.
+    pub fn by_subject(&self) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for scene in &self.scenes {
+            let axis = match scene.subject.as_str() {
+                "" => self.axis.clone(),
+                subject => format!("{} ({subject})", self.axis),
+            };
+            match all.iter_mut().find(|of| of.axis == axis) {
+                Some(of) => of.scenes.push(scene.clone()),
+                None => all.push(Self { axis, scenes: vec![scene.clone()], ..self.clone() }),
+            }
+        }
+        all
+    }
 }
 
 /// A whole run.

@@ -55,6 +55,8 @@ pub struct Sampled<'a> {
     pub wish: fn(&mut SampleWishes, u32),
     /// How to have a number of samples without this command.
     pub option: &'static str,
+    /// The scene without the effect, and who traces it; none where there is no such scene.
+    pub without: Option<(&'a Scene, &'a dyn Tracer<f32>)>,
 }
 
 impl Sampled<'_> {
@@ -72,6 +74,23 @@ impl Sampled<'_> {
 
     fn image(&self, size: u32, samples: u32, seed: u64) -> Result<Image, StudyError> {
         Ok(render_plan(self.scene, self.tracer, &self.plan(size, samples, seed)?).image)
+    }
+
+    /// The image of a scene without the effect.
+    fn left_out<'s>(
+        &self,
+        scene: &'s Scene,
+        tracer: &'s dyn Tracer<f32>,
+        size: u32,
+        seed: u64,
+    ) -> Result<Rendering<'s>, StudyError> {
+        let settings = RenderSettings {
+            resolution: [size; 2],
+            max_depth: self.max_depth,
+            samples: SampleWishes::ONE_OF_EACH,
+            seed,
+        };
+        Ok(Rendering { scene, tracer, plan: plan_of(scene, &settings)?, image: None })
     }
 
     /// All numbers of samples, judged and timed.
@@ -98,6 +117,21 @@ impl Sampled<'_> {
         let reference = Converged::of(&a, &b);
         let mut faults = Vec::new();
         let mut variants = Vec::new();
+        if let Some((scene, tracer)) = self.without {
+            let mut left_out = self.left_out(scene, tracer, plan.size, stage.seed)?;
+            let image = helper.install(|| render_plan(scene, tracer, &left_out.plan).image);
+            left_out.image = None;
+            variants.push(Variant {
+                name: "left out".into(),
+                setting: "render, of the scene without what calls for it".into(),
+                known_defect: None,
+                is_without: true,
+                is_reference: false,
+                error: ErrorOf::Rmse { rmse: rmse(&image, &reference.image) },
+                also: vec![("samples", 0.0)],
+                work: Box::new(left_out),
+            });
+        }
         for &n in plan.samples {
             let seeds = (0..SEEDS).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
             let images =
@@ -111,6 +145,7 @@ impl Sampled<'_> {
                 name: format!("{n} samples"),
                 setting: format!("render {}={n}", self.option),
                 known_defect: None,
+                is_without: false,
                 is_reference: false,
                 error: ErrorOf::Rmse { rmse: error },
                 also: vec![("samples", f64::from(n))],
@@ -130,6 +165,8 @@ impl Sampled<'_> {
             ),
             reference_error: reference.own_error,
             faults,
+            pixels: plan.size * plan.size,
+            ..Said::default()
         };
         Ok(Judged { variants, said, reference })
     }

@@ -186,6 +186,7 @@ pub fn count<S: Scalar>(sheets: &Sheets<S>) -> usize {
 pub struct Replay<'a, S: Scalar> {
     tracer: &'a dyn Tracer<S>,
     sheets: &'a Sheets<S>,
+    is_by_kind: bool,
     /// One a sheet.
     pub answers: Vec<Answers<S>>,
 }
@@ -194,10 +195,15 @@ impl<'a, S: Buildable> Replay<'a, S> {
     /// Answers all rays once.
     pub fn new(tracer: &'a dyn Tracer<S>, sheets: &'a Sheets<S>) -> Self {
         let answers = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
-        let mut replay = Self { tracer, sheets, answers };
+        let mut replay = Self { tracer, sheets, is_by_kind: false, answers };
         replay.prepare();
         replay.run();
         replay
+    }
+
+    /// The same, each kind of ray timed by itself.
+    pub fn by_kind(self) -> Self {
+        Self { is_by_kind: true, ..self }
     }
 
     /// How many answers differ from those of another to the same rays.
@@ -228,6 +234,19 @@ impl<S: Buildable> Work for Replay<'_, S> {
 
     fn run(&mut self) {
         for ((_, rays), answers) in self.sheets.iter().zip(&mut self.answers) {
+            trace(self.tracer, rays, answers);
+        }
+    }
+
+    fn parts(&self) -> Vec<String> {
+        let kinds = self.sheets.iter().filter(|_| self.is_by_kind);
+        kinds.map(|(kind, _)| kind.name().to_owned()).collect()
+    }
+
+    fn run_part(&mut self, part: usize) {
+        if let (Some((_, rays)), Some(answers)) =
+            (self.sheets.get(part), self.answers.get_mut(part))
+        {
             trace(self.tracer, rays, answers);
         }
     }

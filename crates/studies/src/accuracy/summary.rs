@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord};
-use crate::accuracy::tables::push_facts;
+use crate::accuracy::tables::{push_facts, push_table};
 use crate::accuracy::timing::ratios;
+use crate::accuracy::{effect_prices, parts};
 use presentation::markdown::escaped;
 use presentation::numbers::short;
 use statistics::estimate::{Estimate, geometric_mean_of_medians};
@@ -64,9 +65,9 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time\n\n");
     push_facts(&mut text, run);
     let mut lists: [Vec<String>; 5] = Default::default();
-    for axis in &run.axes {
-        let Some(cost) = cost(axis, run.seed) else { continue };
-        let line = format!("**{}**: {}", escaped(&axis.axis), escaped(&words(axis, &cost)));
+    for axis in run.axes.iter().flat_map(AxisRecord::by_subject) {
+        let Some(cost) = cost(&axis, run.seed) else { continue };
+        let line = format!("**{}**: {}", escaped(&axis.axis), escaped(&words(&axis, &cost)));
         let list = match cost {
             Cost::Free => 0,
             Cost::Cheap(_) => 1,
@@ -94,6 +95,17 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
             let _ = writeln!(text, "* {line}");
         }
         text.push('\n');
+    }
+    for axis in &run.axes {
+        for table in parts::over_scenes(axis, run.seed) {
+            push_table(&mut text, &table);
+        }
+        for table in axis.scenes.iter().filter_map(|scene| parts::steps(axis, scene, run.seed)) {
+            push_table(&mut text, &table);
+        }
+    }
+    if let Some(table) = effect_prices::table(run) {
+        push_table(&mut text, &table);
     }
     let faults: Vec<String> = run
         .axes
@@ -140,14 +152,14 @@ fn words(axis: &AxisRecord, cost: &Cost) -> String {
 
 fn scene(scene: &SceneOutcome, cost: &Cost) -> String {
     let (Some(accurate), Some(cheapest)) = (scene.most_accurate(), scene.cheapest()) else {
-        return format!("{}: nothing was measured", scene.scene);
+        return format!("{}: nothing was measured", scene.place());
     };
     if *cost == Cost::NoneAtStake {
         let slowest = scene.rows.iter().max_by(|a, b| a.ratio.median.total_cmp(&b.ratio.median));
         let slowest = slowest.unwrap_or(cheapest);
         return format!(
             "on {} {} is the fastest and {} takes {} times as long",
-            scene.scene,
+            scene.place(),
             cheapest.variant,
             slowest.variant,
             times(&slowest.ratio)
@@ -156,7 +168,7 @@ fn scene(scene: &SceneOutcome, cost: &Cost) -> String {
     if accurate.variant == cheapest.variant {
         return format!(
             "on {} {} is the most accurate ({}) and the cheapest",
-            scene.scene,
+            scene.place(),
             accurate.variant,
             error(accurate)
         );
@@ -170,7 +182,7 @@ fn scene(scene: &SceneOutcome, cost: &Cost) -> String {
     };
     format!(
         "on {} {} {cost} {} and {}",
-        scene.scene,
+        scene.place(),
         accurate.variant,
         cheapest.variant,
         removes(cheapest, accurate)
@@ -214,42 +226,7 @@ fn times(e: &Estimate) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::record::Standing;
-
-    fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
-        let ratio = seconds / 2.0;
-        let exactly = |x: f64| Estimate { median: x, low: x, high: x };
-        VariantRecord {
-            variant: variant.into(),
-            setting: String::new(),
-            known_defect: None,
-            is_reference: wrong == 0,
-            error: ErrorOf::Counted { wrong, trials: 1_000_000 },
-            is_below_reference: false,
-            seconds: vec![seconds; 3],
-            time_s: exactly(seconds),
-            ratio: exactly(ratio),
-            standing: Standing::OnFront,
-            also: Default::default(),
-        }
-    }
-
-    fn axis(rows: Vec<VariantRecord>) -> AxisRecord {
-        let scene = SceneOutcome {
-            scene: "kitchen".into(),
-            timed: String::new(),
-            judged: String::new(),
-            reference_error: 0.0,
-            rows,
-            faults: Vec::new(),
-        };
-        AxisRecord {
-            axis: "triangle-test".into(),
-            metric: "misses".into(),
-            reference: "exact".into(),
-            scenes: vec![scene],
-        }
-    }
+    use crate::accuracy::test_records::{axis, row};
 
     #[test]
     fn costs_are_told_and_said() {

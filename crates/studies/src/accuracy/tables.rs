@@ -49,7 +49,7 @@ pub fn table(axis: &AxisRecord, scene: &SceneOutcome) -> Table {
     }
     notes.extend(scene.faults.iter().map(|fault| format!("FAULT: {fault}.")));
     Table {
-        title: format!("{}: {}", axis.axis, scene.scene),
+        title: format!("{}: {}", axis.axis, scene.place()),
         header: vec!["variant", "time ms", "ratio [95%]", "error", "also", "stands"],
         rows: rows.collect(),
         notes,
@@ -77,24 +77,32 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
     push_facts(&mut text, run);
     for axis in &run.axes {
         for scene in &axis.scenes {
-            let table = table(axis, scene);
-            let _ = writeln!(text, "## {}\n", escaped(&table.title));
-            let _ = writeln!(text, "| {} |", table.header.join(" | "));
-            let _ = writeln!(text, "| --- | ---: | ---: | ---: | --- | --- |");
-            for row in &table.rows {
-                let cells: Vec<String> = row.iter().map(|c| escaped(&c.text)).collect();
-                let _ = writeln!(text, "| {} |", cells.join(" | "));
-            }
-            text.push('\n');
-            for note in &table.notes {
-                let _ = writeln!(text, "{}\n", escaped(note));
-            }
+            push_table(&mut text, &table(axis, scene));
         }
     }
     for line in GLOSSARY {
         let _ = writeln!(text, "{line}\n");
     }
     text
+}
+
+/// Appends a table with its title and notes.
+pub(super) fn push_table(text: &mut String, table: &Table) {
+    let _ = writeln!(text, "## {}\n", escaped(&table.title));
+    let _ = writeln!(text, "| {} |", table.header.join(" | "));
+    let rule = table.header.iter().enumerate().map(|(i, _)| match i {
+        1..=3 => "---:",
+        _ => "---",
+    });
+    let _ = writeln!(text, "| {} |", rule.collect::<Vec<_>>().join(" | "));
+    for row in &table.rows {
+        let cells: Vec<String> = row.iter().map(|c| escaped(&c.text)).collect();
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
+    }
+    text.push('\n');
+    for note in &table.notes {
+        let _ = writeln!(text, "{}\n", escaped(note));
+    }
 }
 
 /// Where and how a run was made.

@@ -3,11 +3,12 @@
 use crate::accuracy::audit;
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, Place};
-use crate::accuracy::record::{SceneOutcome, Standing, VariantRecord};
+use crate::accuracy::record::{PartTime, SceneOutcome, Standing, VariantRecord};
 use crate::accuracy::stage::Stage;
 use crate::accuracy::work::Work;
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
+use measurement::system::clock::Clock;
 use statistics::estimate::{Estimate, estimate, median};
 
 /// A variant, judged and ready to be timed.
@@ -26,6 +27,8 @@ pub struct Variant<'a> {
     pub also: Vec<(&'static str, f64)>,
     /// What is timed.
     pub work: Box<dyn Work + 'a>,
+    /// See [`VariantRecord::is_without`].
+    pub is_without: bool,
 }
 
 /// What an axis says of a scene beside its variants.
@@ -39,6 +42,10 @@ pub struct Said {
     pub reference_error: f64,
     /// What an axis found that cannot be.
     pub faults: Vec<String>,
+    /// Each variant is the one before it with one thing more.
+    pub is_stepwise: bool,
+    /// Pixels of the image that is timed; 0 where none is.
+    pub pixels: u32,
 }
 
 /// Seconds of a timed pass, about: shorter work is repeated within it.
@@ -52,6 +59,7 @@ fn repeats(seconds: f64) -> u32 {
 pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> SceneOutcome {
     let mut faults = said.faults;
     let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
+    let mut parts: Vec<Parts> = variants.iter().map(|v| Parts::of(&*v.work)).collect();
     // the first run of each, which warms up, gives the answers that all others must repeat
     let mut first = Vec::with_capacity(variants.len());
     for variant in &mut variants {
@@ -70,16 +78,18 @@ pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> S
         };
         let (expected, repeats) = first.get(row).copied().unwrap_or((0, 1));
         variant.work.prepare();
-        let start = stage.clock.now();
-        (0..repeats).for_each(|_| variant.work.run());
-        of.push(stage.clock.seconds_since(start) / f64::from(repeats));
+        let Some(parts) = parts.get_mut(row) else { return };
+        of.push(parts.timed(stage.clock, repeats, &mut *variant.work));
         let timed = variant.work.fingerprint();
         let fault = audit::inconsistency(&variant.name, expected, timed);
         faults.extend(fault.filter(|f| !faults.contains(f)));
     });
-    let rows = rows(variants, seconds, said.reference_error, stage.seed);
+    let rows = rows(variants, seconds, parts, said.reference_error, stage.seed);
     let mut outcome = SceneOutcome {
         scene: stage.name.to_owned(),
+        subject: String::new(),
+        is_stepwise: said.is_stepwise,
+        pixels: said.pixels,
         timed: said.timed,
         judged: said.judged,
         reference_error: said.reference_error,
@@ -91,17 +101,49 @@ pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> S
     outcome
 }
 
+/// The parts of a variant's work, and seconds of each by round.
+struct Parts {
+    names: Vec<String>,
+    seconds: Vec<Vec<f64>>,
+}
+
+impl Parts {
+    fn of(work: &dyn Work) -> Self {
+        let names = work.parts();
+        Self { seconds: vec![Vec::new(); names.len()], names }
+    }
+
+    /// Seconds of the work, made so many times; those of its parts are kept.
+    fn timed(&mut self, clock: &dyn Clock, repeats: u32, work: &mut dyn Work) -> f64 {
+        let timed = |work: &mut dyn Work, run: &dyn Fn(&mut dyn Work)| {
+            let start = clock.now();
+            (0..repeats).for_each(|_| run(work));
+            clock.seconds_since(start) / f64::from(repeats)
+        };
+        if self.names.is_empty() {
+            return timed(work, &|work| work.run());
+        }
+        let mut sum = 0.0;
+        for (part, of) in self.seconds.iter_mut().enumerate() {
+            let seconds = timed(work, &|work| work.run_part(part));
+            of.push(seconds);
+            sum += seconds;
+        }
+        sum
+    }
+}
+
 /// One's time over another's, round by round.
 pub fn ratios(seconds: &[f64], other: &[f64]) -> Vec<f64> {
     let pairs = seconds.iter().zip(other).filter(|(_, other)| **other > 0.0);
     pairs.map(|(s, other)| s / other).collect()
 }
 
-/// Which variant is the cheapest: none takes less than it in the middle of the rounds that both were
-/// in. (Medians of times of their own would compare different rounds.)
-fn cheapest(seconds: &[Vec<f64>]) -> usize {
-    let mut least = 0;
-    for i in 1..seconds.len() {
+/// Which variant is the cheapest, of those from `first` on: none takes less than it in the middle of
+/// the rounds that both were in. (Medians of times of their own would compare different rounds.)
+fn cheapest(seconds: &[Vec<f64>], first: usize) -> usize {
+    let mut least = first;
+    for i in first + 1..seconds.len() {
         if let (Some(own), Some(best)) = (seconds.get(i), seconds.get(least))
             && median(&ratios(own, best)).is_some_and(|ratio| ratio < 1.0)
         {
@@ -114,14 +156,27 @@ fn cheapest(seconds: &[Vec<f64>]) -> usize {
 fn rows(
     variants: Vec<Variant<'_>>,
     seconds: Vec<Vec<f64>>,
+    parts: Vec<Parts>,
     reference_error: f64,
     seed: u64,
 ) -> Vec<VariantRecord> {
     const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
     let times: Vec<Estimate> =
         seconds.iter().map(|s| estimate(s, seed).unwrap_or(NO_TIME)).collect();
-    let cheapest = seconds.get(cheapest(&seconds)).cloned().unwrap_or_default();
-    let record = |((variant, seconds), time_s): ((Variant<'_>, Vec<f64>), Estimate)| {
+    let variants_begin = variants.iter().take_while(|variant| variant.is_without).count();
+    let cheapest = seconds.get(cheapest(&seconds, variants_begin)).cloned().unwrap_or_default();
+    let of_first = parts.first().map(|parts| parts.seconds.clone()).unwrap_or_default();
+    let of_parts = |parts: Parts| {
+        let named = parts.names.into_iter().zip(parts.seconds).zip(&of_first);
+        let time = |((part, seconds), first): ((String, Vec<f64>), &Vec<f64>)| PartTime {
+            part,
+            ratio: estimate(&ratios(&seconds, first), seed).unwrap_or(NO_TIME),
+            seconds,
+        };
+        named.map(time).collect()
+    };
+    type Timed<'a> = ((Variant<'a>, Vec<f64>), (Estimate, Parts));
+    let record = |((variant, seconds), (time_s, parts)): Timed<'_>| {
         let ratios = ratios(&seconds, &cheapest);
         let is_below_reference = variant.error.value() < TIMES_REFERENCE * reference_error;
         VariantRecord {
@@ -136,10 +191,12 @@ fn rows(
             ratio: estimate(&ratios, seed).unwrap_or(NO_TIME),
             standing: Standing::Dominated,
             also: variant.also.into_iter().map(|(name, x)| (name.to_owned(), x)).collect(),
+            parts: of_parts(parts),
+            is_without: variant.is_without,
         }
     };
     let mut rows: Vec<VariantRecord> =
-        variants.into_iter().zip(seconds).zip(times).map(record).collect();
+        variants.into_iter().zip(seconds).zip(times.into_iter().zip(parts)).map(record).collect();
     let places: Vec<Place> = rows.iter().map(|row| Place::of(row, reference_error)).collect();
     for (row, standing) in rows.iter_mut().zip(pareto::standings(&places)) {
         row.standing = standing;
@@ -155,7 +212,8 @@ mod tests {
     fn the_cheapest_is_found_round_by_round() {
         // a machine that slows down: the second is faster in each round, the third never
         let seconds = [vec![2.0, 4.0, 8.0], vec![1.0, 3.9, 7.0], vec![2.5, 4.5, 6.9]];
-        assert_eq!(cheapest(&seconds), 1);
+        assert_eq!(cheapest(&seconds, 0), 1);
+        assert_eq!(cheapest(&seconds, 2), 2);
         assert_eq!(ratios(&seconds[0], &seconds[1])[0], 2.0);
         assert_eq!(ratios(&[1.0], &[0.0]).len(), 0);
         assert_eq!((repeats(1.0), repeats(0.001), repeats(0.0)), (1, 4, 1000));

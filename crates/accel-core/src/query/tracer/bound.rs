@@ -41,16 +41,21 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         Self { mailbox, ..self }
     }
 
-    /// The same with the lists of the structure as blocks, where it has lists and blocks serve the set.
+    /// The same with the lists of the structure as blocks, where it has lists and blocks serve `over`:
+    /// the set that it was built over, or the same primitives under the default tests.
     ///
     /// # Errors
     /// [`OutOfMemory`] where the limit of `params` does not allow them.
-    pub fn with_blocks(mut self, params: &Params) -> Result<Self, OutOfMemory> {
+    pub fn with_blocks<B: PrimSet<S>>(
+        mut self,
+        over: &B,
+        params: &Params,
+    ) -> Result<Self, OutOfMemory> {
         if T::HAS_LISTS && P::HAS_BLOCKS {
             let mut lists = Vec::new();
             self.structure.lists(&mut |list| lists.push(list));
             params.fits(ListBlocks::<S>::bytes_for(&lists))?;
-            self.blocks = ListBlocks::of(&*self.prims, &lists);
+            self.blocks = ListBlocks::of(over, &lists);
         }
         Ok(self)
     }
@@ -221,6 +226,10 @@ where
             true => self.structure.batches(&*self.prims),
             false => Batches::RayByRay,
         }
+    }
+
+    fn code(&self) -> &'static str {
+        std::any::type_name::<(P, T)>()
     }
 }
 

@@ -5,6 +5,7 @@ mod counting;
 mod foreign;
 mod in_motion;
 pub(crate) mod nearby;
+pub(crate) mod tested;
 
 pub use bound::Bound;
 pub use foreign::{Foreign, Origin};
@@ -64,5 +65,10 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     /// What is to be known of it where its code is not of this program.
     fn foreign(&self) -> Option<&dyn Foreign> {
         None
+    }
+    /// The types of the primitives and of the structure that its traversals are compiled for, as the
+    /// compiler names them: tracers of the same name run the same instructions.
+    fn code(&self) -> &'static str {
+        std::any::type_name::<Self>()
     }
 }

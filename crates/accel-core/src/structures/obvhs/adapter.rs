@@ -52,7 +52,26 @@ pub(crate) const PARAMS: &[ParamSpec] = &[
         default: "block",
         kind: ParamKind::Choice(&["scalar", "block"]),
     },
+    #[cfg(feature = "compiled-tests")]
+    PADDING,
 ];
+
+/// What boxes and rays are padded by, for the price of it: with the feature `compiled-tests` alone.
+#[cfg(feature = "compiled-tests")]
+pub(crate) const PADDING: ParamSpec = ParamSpec {
+    name: "padding",
+    summary: "for comparison: none leaves out what keeps rounding from losing boxes that hold hits",
+    default: "default",
+    kind: ParamKind::Choice(&["default", "none"]),
+};
+
+/// Whether padding is left out.
+pub(crate) fn is_unpadded(params: &Params) -> bool {
+    params.get("padding") == Some("none")
+}
+
+/// What is wrong then.
+pub(crate) const UNPADDED: &str = "boxes are not padded: hits at their faces are lost to rounding";
 
 pub(crate) const VARIANTS: &[&str] = &["adapter=direct", "", "preset=fastest adapter=direct"];
 
@@ -75,7 +94,7 @@ pub(crate) const ALSO_TESTED: &[&str] = &[
 
 pub(crate) fn known_defect(params: &Params) -> Option<&'static str> {
     match params.text("adapter") {
-        "robust" => None,
+        "robust" => is_unpadded(params).then_some(UNPADDED),
         "direct" => Some(
             "obvhs as its authors use it loses hits at edges of triangles, of rays with -0.0 \
              components, near hits, hits at negative t and far small boxes; of equal hits it takes \
@@ -147,7 +166,12 @@ pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
 ) -> Result<Items<S>, BuildError> {
-    items_of(prims, params, if is_robust(params) { Padding::OfScene } else { Padding::None })
+    let padding = match (is_robust(params), is_unpadded(params)) {
+        (false, _) => Padding::None,
+        (true, false) => Padding::OfScene,
+        (true, true) => Padding::Rounding,
+    };
+    items_of(prims, params, padding)
 }
 
 /// By how much the box of a primitive grows.
@@ -155,6 +179,8 @@ pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
 pub(crate) enum Padding {
     /// Not at all, and coordinates are kept as they are: boxes for obvhs as shipped.
     None,
+    /// By no more than the rounding of coordinates to f32, in units of the scene's size.
+    Rounding,
     /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
     OfScene,
     /// By [`CORNER_EPSILONS`] of its own extent.
@@ -199,11 +225,11 @@ pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
     let magnitude = boxes.scene().magnitude();
     let setup = match padding {
         Padding::None => RaySetup::AsShipped,
-        Padding::OfScene | Padding::OfExtent => RaySetup::robust(magnitude),
+        Padding::Rounding | Padding::OfScene | Padding::OfExtent => RaySetup::robust(magnitude),
     };
     let epsilon = f64::from(f32::EPSILON);
     let margin = |tight: &Aabb<S>| match padding {
-        Padding::None => 0.0,
+        Padding::None | Padding::Rounding => 0.0,
         Padding::OfScene => epsilon * PADDING_ULPS * magnitude.to_f64(),
         Padding::OfExtent => epsilon * CORNER_EPSILONS * tight.size().to_dvec3().max_element(),
     };

@@ -24,9 +24,10 @@ use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    BoxParameters, BoxRay, Length, PRESET, Padding, RaySetup, build_params, items_of,
+    BoxParameters, BoxRay, Length, PRESET, Padding, RaySetup, UNPADDED, build_params, is_unpadded,
+    items_of,
 };
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
 use collapse::{Collapse, Costs};
@@ -62,10 +63,12 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "1",
             kind: ParamKind::Real { min: 0.01, max: 100.0 },
         },
+        #[cfg(feature = "compiled-tests")]
+        crate::structures::obvhs::adapter::PADDING,
     ],
     variants: &[""],
     also_tested: &["query=batch", "preset=fastest", "max-leaf=1", "max-leaf=4 node-cost=4"],
-    known_defect: no_defect,
+    known_defect: |params| is_unpadded(params).then_some(UNPADDED),
     sampled: false,
 };
 
@@ -79,6 +82,9 @@ pub struct WideBvh<S: Scalar> {
     is_batch: bool,
     /// Whether a primitive that ends behind a ray's origin is not hit: see [`NodeRay`].
     is_exact: bool,
+    /// Rays are not padded.
+    #[cfg(feature = "compiled-tests")]
+    is_plain: bool,
     shape: Shape,
 }
 
@@ -87,7 +93,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
-        let items = items_of(prims, params, Padding::OfExtent)?;
+        let padding = if is_unpadded(params) { Padding::Rounding } else { Padding::OfExtent };
+        let items = items_of(prims, params, padding)?;
         let mut bvh = reinserted(&items.boxes, &build_params(params), true);
         limit_levels(&mut bvh, LEVELS);
         let costs = Costs {
@@ -145,7 +152,17 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         shape.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
         let is_batch = params.text("query") == "batch";
         let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
-        Ok(Self { nodes, root, lists, setup: items.setup, is_batch, is_exact, shape })
+        Ok(Self {
+            nodes,
+            root,
+            lists,
+            setup: items.setup,
+            is_batch,
+            is_exact,
+            #[cfg(feature = "compiled-tests")]
+            is_plain: is_unpadded(params),
+            shape,
+        })
     }
 
     #[inline(always)]
@@ -203,13 +220,13 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
     fn begin(&self, ray: &Ray<S>, t_max: S) -> State<S> {
         let BoxRay { ray, parameters } = self.setup.ray(ray, Length::Own);
         let is_exact = self.is_exact && !parameters.starts_earlier();
-        State {
-            parameters,
-            ray: NodeRay::of(ray.origin, ray.direction, is_exact),
-            end: parameters.bound(t_max),
-            at: self.root,
-            waiting: 0,
-        }
+        let of_nodes = NodeRay::of(ray.origin, ray.direction, is_exact);
+        #[cfg(feature = "compiled-tests")]
+        let of_nodes = match self.is_plain {
+            true => NodeRay::plain(ray.origin, ray.direction),
+            false => of_nodes,
+        };
+        State { parameters, ray: of_nodes, end: parameters.bound(t_max), at: self.root, waiting: 0 }
     }
 
     #[inline(always)]

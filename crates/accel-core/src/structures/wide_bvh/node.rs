@@ -87,6 +87,17 @@ impl NodeRay {
         }
     }
 
+    /// The same without anything added, for the price of it.
+    #[cfg(feature = "compiled-tests")]
+    #[inline(always)]
+    pub(super) fn plain(o: Vec3A, d: Vec3A) -> Self {
+        let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
+        let negative = inverse.is_negative_bitmask() as usize;
+        let [origin, inverse] = [o, inverse].map(|v| v.to_array().map(f32x8::splat));
+        let near = std::array::from_fn(|k| k + 3 * (negative >> k & 1));
+        Self { origin: [origin; 2], inverse: [inverse; 2], near }
+    }
+
     /// Boxes that the ray meets up to parameter `end`, a bit each, and where it enters them.
     #[inline(always)]
     pub(super) fn test(&self, node: &Node, end: f32) -> (u32, f32x8) {

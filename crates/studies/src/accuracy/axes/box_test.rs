@@ -11,7 +11,7 @@ use accel_core::{Aabb, Ray};
 use glam::Vec3;
 use renderer::RayKind;
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
@@ -29,7 +29,7 @@ pub static AXIS: Axis = Axis {
     reference: "error-free products",
     scenes: &["teapot", "balls:3", "pavilion"],
     setting: "bounding-volumes.box-test",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// Values of the setting, and the test each is.
@@ -65,6 +65,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: name.into(),
             setting: built.setting(),
             known_defect: built.known_defect,
+            is_without: false,
             is_reference: name == "f64",
             error: lost.error(),
             also: vec![
@@ -74,8 +75,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(replay),
         }
     });
+    let made = match cfg!(feature = "compiled-tests") {
+        true => "each test compiled into it",
+        false => "each test is a call",
+    };
     let said = Said {
-        timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
+        timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives; {made}"),
         judged: format!("{} rays at corners, edges and faces of boxes", aims.len()),
         ..Said::default()
     };

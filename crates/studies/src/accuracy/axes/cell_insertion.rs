@@ -14,7 +14,7 @@ use accel_core::structures::uniform_grid::UniformGrid;
 use accel_core::{Aabb, Vec3, Vector};
 use glam::DVec3;
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
@@ -32,7 +32,7 @@ pub static AXIS: Axis = Axis {
     reference: "points that lie on primitives exactly",
     scenes: &["teapot", "mount", "pavilion"],
     setting: "uniform-grid.insertion",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// Values of the setting.
@@ -58,6 +58,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: insertion.into(),
             setting: built.setting(),
             known_defect: built.known_defect,
+            is_without: false,
             is_reference: insertion == "padded-box",
             error: tally.error(),
             also: vec![

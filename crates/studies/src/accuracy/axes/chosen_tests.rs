@@ -1,6 +1,8 @@
 //! What the axes of primitive tests have in common: a test chosen by name, its wrong answers
 //! counted, and how far its parameters are off.
 
+use accel_core::variants::chosen_tests::is_compiled;
+
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::stage::{Built, Replay, Sheets};
 use crate::accuracy::timing::Variant;
@@ -8,6 +10,14 @@ use statistics::estimate::median;
 
 /// The test that all others are held against.
 const REFERENCE: &str = "f64";
+
+/// What is said of how tests that are chosen are made.
+pub fn made(built: &[Built<'_>]) -> &'static str {
+    match built.iter().all(|built| is_compiled(&*built.tracer)) {
+        true => "each test compiled into it as the default is",
+        false => "each test is a call: build with --features compiled-tests for prices",
+    }
+}
 
 /// A test of primitives as a variant: `answers` are, for each aim, its parameter, that of
 /// `REFERENCE`, and whether it is wrong to meet or to miss there.
@@ -29,9 +39,10 @@ pub fn variant<'a>(
         name: name.into(),
         setting: built.setting(),
         known_defect: built.known_defect,
+        is_without: false,
         is_reference: name == REFERENCE,
         error: tally.error(),
         also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
-        work: Box::new(Replay::new(&*built.tracer, sheets)),
+        work: Box::new(Replay::new(&*built.tracer, sheets).by_kind()),
     }
 }

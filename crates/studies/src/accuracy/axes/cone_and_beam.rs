@@ -7,7 +7,7 @@ use renderer::Image;
 use renderer::tracers::{Drawn, Frame, Refusal, Structures};
 use scene_loading::Scene;
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::sampled::{Judged, Plan, Sampled, fingerprint};
@@ -34,7 +34,7 @@ pub static AXIS: Axis = Axis {
                 distance",
     scenes: &["tetra:4", "balls:3", "pavilion"],
     setting: "compare-tracers; render --supersamples",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
@@ -53,6 +53,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         max_depth: DEPTH,
         wish: |samples, n| samples.supersamples = Some(n),
         option: "--supersamples",
+        without: None,
     };
     let Judged { mut variants, mut said, reference } = sampled.judged(stage)?;
     let frame = Frame { resolution: [Plan::new(stage.quick).size; 2], max_depth: DEPTH };
@@ -76,6 +77,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: way.label(),
             setting: format!("compare-tracers --tracers {}", way.info.name),
             known_defect: None,
+            is_without: false,
             is_reference: false,
             error: ErrorOf::Rmse { rmse: rmse(&image, &reference.image) },
             also: Vec::new(),

@@ -6,7 +6,7 @@ use glam::DVec3;
 use renderer::Geometry;
 use scene_loading::{Light, SampleWishes, Scene};
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::sampled::Sampled;
 use crate::accuracy::stage::{Stage, TRACER};
@@ -58,13 +58,14 @@ const fn sampled(
         reference: REFERENCE,
         scenes: &["balls:3", "teapot", "pavilion"],
         setting,
-        measure,
+        measure: Measure::Whole(measure),
     }
 }
 
-/// How an effect is put on a scene and sampled.
+/// How an effect is put on a scene and sampled, and what is left of the scene without it.
 struct Put {
     on: fn(&mut Scene),
+    off: fn(&mut Scene),
     wish: fn(&mut SampleWishes, u32),
     option: &'static str,
     max_depth: u32,
@@ -76,6 +77,11 @@ const SOFT: Put = Put {
         for light in &mut scene.lights {
             let (position, color) = (light.position(), light.color());
             *light = Light::Disc { position, color, radius: radius.max(light.radius()) };
+        }
+    },
+    off: |scene| {
+        for light in &mut scene.lights {
+            *light = Light::Point { position: light.position(), color: light.color() };
         }
     },
     wish: |samples, n| samples.shadow = Some(n),
@@ -95,6 +101,7 @@ const ROUGH: Put = Put {
             }
         }
     },
+    off: |scene| scene.materials.iter_mut().for_each(|material| material.roughness = 0.0),
     wish: |samples, n| samples.glossy = Some(n),
     option: "--glossy-samples",
     max_depth: 2,
@@ -107,6 +114,10 @@ const MOVING: Put = Put {
         scene.velocities = (0..scene.primitives.len()).map(every_other).collect();
         scene.camera.shutter = 1.0;
     },
+    off: |scene| {
+        scene.velocities.clear();
+        scene.camera.shutter = 0.0;
+    },
     wish: |samples, n| samples.temporal = Some(n),
     option: "--temporal-samples",
     max_depth: 1,
@@ -114,6 +125,7 @@ const MOVING: Put = Put {
 
 const BLURRED: Put = Put {
     on: |scene| scene.camera.aperture = 0.01 * diagonal(scene),
+    off: |scene| scene.camera.aperture = 0.0,
     wish: |samples, n| samples.focal = Some(n),
     option: "--focal-samples",
     max_depth: 1,
@@ -134,12 +146,18 @@ impl Put {
         let row = Row::parse(stage.registry, TRACER)?;
         let tracer =
             row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
+        // as it would be without the effect: gloss without its roughness, not without its mirrors
+        let mut without = scene.clone();
+        (self.off)(&mut without);
+        let still = Geometry::<f32>::of(&without)?;
+        let of_still = row.entry.build(still.prims(), &row.params).map_err(|e| stage.refused(e))?;
         let sampled = Sampled {
             scene: &scene,
             tracer: &*tracer,
             max_depth: self.max_depth,
             wish: self.wish,
             option: self.option,
+            without: Some((&without, &*of_still)),
         };
         sampled.measured(stage)
     }

@@ -2,7 +2,7 @@
 
 use renderer::{EffectPlan, Gating, RenderSettings, render_plan};
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::sampled::Rendering;
@@ -20,7 +20,7 @@ pub static AXIS: Axis = Axis {
     reference: "the image without them",
     scenes: &["balls:3", "teapot", "pavilion"],
     setting: "renderer::EffectPlan::gated",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 const VARIANTS: [(&str, Gating); 3] = [
@@ -46,6 +46,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: name.into(),
             setting: format!("EffectPlan::gated(Gating::{gating:?})"),
             known_defect: None,
+            is_without: false,
             is_reference: gating == Gating::AsCalledFor,
             error: ErrorOf::Rmse { rmse: rmse(&image(&plan), &reference) },
             also: Vec::new(),
@@ -60,6 +61,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let said = Said {
         timed: format!("the image of {size} x {size} pixels, one thread"),
         judged: "the same image".into(),
+        pixels: size * size,
         ..Said::default()
     };
     Ok(timed(stage, said, variants.into_iter().collect()))

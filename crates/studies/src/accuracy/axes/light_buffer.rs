@@ -3,7 +3,7 @@
 use accel_core::occluders::{BoxedOccluder, NearestLight};
 use renderer::RayKind;
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
@@ -23,7 +23,7 @@ pub static AXIS: Axis = Axis {
     reference: "the structure itself",
     scenes: &["lattice", "teapot", "pavilion"],
     setting: "light-buffer.resolution",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 const RESOLUTIONS: [u32; 4] = [16, 64, 256, 1024];
@@ -54,6 +54,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: format!("{resolution}^2"),
             setting: format!("run -s {}", row.label().replace(' ', ":")),
             known_defect: row.known_defect(),
+            is_without: false,
             is_reference: false,
             error: ErrorOf::Counted { wrong, trials: rays as u64 },
             also: vec![
@@ -68,6 +69,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         name: TRACER.into(),
         setting: structure.setting(),
         known_defect: None,
+        is_without: false,
         is_reference: true,
         error: ErrorOf::Counted { wrong: 0, trials: rays as u64 },
         also: vec![

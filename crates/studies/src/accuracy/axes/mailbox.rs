@@ -1,6 +1,6 @@
 //! Mailboxes: answers must not change, tests must become fewer.
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
@@ -16,7 +16,7 @@ pub static AXIS: Axis = Axis {
     reference: "the same grid without a mailbox, triangles one by one",
     scenes: &["teapot", "gears", "pavilion"],
     setting: "uniform-grid.mailbox, uniform-grid.mailbox-slots",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 const VARIANTS: [(&str, &str); 6] = [
@@ -48,6 +48,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: name.into(),
             setting: built.setting(),
             known_defect: built.known_defect,
+            is_without: false,
             is_reference: name == "none",
             error,
             also: vec![

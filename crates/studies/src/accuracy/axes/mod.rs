@@ -11,6 +11,12 @@ pub mod mailbox;
 pub mod precision;
 pub mod ray_offset;
 pub mod refracted_shift;
+#[cfg(feature = "compiled-tests")]
+mod right_aims;
+#[cfg(feature = "compiled-tests")]
+pub mod right_answers;
+#[cfg(feature = "compiled-tests")]
+mod right_work;
 pub mod secondary_rays;
 pub mod shadow_terminator;
 pub mod smallest_offset;

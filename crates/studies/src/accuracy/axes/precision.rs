@@ -4,7 +4,8 @@ use accel_core::query::tracer::Tracer;
 use accel_core::{Ray, Scalar};
 use renderer::Geometry;
 
-use crate::accuracy::axis::Axis;
+use super::chosen_tests;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
@@ -22,7 +23,7 @@ pub static AXIS: Axis = Axis {
     reference: "the scene and the same rays in f64",
     scenes: &["teapot", "rings", "pavilion"],
     setting: "run --precision, STRUCTURE.triangle-test, STRUCTURE.sphere-test",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// What t may be off by: a few epsilons of f32.
@@ -31,6 +32,8 @@ const TOLERATED: f64 = 1.0 / (1 << 20) as f64;
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let single = stage.built(TRACER)?;
     let mixed = stage.built(&format!("{TRACER}:triangle-test=f64:sphere-test=f64"))?;
+    let chosen = [mixed];
+    let [mixed] = &chosen;
     let sheets = stage.all_sheets();
     let rays = count(&sheets);
     let wide_sheets: Sheets<f64> = sheets
@@ -43,12 +46,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
     let reference = Replay::new(&*double, &wide_sheets);
     let mut variants = Vec::new();
-    for (name, built) in [("f32", &single), ("f32, tests in f64", &mixed)] {
+    for (name, built) in [("f32", &single), ("f32, tests in f64", mixed)] {
         let replay = Replay::new(&*built.tracer, &sheets);
         variants.push(Variant {
             name: name.into(),
             setting: built.setting(),
             known_defect: built.known_defect,
+            is_without: false,
             is_reference: false,
             error: compared(&replay.answers, &reference.answers).error(),
             also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes()))],
@@ -59,13 +63,17 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         name: "f64".into(),
         setting: format!("run -s {TRACER} --precision f64"),
         known_defect: None,
+        is_without: false,
         is_reference: true,
         error: compared(&reference.answers, &reference.answers).error(),
         also: vec![("MiB of primitives", mebibytes(geometry.bytes()))],
         work: Box::new(reference),
     });
     let said = Said {
-        timed: format!("{rays} rays of the scene through {TRACER}"),
+        timed: format!(
+            "{rays} rays of the scene through {TRACER}; {}",
+            chosen_tests::made(&chosen)
+        ),
         judged: "the same rays".into(),
         ..Said::default()
     };

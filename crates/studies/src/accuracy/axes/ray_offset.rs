@@ -10,7 +10,7 @@ use renderer::Geometry;
 use scene_loading::Scene;
 
 use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, diagonal, height};
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
@@ -27,7 +27,7 @@ pub static AXIS: Axis = Axis {
     reference: "a plane or a sphere is not met again from outside; height over the surface",
     scenes: &["balls", "teapot", "pavilion"],
     setting: "rays.offset",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// How far a scene is moved, in its diagonals, to see what is left of the rule there.

@@ -12,7 +12,7 @@ use renderer::Geometry;
 use renderer::surface::{SurfacePoint, refract};
 
 use super::secondary_rays::{Departure, GAP, SecondaryRays, Way, quantile};
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
@@ -31,7 +31,7 @@ pub static AXIS: Axis = Axis {
     reference: "the same ray from the exact foot of the hit point, in f64, without an offset",
     scenes: &["balls", "teapot", "pavilion"],
     setting: "rays.offset",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// Index of refraction of glass.

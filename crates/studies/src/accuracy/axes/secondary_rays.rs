@@ -3,7 +3,7 @@
 //! renderer makes them.
 
 use accel_core::query::tracer::Tracer;
-use accel_core::{Hit, Ray, Vector};
+use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{SurfacePoint, Surfaces};
@@ -164,6 +164,7 @@ impl<'a> SecondaryWork<'a> {
             name: name.into(),
             setting: format!("run --set rays.offset={name}"),
             known_defect: None,
+            is_without: false,
             is_reference: is_default,
             error: crate::accuracy::error_of::Tally::default().error(),
             also: Vec::new(),
@@ -200,9 +201,9 @@ pub fn diagonal(scene: &Scene) -> f64 {
 }
 
 /// The height over the surface of the first point of a ray that counts.
-pub fn height(point: &SurfacePoint<'_>, ray: &Ray<f32>) -> f64 {
+pub fn height<S: Scalar>(point: &SurfacePoint<'_>, ray: &Ray<S>) -> f64 {
     let along = ray.direction.to_dvec3();
-    let first = ray.origin.to_dvec3() + along * f64::from(ray.t_min);
+    let first = ray.origin.to_dvec3() + along * ray.t_min.to_f64();
     let outward = point.refined.normal * point.refined.normal.dot(along).signum();
     (first - point.refined.position).dot(outward)
 }

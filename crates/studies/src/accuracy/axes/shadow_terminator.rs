@@ -14,7 +14,7 @@ use renderer::surface::SurfacePoint;
 use scene_loading::{Scene, Shape};
 
 use super::secondary_rays::{Departure, SecondaryRays, SecondaryWork, Way};
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
@@ -32,7 +32,7 @@ pub static AXIS: Axis = Axis {
     reference: "none: which facets face away is exact, what a smooth surface would block is not known",
     scenes: &["teapot:3", "teapot", "pavilion"],
     setting: "rays.offset",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {

@@ -15,7 +15,7 @@ use renderer::Geometry;
 use renderer::refined_hit::RefinedHit;
 
 use super::secondary_rays::{GAP, SecondaryRays, height, quantile};
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
@@ -32,7 +32,7 @@ pub static AXIS: Axis = Axis {
     reference: "the smallest offset with which that test misses, bisected for each ray",
     scenes: &["balls", "teapot", "pavilion"],
     setting: "rays.offset",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for any

@@ -12,7 +12,7 @@ use renderer::RaySettings;
 use scene_loading::Scene;
 
 use super::chosen_tests;
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Prepared, Stage, TRACER, count};
 use crate::accuracy::timing::{Said, timed};
@@ -28,7 +28,7 @@ pub static AXIS: Axis = Axis {
     reference: "distance of the centre from the ray, clear by 2% of the radius",
     scenes: &["balls", "rings", "pavilion"],
     setting: "STRUCTURE.sphere-test",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 const TESTS: [(&str, SphereChoice); 3] = [
@@ -115,7 +115,7 @@ fn judged(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyError> {
         chosen_tests::variant(name, built, &sheets, answers)
     });
     let said = Said {
-        timed: format!("{rays} rays of {what} through {TRACER}; each test is a call"),
+        timed: format!("{rays} rays of {what} through {TRACER}; {}", chosen_tests::made(&built)),
         judged: format!("{} rays beside and through spheres of {what}", aims.len()),
         ..Said::default()
     };

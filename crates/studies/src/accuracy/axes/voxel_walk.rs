@@ -15,7 +15,7 @@ use accel_core::{Aabb, Vector};
 use glam::{DVec3, Vec3};
 use renderer::RayKind;
 
-use crate::accuracy::axis::Axis;
+use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
@@ -33,7 +33,7 @@ pub static AXIS: Axis = Axis {
     reference: "exact integers",
     scenes: &["teapot", "tree", "pavilion"],
     setting: "uniform-grid.traversal",
-    measure,
+    measure: Measure::Whole(measure),
 };
 
 /// Cells an axis, in a full run and in a quick one.
@@ -75,6 +75,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             name: walk.into(),
             setting: built.setting(),
             known_defect: built.known_defect,
+            is_without: false,
             is_reference: walk == "f64",
             error: tally.error(),
             also: vec![

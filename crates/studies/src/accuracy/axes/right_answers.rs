@@ -1,0 +1,227 @@
+//! The price of right answers as a whole: from the fastest known to right in f64, one step after the
+//! other, all compiled alike, on the same rays.
+//!
+//! The first row is what is fastest: Moeller-Trumbore, boxes as tight as they come, hits that count
+//! from a few ulps of the scene's size on. Each further row adds one thing. What a step costs and what
+//! it removes depends on their order: an earlier one may hide what a later one is for.
+
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
+use accel_core::{Ray, Scalar, Vec3, Vector};
+use renderer::ray_offset::{OffsetRule, RayOffset};
+use renderer::{Geometry, RayKind};
+
+use super::right_aims::{Known, known, wrong};
+use super::right_work::{StepWork, wrong_departures};
+use super::secondary_rays::SecondaryRays;
+use crate::accuracy::axis::{Axis, Measure};
+use crate::accuracy::error_of::{ErrorOf, Tally};
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Sheets, Stage, count};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::work::Work;
+use crate::error::StudyError;
+use measurement::plan::rows::Row;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "right-answers",
+    summary: "the price of right answers, step by step, from the fastest known to f64",
+    paper: "Moeller, Trumbore 1997; Woop, Benthin, Wald 2013; Ize 2013",
+    metric: "rays in 10^6, aimed at what breaks cheap variants, that are answered wrongly",
+    reference: "exact predicates; a plane is not met again from outside; height over the surface",
+    scenes: &["mount", "gears-tess", "pavilion"],
+    setting: "STRUCTURE.padding, STRUCTURE.triangle-test, rays.offset, run --precision",
+    measure: Measure::Each {
+        subjects: &["obvhs-cwbvh", "uniform-grid", "wide-bvh"],
+        serves: |_, _| true,
+        measure,
+    },
+};
+
+/// A step: what it adds, the structure's settings from there on, how rays leave surfaces.
+struct Step {
+    adds: &'static str,
+    settings: &'static str,
+    offset: OffsetRule,
+    is_double: bool,
+}
+
+const PLAIN: OffsetRule = OffsetRule::SceneRelative;
+const BOUND: OffsetRule = OffsetRule::ErrorBound(4.0);
+
+const fn step(adds: &'static str, settings: &'static str, offset: OffsetRule) -> Step {
+    Step { adds, settings, offset, is_double: false }
+}
+
+const OBVHS: &[Step] = &[
+    step("fastest known: obvhs as its authors use it", ":adapter=direct", PLAIN),
+    step("our sink", ":adapter=as-shipped:triangle-test=moeller-trumbore", PLAIN),
+    step("ray setup", ":kernel=scalar:padding=none:triangle-test=moeller-trumbore", PLAIN),
+    step("box padding", ":kernel=scalar:triangle-test=moeller-trumbore", PLAIN),
+    step("watertight test", ":kernel=scalar", PLAIN),
+    step("ray offset", ":kernel=scalar", BOUND),
+    step("blocks of eight", ":kernel=block", BOUND),
+    Step { adds: "f64", settings: ":kernel=block", offset: BOUND, is_double: true },
+];
+
+const GRID: &[Step] = &[
+    step(
+        "fastest known: accumulated traversal, tight boxes, Moeller-Trumbore",
+        ":traversal=accumulate:insertion=box:triangle-test=moeller-trumbore",
+        PLAIN,
+    ),
+    step("voxel traversal", ":insertion=box:triangle-test=moeller-trumbore", PLAIN),
+    step("box padding", ":triangle-test=moeller-trumbore", PLAIN),
+    step("watertight test", "", PLAIN),
+    step("ray offset", "", BOUND),
+    step("blocks of eight", ":kernel=block", BOUND),
+    Step { adds: "f64", settings: ":kernel=block", offset: BOUND, is_double: true },
+];
+
+const WIDE: &[Step] = &[
+    step(
+        "fastest known: no padding, Moeller-Trumbore",
+        ":padding=none:triangle-test=moeller-trumbore",
+        PLAIN,
+    ),
+    step("padding of boxes and rays", ":triangle-test=moeller-trumbore", PLAIN),
+    step("watertight test", "", PLAIN),
+    step("ray offset", "", BOUND),
+    Step { adds: "f64", settings: "", offset: BOUND, is_double: true },
+];
+
+fn steps(subject: &str) -> &'static [Step] {
+    match subject {
+        "uniform-grid" => GRID,
+        "wide-bvh" => WIDE,
+        _ => OBVHS,
+    }
+}
+
+/// How many kinds of trials there are.
+const KINDS: usize = 3;
+
+fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
+    let most = stage.aims / KINDS;
+    let aims = known(stage, most);
+    if aims.iter().any(Vec::is_empty) {
+        return Err(stage.unfit("it has no mesh of triangles"));
+    }
+    let secondary = SecondaryRays::new(stage, stage.scene(), &stage.prepared.geometry)?;
+    let double = Geometry::<f64>::of(stage.scene())?;
+    let is_timed = |kind| matches!(kind, RayKind::Primary | RayKind::Diffuse | RayKind::Shadow);
+    let sheets = stage.sheets(stage.timed_rays, is_timed);
+    let judge = Judge { stage, aims: &aims, secondary: &secondary, most };
+    let mut variants = Vec::new();
+    for step in steps(subject) {
+        let label = format!("{subject}{}", step.settings);
+        let offset = RayOffset::new(step.offset, secondary.magnitude);
+        let row = Row::parse(stage.registry, &label)?;
+        let known_defect = row.known_defect();
+        let prims = stage.prepared.geometry.prims();
+        let (found, work) = if step.is_double {
+            let tracer = row.entry.build(double.prims(), &row.params);
+            judge.step(tracer.map_err(|e| stage.refused(e))?, widened(&sheets), offset)
+        } else {
+            let tracer = row.entry.build(prims, &row.params);
+            judge.step(tracer.map_err(|e| stage.refused(e))?, sheets.clone(), offset)
+        };
+        let precision = if step.is_double { " --precision f64" } else { "" };
+        let rule = if step.offset == PLAIN { " --set rays.offset=scene-relative" } else { "" };
+        variants.push(Variant {
+            name: step.adds.into(),
+            setting: format!("run -s {label}{precision}{rule}"),
+            known_defect,
+            is_without: false,
+            is_reference: step.is_double,
+            error: found.error(),
+            also: found.also(),
+            work,
+        });
+    }
+    let (all, left) = (count(&sheets), secondary.departures.len());
+    let said = Said {
+        timed: format!(
+            "{all} rays of the scene and {} that leave surfaces, made and traced",
+            left.min(stage.timed_rays / KINDS)
+        ),
+        judged: format!(
+            "{} rays at corners and edges, {} along axes and from close by, {} off surfaces",
+            aims[0].len(),
+            aims[1].len(),
+            left.min(most)
+        ),
+        is_stepwise: true,
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+fn widened(sheets: &Sheets<f32>) -> Sheets<f64> {
+    let wide = |rays: &Vec<Ray<f32>>| rays.iter().map(Ray::widened).collect();
+    sheets.iter().map(|(kind, rays)| (*kind, wide(rays))).collect()
+}
+
+/// Wrong answers by kind of trial, and trials.
+struct Found([(u64, u64); KINDS]);
+
+impl Found {
+    fn error(&self) -> ErrorOf {
+        let mut tally = Tally::default();
+        self.0.iter().for_each(|(wrong, trials)| tally.add_all(*wrong, *trials));
+        tally.error()
+    }
+
+    fn also(&self) -> Vec<(&'static str, f64)> {
+        let names = [
+            "wrong in 10^6 at corners and edges",
+            "wrong in 10^6 along axes and from close by",
+            "wrong in 10^6 off surfaces",
+        ];
+        let share = |(wrong, trials): (u64, u64)| wrong as f64 / trials.max(1) as f64 * 1e6;
+        names.into_iter().zip(self.0.map(share)).collect()
+    }
+}
+
+/// What all steps are judged by.
+struct Judge<'j, 'a> {
+    stage: &'j Stage<'j>,
+    aims: &'j [Vec<Known>; 2],
+    secondary: &'j SecondaryRays<'a>,
+    most: usize,
+}
+
+impl<'a> Judge<'_, 'a> {
+    /// The errors of a step, and its work.
+    fn step<S: Buildable>(
+        &self,
+        tracer: Box<dyn Tracer<S> + 'a>,
+        sheets: Sheets<S>,
+        offset: RayOffset,
+    ) -> (Found, Box<dyn Work + 'a>) {
+        let of_aims = |known: &Vec<Known>| {
+            let rays: Vec<Ray<S>> = known.iter().map(|known| exactly(&known.ray)).collect();
+            (wrong(&*tracer, known, &rays), known.len() as u64)
+        };
+        let [edges, middles] = self.aims;
+        let left = self.secondary.departures.len().min(self.most);
+        let off = wrong_departures(&*tracer, offset, self.secondary, self.most);
+        let found = Found([of_aims(edges), of_aims(middles), (off, left as u64)]);
+        let most = self.stage.timed_rays / KINDS;
+        let work = StepWork::new(tracer, sheets, offset, self.secondary, most);
+        (found, Box::new(work))
+    }
+}
+
+/// The same ray: nothing is rounded.
+fn exactly<S: Scalar>(ray: &Ray<f32>) -> Ray<S> {
+    let wide = ray.widened();
+    Ray {
+        origin: Vec3::<S>::from_dvec3(wide.origin),
+        direction: Vec3::<S>::from_dvec3(wide.direction),
+        t_min: S::from_f64(wide.t_min),
+        t_max: S::from_f64(wide.t_max),
+        time: S::from_f64(wide.time),
+    }
+}

@@ -1,0 +1,137 @@
+//! What each effect costs where a scene calls for it, by what its being left out loses.
+//!
+//! The error that is removed is that to the finely sampled image, without the effect less with it; the
+//! time is what the image takes beyond that without the effect, in the same rounds. Their quotient is
+//! the price of a hundredth of the range of colours, a pixel. It rises with the number of samples: the
+//! first ones remove the most.
+
+use presentation::numbers::short;
+use presentation::table::{Cell, Table, dash};
+use statistics::estimate::{Estimate, estimate};
+
+use crate::accuracy::record::{AccuracyRecord, SceneOutcome, VariantRecord};
+
+/// The error whose removal has a price: a hundredth of the range of colours.
+const UNIT: f64 = 0.01;
+const MICROSECONDS: f64 = 1e6;
+
+/// What a variant of an effect adds to an image without it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Price {
+    /// Error that it removes, root mean square of colours; negative where it adds some.
+    pub removed: f64,
+    /// Seconds a pixel.
+    pub added_s: Estimate,
+}
+
+impl Price {
+    /// Seconds a pixel for each [`UNIT`] of error removed; `None` where it removes none.
+    pub fn per_unit_s(&self) -> Option<Estimate> {
+        let units = self.removed / UNIT;
+        let Estimate { median, low, high } = self.added_s;
+        let by = |x: f64| x / units;
+        (units > 0.0).then(|| Estimate { median: by(median), low: by(low), high: by(high) })
+    }
+}
+
+/// The price of a variant over the image without it; `None` without rounds or pixels.
+pub fn price(
+    without: &VariantRecord,
+    row: &VariantRecord,
+    pixels: u32,
+    seed: u64,
+) -> Option<Price> {
+    let each = |(with, without): (&f64, &f64)| (with - without) / f64::from(pixels.max(1));
+    let added: Vec<f64> = row.seconds.iter().zip(&without.seconds).map(each).collect();
+    let removed = without.error.value() - row.error.value();
+    Some(Price { removed, added_s: estimate(&added, seed).filter(|_| pixels > 0)? })
+}
+
+/// The table over all effects of a run that were measured; `None` where none was.
+pub fn table(run: &AccuracyRecord) -> Option<Table> {
+    let mut rows = Vec::new();
+    for axis in &run.axes {
+        for scene in &axis.scenes {
+            // of images, the one that others are held against is the one without effects
+            let is_without = |row: &VariantRecord| row.is_without || row.is_reference;
+            let of_image = scene.rows.iter().filter(|_| scene.pixels > 0);
+            let Some(without) = of_image.clone().find(|row| is_without(row)) else { continue };
+            let with = of_image.filter(|row| !is_without(row));
+            rows.extend(with.filter_map(|row| cells(&axis.axis, scene, without, row, run.seed)));
+        }
+    }
+    let notes = vec![
+        "error: root mean square difference of colours (0 to 1) to the finely sampled image; added: \
+         time beyond that of the image without the effect, in the same rounds; price: the same for \
+         each 0.01 of error that is removed, - where none is."
+            .to_owned(),
+        "effect-gating: what nothing in the scene calls for, left out and simulated all the same: it \
+         removes nothing, so that any time is lost."
+            .to_owned(),
+    ];
+    (!rows.is_empty()).then(|| Table {
+        title: "effects: the price of each where it is called for".into(),
+        header: vec![
+            "effect",
+            "scene",
+            "variant",
+            "error without",
+            "error with",
+            "added us a pixel [95%]",
+            "price us a pixel [95%]",
+        ],
+        rows,
+        notes,
+    })
+}
+
+fn cells(
+    effect: &str,
+    scene: &SceneOutcome,
+    without: &VariantRecord,
+    row: &VariantRecord,
+    seed: u64,
+) -> Option<Vec<Cell>> {
+    let price = price(without, row, scene.pixels, seed)?;
+    let in_microseconds = |e: &Estimate| {
+        let [median, low, high] = [e.median, e.low, e.high].map(|s| short(s * MICROSECONDS));
+        format!("{median} [{low}, {high}]")
+    };
+    Some(vec![
+        effect.to_owned().into(),
+        scene.scene.clone().into(),
+        row.variant.clone().into(),
+        format!("{:.2e}", without.error.value()).into(),
+        format!("{:.2e}", row.error.value()).into(),
+        in_microseconds(&price.added_s).into(),
+        price.per_unit_s().map_or_else(dash, |e| in_microseconds(&e).into()),
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::error_of::ErrorOf;
+    use crate::accuracy::test_records::row;
+
+    fn image(seconds: f64, rmse: f64) -> VariantRecord {
+        VariantRecord { error: ErrorOf::Rmse { rmse }, ..row("image", seconds, 0) }
+    }
+
+    #[test]
+    fn a_price_is_time_added_for_error_removed() {
+        let price = price(&image(1.0, 0.05), &image(3.0, 0.01), 100, 1).unwrap();
+        assert!(
+            (price.removed - 0.04).abs() < 1e-12 && (price.added_s.median - 0.02).abs() < 1e-12
+        );
+        let per_unit = price.per_unit_s().unwrap().median;
+        assert!((per_unit - 0.005).abs() < 1e-12, "{per_unit}");
+    }
+
+    #[test]
+    fn what_removes_nothing_has_no_price() {
+        let price_of = |rmse| price(&image(1.0, 0.05), &image(3.0, rmse), 100, 1).unwrap();
+        assert!(price_of(0.05).per_unit_s().is_none() && price_of(0.06).per_unit_s().is_none());
+        assert!(price(&image(1.0, 0.05), &image(3.0, 0.01), 0, 1).is_none());
+    }
+}

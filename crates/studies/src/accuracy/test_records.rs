@@ -1,0 +1,47 @@
+//! Made-up records for tests.
+
+use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::{AxisRecord, SceneOutcome, Standing, VariantRecord};
+use statistics::estimate::Estimate;
+
+/// A variant that takes so many seconds and is wrong so often in a million.
+pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
+    let ratio = seconds / 2.0;
+    let exactly = |x: f64| Estimate { median: x, low: x, high: x };
+    VariantRecord {
+        variant: variant.into(),
+        setting: String::new(),
+        known_defect: None,
+        is_reference: wrong == 0,
+        error: ErrorOf::Counted { wrong, trials: 1_000_000 },
+        is_below_reference: false,
+        seconds: vec![seconds; 3],
+        time_s: exactly(seconds),
+        ratio: exactly(ratio),
+        standing: Standing::OnFront,
+        also: Default::default(),
+        parts: Vec::new(),
+        is_without: false,
+    }
+}
+
+/// An axis of these variants on one scene.
+pub fn axis(rows: Vec<VariantRecord>) -> AxisRecord {
+    let scene = SceneOutcome {
+        scene: "kitchen".into(),
+        subject: String::new(),
+        is_stepwise: false,
+        pixels: 0,
+        timed: String::new(),
+        judged: String::new(),
+        reference_error: 0.0,
+        rows,
+        faults: Vec::new(),
+    };
+    AxisRecord {
+        axis: "triangle-test".into(),
+        metric: "misses".into(),
+        reference: "exact".into(),
+        scenes: vec![scene],
+    }
+}
