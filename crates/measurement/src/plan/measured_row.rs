@@ -215,7 +215,7 @@ impl<S: Buildable> Built<'_, S> {
         answers: &mut Answers<S>,
         threads: usize,
     ) -> f64 {
-        let ((), seconds) = timed(clock, threads, || match threads {
+        let ((), seconds) = timed(clock, || match threads {
             1 => self.trace(batch, answers),
             _ => self.trace_chunked(batch, answers),
         });

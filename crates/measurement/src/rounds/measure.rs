@@ -225,7 +225,7 @@ impl Asked<'_, '_> {
         let prims = scope.stage.geometry.prims();
         scope.pools.measured.install(|| {
             let build = || self.row.build(prims, scope.lights);
-            let (built, build_s) = timed(scope.clock, scope.plan.threads, build);
+            let (built, build_s) = timed(scope.clock, build);
             let built = built?;
             let build_s = built.foreign().map_or(build_s, Foreign::build_seconds);
             let Some(sheet) = sheets.get_mut(&self.stride) else {
@@ -277,7 +277,7 @@ fn render_once<S: Buildable>(scope: &Scope<'_, '_, S>, row: &MeasuredRow<'_>) ->
     scope.pools.measured.install(|| {
         let tracer = row.entry.build(stage.geometry.prims(), &row.params).ok()?;
         let draw = || render(stage.scene, &*tracer, &scope.plan.settings);
-        let (image, seconds) = timed(scope.clock, scope.plan.threads, draw);
+        let (image, seconds) = timed(scope.clock, draw);
         std::hint::black_box(image);
         Some(seconds)
     })

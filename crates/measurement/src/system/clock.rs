@@ -25,10 +25,11 @@ pub trait Clock: Sync {
     }
 }
 
-/// What work gives, and the seconds that it takes: of one thread, which is the one that calls, its
-/// processor time, else time of day.
-pub fn timed<T>(clock: &dyn Clock, threads: usize, work: impl FnOnce() -> T) -> (T, f64) {
-    let read = || if threads == 1 { clock.busy() } else { clock.now() };
+/// What work gives, and the seconds that it takes: in a rayon pool of one thread that thread's processor
+/// time, elsewhere time of day, since others may work for it.
+pub fn timed<T>(clock: &dyn Clock, work: impl FnOnce() -> T) -> (T, f64) {
+    let is_alone = rayon::current_thread_index().is_some() && rayon::current_num_threads() == 1;
+    let read = || if is_alone { clock.busy() } else { clock.now() };
     let start = read();
     let made = work();
     let seconds = read().saturating_sub(start).as_secs_f64();
@@ -103,14 +104,15 @@ mod tests {
         let clock = SystemClock::default();
         let sleep = || std::thread::sleep(Duration::from_millis(30));
         let spin = || (0..2_000_000u64).fold(1, |a: u64, b| std::hint::black_box(a ^ b));
-        let (_, by_day) = timed(&clock, 2, sleep);
+        let (_, by_day) = timed(&clock, sleep);
         assert!(by_day >= 0.03, "{by_day}");
-        if cfg!(unix) {
-            let (_, by_thread) = timed(&clock, 1, sleep);
-            assert!(by_thread < 0.02, "{by_thread}");
-        }
-        assert!(timed(&clock, 1, spin).1 > 0.0);
-        assert_eq!(timed(&SteppingClock::new(Duration::from_millis(5)), 1, || 7), (7, 0.005));
+        let pool = |threads| crate::system::pools::pool(threads).unwrap();
+        let of_two = pool(2).install(|| timed(&clock, sleep).1);
+        assert!(of_two >= 0.03, "{of_two}");
+        let alone = pool(1).install(|| timed(&clock, sleep).1);
+        assert!(alone < 0.02 || cfg!(not(unix)), "{alone}");
+        assert!(pool(1).install(|| timed(&clock, spin).1) > 0.0);
+        assert_eq!(timed(&SteppingClock::new(Duration::from_millis(5)), || 7), (7, 0.005));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::accuracy::stage::Stage;
 use crate::accuracy::work::Work;
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
-use measurement::system::clock::Clock;
+use measurement::system::clock::{self, Clock};
 use statistics::estimate::{Estimate, estimate, median};
 
 /// A variant, judged and ready to be timed.
@@ -66,9 +66,8 @@ pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> S
         variant.work.prepare();
         variant.work.run();
         let answers = variant.work.fingerprint();
-        let start = stage.clock.now();
-        variant.work.run();
-        first.push((answers, repeats(stage.clock.seconds_since(start))));
+        let ((), seconds) = clock::timed(stage.clock, || variant.work.run());
+        first.push((answers, repeats(seconds)));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
     let is_left = |round| round < stage.rounds;
@@ -116,9 +115,8 @@ impl Parts {
     /// Seconds of the work, made so many times; those of its parts are kept.
     fn timed(&mut self, clock: &dyn Clock, repeats: u32, work: &mut dyn Work) -> f64 {
         let timed = |work: &mut dyn Work, run: &dyn Fn(&mut dyn Work)| {
-            let start = clock.now();
-            (0..repeats).for_each(|_| run(work));
-            clock.seconds_since(start) / f64::from(repeats)
+            let ((), seconds) = clock::timed(clock, || (0..repeats).for_each(|_| run(work)));
+            seconds / f64::from(repeats)
         };
         if self.names.is_empty() {
             return timed(work, &|work| work.run());

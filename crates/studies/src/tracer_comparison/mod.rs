@@ -25,7 +25,7 @@ use crate::accuracy::timing::ratios;
 use crate::image_error::{Converged, edge_rmse, edges, rmse};
 use equal_error::{AtError, SampledImage, at_error};
 use measurement::rounds::interleaved::{Visit, interleaved};
-use measurement::system::clock::Clock;
+use measurement::system::clock::{Clock, timed};
 use reference::Sampled;
 use statistics::estimate::{Estimate, estimate};
 
@@ -170,9 +170,8 @@ pub fn compare(question: &Question<'_>, reference: &Converged, clock: &dyn Clock
         if matches!(made[row], Some(Err(_))) {
             return;
         }
-        let start = clock.now();
-        let image = makers[row]();
-        seconds[row].push(clock.seconds_since(start));
+        let (image, own) = timed(clock, &makers[row]);
+        seconds[row].push(own);
         made[row].get_or_insert(image);
     });
     let edges = edges(&reference.image);

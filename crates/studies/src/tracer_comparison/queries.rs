@@ -10,7 +10,7 @@ use renderer::camera::{EyeRays, Sampling};
 use scene_loading::{Bounds, Camera};
 
 use measurement::rounds::interleaved::{Visit, interleaved};
-use measurement::system::clock::Clock;
+use measurement::system::clock::{Clock, timed};
 use statistics::estimate::{Estimate, estimate};
 
 /// Brute force asks about as many hulls a round at most, the structure in question all shafts.
@@ -107,12 +107,13 @@ pub fn measure(
     interleaved(asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
         let Asked { gatherer, seconds, work, .. } = &mut asked[row];
         let mut gathered = Gathered::default();
-        let start = clock.now();
-        for (shaft, _) in &sample {
-            gatherer.gather(shaft, &mut gathered);
-            std::hint::black_box(&gathered.ids);
-        }
-        seconds.push(clock.seconds_since(start));
+        let ((), own) = timed(clock, || {
+            for (shaft, _) in &sample {
+                gatherer.gather(shaft, &mut gathered);
+                std::hint::black_box(&gathered.ids);
+            }
+        });
+        seconds.push(own);
         *work = gathered.work;
     });
     let brute = asked.iter().find(|a| a.name == "brute-force").or(asked.first());
