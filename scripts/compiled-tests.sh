@@ -34,7 +34,7 @@ judge() { # BINARY ROW SCENE CHOICE -> 0 when the choice takes what nothing chos
     b=$(count "$1" "$2" "$3")
     [ "$a" -gt 0 ] && [ "$b" -gt 0 ] || { echo "compiled-tests: nothing was counted for $2" >&2; exit 1; }
     awk -v what="$1 $2:$4" -v a="$a" -v b="$b" 'BEGIN {
-        r = a / b; printf "%-68s %13d %13d %8.5f\n", what, a, b, r; exit (r > 1.01 || r < 0.99) }'
+        r = a / b; printf "%-68s %13.0f %13.0f %8.5f\n", what, a, b, r; exit (r > 1.01 || r < 0.99) }'
 }
 status=0
 printf '%-68s %13s %13s %8s\n' "built, row" "by name" default ratio
