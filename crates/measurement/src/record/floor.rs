@@ -25,7 +25,7 @@ pub struct FloorRecord {
     pub floor: f64,
     /// What the one that differs most differs by, likewise.
     pub largest: f64,
-    /// The row of that.
+    /// The row of that, and what of it.
     pub row: String,
 }
 
@@ -66,16 +66,16 @@ pub fn factors<'s>(
 ) -> impl Iterator<Item = (String, f64)> + 's {
     let metrics = METRICS.iter().filter(|m| ["build-ratio", "ratio"].contains(&m.name));
     let rows = scene.rows.iter().filter(|row| !row.is_reference && row.verdict.is_timed());
-    let of = move |row: &RowRecord, values: Series| {
+    let of = move |row: &RowRecord, what: &str, values: Series| {
         let (copies, own): (Vec<_>, Vec<_>) =
             values.by_numbered_process().into_iter().partition(|(process, _)| is_copy(*process));
         let middle = |side: &[(u32, Vec<f64>)]| {
             median(&side.iter().filter_map(|(_, rounds)| median(rounds)).collect::<Vec<_>>())
         };
-        Some((format!("{}: {}", scene.name, row.label()), middle(&copies)? / middle(&own)?))
+        Some((format!("{}: {}, {what}", scene.name, row.label()), middle(&copies)? / middle(&own)?))
     };
     rows.flat_map(move |row| {
-        metrics.clone().filter_map(move |metric| of(row, metric.values(scene, row)))
+        metrics.clone().filter_map(move |metric| of(row, metric.name, metric.values(scene, row)))
     })
 }
 
@@ -94,7 +94,11 @@ mod tests {
         let of = |copy: u32| {
             FloorRecord::of(factors(&run.scenes[0], |process| process == copy)).unwrap()
         };
-        assert!((of(2).floor - 0.1).abs() < 1e-12 && of(2).row == "tetra: b", "{:?}", of(2));
+        assert!(
+            (of(2).floor - 0.1).abs() < 1e-12 && of(2).row.starts_with("tetra: b, "),
+            "{:?}",
+            of(2)
+        );
         assert_eq!(of(2).figures, 2);
         assert!((of(1).floor - 0.05).abs() < 0.01, "{:?}", of(1));
         assert_eq!(FloorRecord::of(factors(&run.scenes[0], |_| false)), None);
