@@ -78,9 +78,11 @@ pub fn measure<S: Buildable>(
             Sheet { answers: set.answers(), set }
         });
     }
-    let at_least = match plan.rounds {
-        Rounds::Fixed(n) => n,
-        Rounds::Budget { at_least, .. } => at_least,
+    let (at_least, deadline) = match plan.rounds {
+        // fresh processes time the rows; here they are asked once
+        _ if plan.processes > 1 => (1, None),
+        Rounds::Fixed(n) => (n, deadline),
+        Rounds::Budget { at_least, .. } => (at_least, deadline),
     };
     // the reference's seconds on each sample of rays, by round
     let mut of_reference: Vec<BTreeMap<usize, Seconds>> = Vec::new();

@@ -157,7 +157,9 @@ pub fn measure_rest(
                 let others = processes.as_mut().filter(|_| is_new);
                 let joined = others.map_or(Ok(()), |processes| {
                     let own = plan.of_scene(i);
-                    processes.measure(own.as_ref().unwrap_or(plan), &record, &mut scene, &progress)
+                    let own = own.as_ref().unwrap_or(plan);
+                    let share = budget.share(context.clock.now(), left + 1);
+                    processes.measure(own, &record, &mut scene, share, &progress)
                 });
                 if let Err(error) = joined {
                     // a floor that is missing costs nothing but itself
@@ -390,8 +392,6 @@ fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
 /// The time budget of a run, if it has one.
 struct Budget {
     total: Option<Duration>,
-    /// That share it.
-    processes: u32,
     /// When this part of the run began.
     start: Duration,
     /// What earlier parts of the run had: their scenes' shares.
@@ -407,14 +407,18 @@ impl Budget {
             }
             Rounds::Fixed(_) => (None, Duration::ZERO),
         };
-        Self { total, processes: plan.processes.max(1), start: now, before }
+        Self { total, start: now, before }
     }
 
     /// When the rounds of the next scene end: what is left of the budget, shared by the scenes left.
     fn deadline(&self, now: Duration, left: usize) -> Option<Duration> {
+        Some(now + self.share(now, left)?)
+    }
+
+    /// What of the budget is the next scene's.
+    fn share(&self, now: Duration, left: usize) -> Option<Duration> {
         let spent = now.saturating_sub(self.start) + self.before;
         let left = u32::try_from(left.max(1)).unwrap_or(u32::MAX);
-        let share = self.total?.saturating_sub(spent) / left.saturating_mul(self.processes);
-        Some(now + share)
+        Some(self.total?.saturating_sub(spent) / left)
     }
 }

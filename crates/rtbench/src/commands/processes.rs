@@ -1,15 +1,16 @@
-//! The other processes of a run: each builds and times a scene again, with rounds that go on where the
+//! The processes of a run that has several: each builds and times a scene, with rounds that go on where the
 //! last process ended. Every second one runs a copy of the program's file: what it differs by is the
 //! floor of the run.
 
 use std::path::PathBuf;
 use std::process::Command;
+use std::time::Duration;
 
 use crate::context::Context;
 use crate::error::Error;
 use crate::gate::GateError;
 use crate::gate::against::own_program;
-use measurement::plan::Plan;
+use measurement::plan::{Plan, Rounds};
 use measurement::record::floor::factors;
 use measurement::record::{FloorRecord, RunRecord, SceneRecord};
 use measurement::rounds::joined::join;
@@ -17,10 +18,13 @@ use measurement::system::child_process::{ChildError, answer, arguments, without_
 use measurement::system::program_copy::ProgramCopy;
 use measurement::system::progress::Progress;
 
-/// A check and a baseline have one process of the copy, with a third of their rounds.
+/// A check and a baseline have one process of the program and one of the copy, each with a third of their
+/// rounds.
 const PART_OF_ROUNDS: usize = 3;
-/// Rounds of that process, at the least.
+/// Rounds of those processes, at the least.
 const FEWEST_ROUNDS: usize = 5;
+/// Most rounds of a process within a time budget.
+const MOST_ROUNDS: usize = 10_000;
 
 /// Whether that process runs the copy.
 fn is_copy(process: u32) -> bool {
@@ -53,42 +57,56 @@ impl Processes {
         Ok(Some(Self { program, copy, allow_outside, unkept: Vec::new() }))
     }
 
-    /// Measures the scene in all other processes and joins what they say to its record.
+    /// Builds and times the scene in fresh processes and takes what they say for the scene's times; where the
+    /// plan has one process, its own, that keeps its times, and others say how far a copy is from the program.
+    /// What this process did before (other scenes, all answers) is in no other: builds take up to a third
+    /// less in one whose allocator has kept memory, so that only fresh processes are compared with one another.
     ///
     /// # Errors
-    /// [`ChildError`] of the first process that gives no answer; the samples of those before it stay.
+    /// [`ChildError`] of the first process that gives no answer; the samples of those before it stay, or the
+    /// one of this process.
     pub fn measure(
         &mut self,
         plan: &Plan<'_>,
         run: &RunRecord,
         scene: &mut SceneRecord,
+        share: Option<Duration>,
         progress: &Progress,
     ) -> Result<(), ChildError> {
-        let rounds = scene.rows.iter().map(|row| row.samples.len()).max().unwrap_or(0);
-        if rounds == 0 {
+        let own_rounds = scene.rows.iter().map(|row| row.samples.len()).max().unwrap_or(0);
+        if own_rounds == 0 {
             return Ok(());
         }
-        if plan.processes < 2 {
-            let few = rounds.div_ceil(PART_OF_ROUNDS).max(FEWEST_ROUNDS).min(rounds);
-            progress.message(format!("{}: a copy of this program", scene.name));
-            let other = self.one(run, scene, 1, few, rounds)?;
-            let mut both = scene.clone();
-            join(&mut both, other, plan.seed);
-            self.unkept.extend(factors(&both, is_copy));
-            return Ok(());
+        let is_kept = plan.processes > 1;
+        let (processes, rounds) = match is_kept {
+            true => (plan.processes, rounds_of(plan, scene, share)),
+            false => (2, own_rounds.div_ceil(PART_OF_ROUNDS).max(FEWEST_ROUNDS).min(own_rounds)),
+        };
+        let mut fresh = scene.clone();
+        fresh.rows.iter_mut().for_each(|row| row.samples.clear());
+        let mut ended = Ok(());
+        for process in 0..processes {
+            let (number, name) = (process + 1, &scene.name);
+            progress.message(format!("{name}: process {number} of {processes}"));
+            match self.one(run, scene, process, rounds) {
+                Ok(other) => join(&mut fresh, other, plan.seed),
+                Err(error) => {
+                    ended = Err(error);
+                    break;
+                }
+            }
         }
-        for process in 1..plan.processes {
-            progress.message(format!(
-                "{}: process {} of {}",
-                scene.name,
-                process + 1,
-                plan.processes
-            ));
-            let first = rounds * process as usize;
-            let other = self.one(run, scene, process, rounds, first)?;
-            join(scene, other, plan.seed);
+        if !is_kept {
+            self.unkept.extend(factors(&fresh, is_copy));
+            return ended;
         }
-        Ok(())
+        for (row, fresh) in scene.rows.iter_mut().zip(fresh.rows) {
+            // one that no other process has keeps the round of this one
+            if !fresh.samples.is_empty() || fresh.verdict != row.verdict {
+                *row = fresh;
+            }
+        }
+        ended
     }
 
     /// The record of one process.
@@ -98,7 +116,6 @@ impl Processes {
         scene: &SceneRecord,
         process: u32,
         rounds: usize,
-        first_round: usize,
     ) -> Result<SceneRecord, ChildError> {
         let mut wanted = scene.clone();
         wanted.rows.retain(|row| !row.samples.is_empty());
@@ -111,7 +128,7 @@ impl Processes {
         command.args(arguments(self.allow_outside)).args(["measure", "--lightly"]);
         command.args(["--rounds", &rounds.to_string()]);
         command.args(["--process", &process.to_string()]);
-        command.args(["--first-round", &first_round.to_string()]);
+        command.args(["--first-round", &(rounds * process as usize).to_string()]);
         let answered: RunRecord = answer(&mut command, &without_samples(&like))?;
         let same = answered.scenes.into_iter().find(|s| s.name == scene.name);
         same.filter(|same| same.rays == scene.rays).ok_or_else(|| ChildError::Answer {
@@ -125,4 +142,17 @@ impl Processes {
         let kept = scenes.iter().flat_map(|scene| factors(scene, is_copy));
         FloorRecord::of(kept.chain(self.unkept.iter().cloned()))
     }
+}
+
+/// Rounds of each process: as many as are asked for, or as the scene's share of a time budget has room for by
+/// the round that this process made.
+fn rounds_of(plan: &Plan<'_>, scene: &SceneRecord, share: Option<Duration>) -> usize {
+    let at_least = match plan.rounds {
+        Rounds::Fixed(rounds) => return rounds,
+        Rounds::Budget { at_least, .. } => at_least,
+    };
+    let rows = || scene.rows.iter().flat_map(|row| &row.samples);
+    let round_s: f64 = rows().map(|sample| sample.build_s + sample.total_trace_s()).sum();
+    let each = share.unwrap_or_default().as_secs_f64() / f64::from(plan.processes);
+    ((each / round_s.max(1e-6)) as usize).clamp(at_least, MOST_ROUNDS)
 }

@@ -30,6 +30,12 @@ pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
             reference::in_words(now)
         ));
     }
+    let (was, is) = (&base.settings.timed_by, &now.settings.timed_by);
+    if was != is {
+        remarks.push(format!(
+            "Times of the baseline are {was}, now {is}: what other programs take is in one of them only."
+        ));
+    }
     if base.compiler.rustc != now.compiler.rustc {
         let of = |r: &RunRecord| r.compiler.rustc.clone().unwrap_or_else(|| "unknown".into());
         remarks.push(format!(

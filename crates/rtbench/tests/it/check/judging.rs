@@ -257,4 +257,11 @@ fn each_difference_that_forbids_comparing_is_named() {
     elsewhere.machine.cpu = Some("another".into());
     assert_eq!(comparable::refusals(&record(), &elsewhere), Vec::<String>::new());
     assert!(comparable::remarks(&record(), &elsewhere)[0].contains("Another machine"));
+    let mut by_day = record();
+    by_day.settings.timed_by = "time of day, planted".into();
+    let remarks = comparable::remarks(&by_day, &record());
+    assert!(
+        remarks[0].starts_with("Times of the baseline are time of day, planted, now "),
+        "{remarks:?}"
+    );
 }
