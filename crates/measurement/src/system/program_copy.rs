@@ -1,5 +1,9 @@
 //! A copy of a program's file, to be run beside it: the same code, elsewhere in memory and on disk.
+//!
+//! On Linux the copy has no name any more as soon as it is made: it is run through the descriptor that this
+//! process has of it, and whatever ends the process leaves no file behind.
 
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -20,7 +24,9 @@ pub struct CopyError {
 /// The copy; it is removed with this.
 #[derive(Debug)]
 pub struct ProgramCopy {
-    _folder: TempDir,
+    /// None where the copy has no name.
+    _folder: Option<TempDir>,
+    _open: Option<File>,
     path: PathBuf,
 }
 
@@ -35,7 +41,11 @@ impl ProgramCopy {
             let name = program.file_name().unwrap_or("rtbench".as_ref());
             let path = folder.path().join(name);
             std::fs::copy(program, &path)?;
-            Ok(Self { _folder: folder, path })
+            let open = File::open(&path)?;
+            Ok(match nameless(&open) {
+                Some(path) => Self { _folder: None, _open: Some(open), path },
+                None => Self { _folder: Some(folder), _open: None, path },
+            })
         };
         made().map_err(|source| CopyError {
             program: program.into(),
@@ -50,6 +60,19 @@ impl ProgramCopy {
     }
 }
 
+/// A path of an open file that stays when its name is removed; none where the system has no such paths.
+#[cfg(target_os = "linux")]
+fn nameless(open: &File) -> Option<PathBuf> {
+    use std::os::fd::AsRawFd;
+    let path = PathBuf::from(format!("/proc/{}/fd/{}", std::process::id(), open.as_raw_fd()));
+    path.exists().then_some(path)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn nameless(_: &File) -> Option<PathBuf> {
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,10 +84,14 @@ mod tests {
         std::fs::write(&program, "code").unwrap();
         let copy = ProgramCopy::of(&program, folder.path()).unwrap();
         assert_eq!(std::fs::read(copy.path()).unwrap(), b"code");
-        let path = copy.path().to_owned();
-        assert!(path != program && path.ends_with("program"));
+        assert_ne!(copy.path(), program);
+        let names = || std::fs::read_dir(folder.path()).unwrap().count();
+        assert!(
+            names() == 1 || cfg!(not(target_os = "linux")),
+            "nothing is left if this is killed"
+        );
         drop(copy);
-        assert!(!path.exists());
+        assert_eq!(names(), 1);
         let error = ProgramCopy::of(&folder.path().join("none"), folder.path()).unwrap_err();
         assert!(error.to_string().starts_with("cannot copy "), "{error}");
     }
