@@ -25,7 +25,7 @@ pub struct Price {
 }
 
 impl Price {
-    /// Seconds a pixel for each [`UNIT`] of error removed; `None` where it removes none.
+    /// Seconds a pixel for each 0.01 of error removed; `None` where it removes none.
     pub fn per_unit_s(&self) -> Option<Estimate> {
         let units = self.removed / UNIT;
         let Estimate { median, low, high } = self.added_s;
