@@ -5,12 +5,18 @@ use std::fmt::Write;
 use crate::outside;
 use crate::table::Table;
 
-/// Appends a table with its title and notes.
+/// Appends a table with its title and notes; all columns but the first hold figures.
 pub fn push_table(text: &mut String, table: &Table) {
+    push_table_with(text, table, |column| column > 0);
+}
+
+/// The same; `holds_figures` says which columns are aligned to the right.
+pub fn push_table_with(text: &mut String, table: &Table, holds_figures: impl Fn(usize) -> bool) {
     let _ = writeln!(text, "## {}\n", escaped(&table.title));
     let _ = writeln!(text, "| {} |", table.header.join(" | "));
-    let rule: Vec<&str> =
-        (0..table.header.len()).map(|c| if c == 0 { "---" } else { "---:" }).collect();
+    let rule: Vec<&str> = (0..table.header.len())
+        .map(|column| if holds_figures(column) { "---:" } else { "---" })
+        .collect();
     let _ = writeln!(text, "| {} |", rule.join(" | "));
     for row in &table.rows {
         let cells: Vec<String> = row.iter().map(|c| escaped(&c.text)).collect();

@@ -1,7 +1,7 @@
 //! What a command works with; everything of the outside world that tests replace.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use accel_core::occluders;
 use accel_core::structures::Entry;
@@ -10,6 +10,7 @@ use crate::args::Color;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::Clock;
 use measurement::system::pressure;
+use measurement::system::program_copy::{CopyError, ProgramCopy};
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use presentation::outside::{self, Annotation};
@@ -62,6 +63,15 @@ pub struct Environment {
 }
 
 impl Environment {
+    /// A copy of a program's file among the temporary files.
+    ///
+    /// # Errors
+    /// [`CopyError`].
+    pub fn copy_of(&self, program: &Path) -> Result<ProgramCopy, CopyError> {
+        let temporary = self.temporary.clone().unwrap_or_else(std::env::temp_dir);
+        ProgramCopy::of(program, &temporary)
+    }
+
     /// What the process finds.
     pub fn detect() -> Self {
         let path = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);

@@ -3,6 +3,7 @@
 //! unless it has normals or triangles are asked for; faces without area are left out.
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use glam::DVec3;
 
@@ -53,6 +54,20 @@ impl FaceCounts {
     pub fn warn(&self, scene: &mut Scene) {
         self.without_area.warn("faces without area left out", scene);
         self.bent.warn("faces that are not flat split", scene);
+    }
+
+    /// The scene of a file of triangles alone: warned of, seen by a camera that frames it.
+    ///
+    /// # Errors
+    /// [`LoadError::NoPrimitives`] where no triangle is left.
+    pub fn finish(&self, mut scene: Scene, path: &Path) -> Result<Scene, LoadError> {
+        self.warn(&mut scene);
+        if scene.primitives.is_empty() {
+            let expected = "triangle with an area";
+            return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+        }
+        scene.frame_camera();
+        Ok(scene)
     }
 }
 

@@ -64,11 +64,5 @@ pub fn parse_triangle_soup(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError
         mesh.add(&corners, &mut scene, &mut counts, place)?;
     }
     progress::end();
-    counts.warn(&mut scene);
-    if scene.primitives.is_empty() {
-        let expected = "triangle with an area";
-        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
-    }
-    scene.frame_camera();
-    Ok(scene)
+    counts.finish(scene, path)
 }

@@ -28,7 +28,6 @@ use measurement::system::created::create;
 use measurement::system::files::WriteError;
 use measurement::system::interrupt::undisturbed;
 use measurement::system::pressure::Watch;
-use measurement::system::program_copy::ProgramCopy;
 use measurement::system::progress::Progress;
 use presentation::json;
 use presentation::outside::line;
@@ -183,7 +182,7 @@ impl Check<'_> {
         }
         let program = context.environment.program.clone();
         let new = own_program(program.as_ref()).map_err(GateError::from)?;
-        let copied = copied(context, new)?;
+        let copied = context.environment.copy_of(new)?;
         let (copy, pace) = (copied.path(), self.pace(now.settings.seed));
         let (like, allow_outside) = (now.clone(), context.scenes.allows_outside());
         let mut contest = Contest { old, new, copy, like, pace, allow_outside };
@@ -225,7 +224,7 @@ impl Check<'_> {
         let args = self.args;
         let program = args.new.as_ref().or(context.environment.program.as_ref()).cloned();
         let new = own_program(program.as_ref()).map_err(GateError::from)?;
-        let copied = copied(context, new)?;
+        let copied = context.environment.copy_of(new)?;
         let seed = args.measuring.seed.unwrap_or(1);
         let pace = self.pace(seed);
         let commands = Commands { old, new, copy: copied.path(), arguments: &args.arguments, pace };
@@ -308,12 +307,6 @@ impl Check<'_> {
             pairs,
         }
     }
-}
-
-/// A copy of the program's file.
-fn copied(context: &Context<'_>, program: &Path) -> Result<ProgramCopy, Error> {
-    let temporary = context.environment.temporary.clone().unwrap_or_else(std::env::temp_dir);
-    Ok(ProgramCopy::of(program, &temporary)?)
 }
 
 /// Measures a plan; what goes wrong in a scene is said.

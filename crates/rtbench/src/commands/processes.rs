@@ -51,8 +51,7 @@ impl Processes {
             return Ok(None);
         }
         let program = own_program(program).map_err(GateError::from)?.to_owned();
-        let temporary = context.environment.temporary.clone().unwrap_or_else(std::env::temp_dir);
-        let copy = ProgramCopy::of(&program, &temporary)?;
+        let copy = context.environment.copy_of(&program)?;
         let allow_outside = context.scenes.allows_outside();
         Ok(Some(Self { program, copy, allow_outside, unkept: Vec::new() }))
     }

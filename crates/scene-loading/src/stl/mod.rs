@@ -48,14 +48,7 @@ pub fn parse_stl(path: &Path, bytes: Vec<u8>) -> Result<Scene, LoadError> {
         reader.text(&lossy_text(bytes))?
     }
     progress::end();
-    let Reader { mut scene, counts, .. } = reader;
-    counts.warn(&mut scene);
-    if scene.primitives.is_empty() {
-        let expected = "triangle with an area";
-        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
-    }
-    scene.frame_camera();
-    Ok(scene)
+    reader.counts.finish(reader.scene, path)
 }
 
 /// The number of triangles that a binary file states.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, Standing, VariantRecord};
-use presentation::markdown::escaped;
+use presentation::markdown::{escaped, push_table_with};
 use presentation::numbers::{milliseconds, ratio, short};
 use presentation::table::{Cell, Style, Table};
 
@@ -88,21 +88,7 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
 
 /// Appends a table with its title and notes.
 pub(super) fn push_table(text: &mut String, table: &Table) {
-    let _ = writeln!(text, "## {}\n", escaped(&table.title));
-    let _ = writeln!(text, "| {} |", table.header.join(" | "));
-    let rule = table.header.iter().enumerate().map(|(i, _)| match i {
-        1..=3 => "---:",
-        _ => "---",
-    });
-    let _ = writeln!(text, "| {} |", rule.collect::<Vec<_>>().join(" | "));
-    for row in &table.rows {
-        let cells: Vec<String> = row.iter().map(|c| escaped(&c.text)).collect();
-        let _ = writeln!(text, "| {} |", cells.join(" | "));
-    }
-    text.push('\n');
-    for note in &table.notes {
-        let _ = writeln!(text, "{}\n", escaped(note));
-    }
+    push_table_with(text, table, |column| (1..=3).contains(&column));
 }
 
 /// Where and how a run was made.

@@ -1,0 +1,40 @@
+//! The time budget of a run: how much of it each scene has.
+
+use std::time::Duration;
+
+use measurement::plan::{Plan, Rounds};
+
+/// The time budget of a run, if it has one.
+pub struct Budget {
+    total: Option<Duration>,
+    /// When this part of the run began.
+    start: Duration,
+    /// What earlier parts of the run had: their scenes' shares.
+    before: Duration,
+}
+
+impl Budget {
+    /// Of a run whose part begins `now`, with so many scenes finished before.
+    pub fn new(plan: &Plan<'_>, now: Duration, finished: usize) -> Self {
+        let (total, before) = match plan.rounds {
+            Rounds::Budget { total, .. } => {
+                let share = finished as f64 / plan.scenes.len().max(1) as f64;
+                (Some(total), total.mul_f64(share))
+            }
+            Rounds::Fixed(_) => (None, Duration::ZERO),
+        };
+        Self { total, start: now, before }
+    }
+
+    /// When the rounds of the next scene end: what is left of the budget, shared by the scenes left.
+    pub fn deadline(&self, now: Duration, left: usize) -> Option<Duration> {
+        Some(now + self.share(now, left)?)
+    }
+
+    /// What of the budget is the next scene's.
+    pub fn share(&self, now: Duration, left: usize) -> Option<Duration> {
+        let spent = now.saturating_sub(self.start) + self.before;
+        let left = u32::try_from(left.max(1)).unwrap_or(u32::MAX);
+        Some(self.total?.saturating_sub(spent) / left)
+    }
+}
