@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::accuracy::processes::Unlike;
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
 use presentation::format_error::FormatError;
@@ -27,6 +28,9 @@ pub enum StudyError {
         /// What it lacks.
         reason: &'static str,
     },
+    /// Processes that were to measure the same did not.
+    #[error(transparent)]
+    Unlike(#[from] Unlike),
     /// An image could not be written.
     #[error(transparent)]
     Image(#[from] UnsavedImage),

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::record::RunRecord;
@@ -57,13 +58,13 @@ pub fn arguments(allow_outside: bool) -> &'static [&'static str] {
     }
 }
 
-/// Starts the command with a record on its standard input and reads its answer.
+/// Starts the command with a record, or other settings, on its standard input and reads its answer.
 ///
 /// # Errors
 /// [`ChildError`], naming the program.
 pub fn answer<T: DeserializeOwned>(
     command: &mut Command,
-    record: &RunRecord,
+    record: &impl Serialize,
 ) -> Result<T, ChildError> {
     let program = PathBuf::from(command.get_program());
     let started = |source| ChildError::Start { program: program.clone(), source };

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 /// `rtbench accuracy`.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Args, Serialize, Deserialize)]
 pub struct AccuracyArgs {
     /// Axes [default: all]
     #[arg(value_name = "AXIS")]
@@ -19,6 +20,9 @@ pub struct AccuracyArgs {
     /// Rounds: each times every variant of an axis once [default: 15, quick 5]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(3..=1000))]
     pub rounds: Option<u32>,
+    /// Time the variants of each axis in so many fresh processes, one after the other
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = measurement::settings::quantity::count(1..=100))]
+    pub processes: u32,
     /// Pixels across the image whose rays are traced, with as many more rays timed as it has pixels
     /// [default: 96, quick 32]
     #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(8..=2048))]

@@ -190,6 +190,8 @@ pub enum ChildAction {
         #[arg(long, default_value_t = 0)]
         first_round: u32,
     },
+    /// Time the variants of axes of accuracy: `AccuracyArgs` on standard input
+    Accuracy,
     /// Build and ask each row once, for a counter of instructions
     CountInstructions,
     /// Build one row and say how much memory that took; ends when standard input ends

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use renderer::RaySettings;
 
@@ -11,8 +12,11 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::occupied::Wanted;
+use crate::gate::GateError;
+use crate::gate::against::{AgainstError, own_program};
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
+use measurement::system::child_process::{ChildError, answer, arguments};
 use measurement::system::created::Created;
 use measurement::system::files::WriteError;
 use measurement::system::pools::pool;
@@ -20,9 +24,11 @@ use presentation::format_error::FormatError;
 use presentation::outside::line;
 use presentation::text::{write_notes, write_table};
 use studies::accuracy::axis::{Axis, select};
+use studies::accuracy::processes::join;
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
 use studies::accuracy::stage::{Prepared, Stage};
 use studies::accuracy::{csv, effect_prices, parts, pictures, plot, summary, tables};
+use studies::error::StudyError;
 
 /// Pixels of the image whose rays are traced, an axis, in a full run and in a quick one.
 const SIZE: (u32, u32) = (96, 32);
@@ -30,6 +36,8 @@ const SIZE: (u32, u32) = (96, 32);
 const TIMED_RAYS: (usize, usize) = (20_000, 3_000);
 /// Trials of an exact oracle for each variant.
 const TRIALS: (usize, usize) = (100_000, 10_000);
+/// Trials where only times are asked for.
+const FEW_TRIALS: usize = 100;
 /// Rounds.
 const ROUNDS: (usize, usize) = (15, 5);
 
@@ -46,7 +54,6 @@ fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
 pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
     let quick = args.quick;
-    let named = context.scenes.resolve(&args.scenes)?;
     let mut created = Created::default();
     if let Some(folder) = &args.output {
         let wanted = Wanted {
@@ -67,74 +74,33 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         seed: args.seed,
         quick: args.quick,
         rounds,
+        processes: args.processes,
         took_s: 0.0,
         axes: Vec::new(),
     };
     let colors = context.terminal.colors(color);
-    let (start, mut failures) = (context.clock.now(), 0);
-    let size = args.size.unwrap_or(pick(SIZE, quick));
-    let mut scenes = Scenes { size, seed: args.seed, prepared: BTreeMap::new() };
-    let limits = Limits {
-        rounds,
-        timed_rays: timed_rays(size, quick),
-        aims: args.trials.map_or(pick(TRIALS, quick), |n| n as usize),
-        quick,
-        seed: args.seed,
-    };
-    // builds and rays use the threads of this pool: one, so that nothing is timed beside another
-    let one_thread = pool(1)?;
+    let start = context.clock.now();
+    // of several processes this one says how wrong the variants are, and tries each
+    let is_alone = args.processes == 1;
+    let mut study = Study::of(context, args, if is_alone { rounds } else { 1 })?;
     for axis in axes {
-        let own;
-        let asked = if args.scenes.is_empty() {
-            own = context
-                .scenes
-                .resolve(&axis.scenes.iter().map(|s| (*s).into()).collect::<Vec<_>>())?;
-            &own
-        } else {
-            &named
-        };
-        let mut of_axis = AxisRecord {
-            axis: axis.name.into(),
-            metric: axis.metric.into(),
-            reference: axis.reference.into(),
-            scenes: Vec::new(),
-        };
-        for known in asked {
-            let subjects = match scenes.of(&**known, context) {
-                Ok(prepared) => axis.measure.subjects(prepared),
-                Err(error) => {
-                    failures += 1;
-                    context.error(&error);
-                    continue;
-                }
-            };
-            for subject in subjects {
-                let shared = Shared {
-                    registry: context.registry,
-                    occluders: context.occluders,
-                    clock: context.clock,
-                };
-                let outcome = scenes.of(&**known, context).and_then(|prepared| {
-                    let of = (axis, subject);
-                    one_thread.install(|| shared.on_scene(of, known.name(), prepared, &limits))
-                });
-                match outcome {
-                    Ok(outcome) => of_axis.scenes.push(outcome),
-                    Err(error) => {
-                        failures += 1;
-                        context.error(&error);
-                        // what a scene lacks, it lacks for all subjects
-                        break;
-                    }
-                }
-                if let Some(scene) = of_axis.scenes.last() {
-                    let steps = parts::steps(&of_axis, scene, args.seed);
-                    for table in [tables::table(&of_axis, scene)].into_iter().chain(steps) {
-                        write_table(context.out, &table, colors)?;
-                    }
-                    context.out.flush()?;
-                }
+        let show = |context: &mut Context<'_>, of_axis: &AxisRecord, scene: &SceneOutcome| {
+            let steps = parts::steps(of_axis, scene, args.seed);
+            for table in [tables::table(of_axis, scene)].into_iter().chain(steps) {
+                write_table(context.out, &table, colors)?;
             }
+            Ok(context.out.flush()?)
+        };
+        let mut of_axis = study.measured(context, axis, |context, of_axis, scene| match is_alone {
+            true => show(context, of_axis, scene),
+            false => Ok(()),
+        })?;
+        if !is_alone {
+            if let Err(error) = in_processes(context, args, &mut of_axis) {
+                study.failures += 1;
+                context.error(&error);
+            }
+            of_axis.scenes.iter().try_for_each(|scene| show(context, &of_axis, scene))?;
         }
         for table in parts::over_scenes(&of_axis, args.seed) {
             write_table(context.out, &table, colors)?;
@@ -163,13 +129,142 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     writeln!(context.out, "\nThe whole took {}.", tables::took(record.took_s))?;
     context.out.flush()?;
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
-    Ok(if failures > 0 || has_faults { FAILURE } else { SUCCESS })
+    Ok(if study.failures > 0 || has_faults { FAILURE } else { SUCCESS })
+}
+
+/// Times the variants of an axis in fresh processes, one after the other.
+///
+/// # Errors
+/// [`Error`] of the first process that has no answer, or another; the times of those before it stay.
+fn in_processes(
+    context: &Context<'_>,
+    args: &AccuracyArgs,
+    axis: &mut AxisRecord,
+) -> Result<(), Error> {
+    let program = own_program(context.environment.program.as_ref()).map_err(GateError::from)?;
+    let asked = AccuracyArgs { axes: vec![axis.axis.clone()], output: None, ..args.clone() };
+    for process in 0..args.processes {
+        let mut command = Command::new(program);
+        command.args(arguments(context.scenes.allows_outside())).arg("accuracy");
+        let answered: Result<Vec<AxisRecord>, ChildError> = answer(&mut command, &asked);
+        let answered = answered.map_err(|e| GateError::from(AgainstError::New(e)))?;
+        for other in &answered {
+            join(axis, other, process, args.seed).map_err(StudyError::from)?;
+        }
+    }
+    Ok(())
+}
+
+/// The axes, timed, with hardly a trial of their errors, for the process that started this one, and how many
+/// scenes failed: those that serve no axis fail there, too.
+///
+/// # Errors
+/// [`Error`] for axes and scenes that there are not.
+pub fn times(
+    context: &mut Context<'_>,
+    args: &AccuracyArgs,
+) -> Result<(Vec<AxisRecord>, usize), Error> {
+    let rounds = args.rounds.map_or(pick(ROUNDS, args.quick), |n| n as usize);
+    let mut study = Study::of(context, args, rounds)?;
+    study.limits.only_times = true;
+    study.limits.aims = FEW_TRIALS;
+    let axes = select(&args.axes)?.into_iter();
+    let axes = axes.map(|axis| study.measured(context, axis, |_, _, _| Ok(())));
+    Ok((axes.collect::<Result<_, _>>()?, 0))
 }
 
 /// Rays of a timed pass: as many more as the image has more pixels.
 fn timed_rays(size: u32, quick: bool) -> usize {
     let share = f64::from(size) / f64::from(pick(SIZE, quick));
     (pick(TIMED_RAYS, quick) as f64 * share * share).ceil() as usize
+}
+
+/// Axes on scenes.
+struct Study {
+    limits: Limits,
+    scenes: Scenes,
+    named: Vec<String>,
+    /// Scenes and axes that failed.
+    failures: usize,
+}
+
+impl Study {
+    /// As asked for, in so many rounds.
+    fn of(context: &Context<'_>, args: &AccuracyArgs, rounds: usize) -> Result<Self, Error> {
+        // refused before anything is measured
+        context.scenes.resolve(&args.scenes)?;
+        let quick = args.quick;
+        let size = args.size.unwrap_or(pick(SIZE, quick));
+        Ok(Self {
+            limits: Limits {
+                rounds,
+                timed_rays: timed_rays(size, quick),
+                aims: args.trials.map_or(pick(TRIALS, quick), |n| n as usize),
+                quick,
+                seed: args.seed,
+                only_times: false,
+            },
+            scenes: Scenes { size, seed: args.seed, prepared: BTreeMap::new() },
+            named: args.scenes.clone(),
+            failures: 0,
+        })
+    }
+
+    /// An axis on its scenes, or on those that are named; `show` is told of each.
+    fn measured(
+        &mut self,
+        context: &mut Context<'_>,
+        axis: &'static Axis,
+        mut show: impl FnMut(&mut Context<'_>, &AxisRecord, &SceneOutcome) -> Result<(), Error>,
+    ) -> Result<AxisRecord, Error> {
+        let asked = match self.named.is_empty() {
+            true => axis.scenes.iter().map(|s| (*s).into()).collect(),
+            false => self.named.clone(),
+        };
+        // builds and rays use the threads of this pool: one, so that nothing is timed beside another
+        let one_thread = pool(1)?;
+        let mut of_axis = AxisRecord {
+            axis: axis.name.into(),
+            metric: axis.metric.into(),
+            reference: axis.reference.into(),
+            scenes: Vec::new(),
+        };
+        for known in context.scenes.resolve(&asked)? {
+            let subjects = match self.scenes.of(&*known, context) {
+                Ok(prepared) => axis.measure.subjects(prepared),
+                Err(error) => {
+                    self.failures += 1;
+                    context.error(&error);
+                    continue;
+                }
+            };
+            for subject in subjects {
+                let shared = Shared {
+                    registry: context.registry,
+                    occluders: context.occluders,
+                    clock: context.clock,
+                };
+                let outcome = self.scenes.of(&*known, context).and_then(|prepared| {
+                    let on_scene =
+                        || shared.on_scene((axis, subject), known.name(), prepared, &self.limits);
+                    one_thread.install(on_scene)
+                });
+                match outcome {
+                    Ok(outcome) => {
+                        show(context, &of_axis, &outcome)?;
+                        of_axis.scenes.push(outcome);
+                    }
+                    Err(error) => {
+                        self.failures += 1;
+                        context.error(&error);
+                        // what a scene lacks, it lacks for all subjects
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(of_axis)
+    }
 }
 
 /// How much is done.
@@ -179,6 +274,7 @@ struct Limits {
     aims: usize,
     quick: bool,
     seed: u64,
+    only_times: bool,
 }
 
 /// What all axes work with.
@@ -208,6 +304,7 @@ impl Shared<'_> {
             timed_rays: limits.timed_rays,
             aims: limits.aims,
             quick: limits.quick,
+            only_times: limits.only_times,
         };
         Ok(axis.measure.outcome(&stage, subject)?)
     }

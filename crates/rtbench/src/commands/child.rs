@@ -4,9 +4,11 @@
 
 use std::io::Read;
 
+use serde::de::DeserializeOwned;
+
 use crate::args::{ChildAction, ChildArgs};
 use crate::commands::measuring::measure_scenes;
-use crate::commands::trial_build;
+use crate::commands::{accuracy, trial_build};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
@@ -22,17 +24,23 @@ use presentation::format_error::FormatError;
 /// Where few answers are checked, one ray in that many of those that would be.
 const LIGHTLY: usize = 16;
 
+/// What standard input says.
+fn asked<T: DeserializeOwned>() -> Result<T, Error> {
+    let mut text = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut text)?;
+    Ok(serde_json::from_slice(&text).map_err(json)?)
+}
+
+fn json(e: serde_json::Error) -> FormatError {
+    FormatError { format: "JSON", message: e.to_string() }
+}
+
 /// Does what was asked and returns the exit code.
 ///
 /// # Errors
 /// [`Error`] for a record that cannot be read or measured.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
-    let json = |e: serde_json::Error| FormatError { format: "JSON", message: e.to_string() };
-    let record = || -> Result<RunRecord, Error> {
-        let mut text = Vec::new();
-        std::io::stdin().lock().read_to_end(&mut text)?;
-        Ok(serde_json::from_slice(&text).map_err(json)?)
-    };
+    let record = asked::<RunRecord>;
     let (answer, failures) = match &args.action {
         ChildAction::Build(build) => return trial_build::run(context, build).map(|()| SUCCESS),
         ChildAction::Plugin(args) => {
@@ -55,6 +63,10 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             let measured =
                 measure_scenes(context, &plan, &mut Outputs::default(), |_, _, _| Ok(()))?;
             (serde_json::to_string(&measured.record), measured.failures)
+        }
+        ChildAction::Accuracy => {
+            let (axes, failures) = accuracy::times(context, &asked()?)?;
+            (serde_json::to_string(&axes), failures)
         }
         ChildAction::CountInstructions => {
             let plan = like::plan(&record()?, &Narrowed::default(), context)?;

@@ -7,7 +7,7 @@
 
 use presentation::numbers::short;
 use presentation::table::{Cell, Table, dash};
-use statistics::estimate::{Estimate, estimate};
+use statistics::estimate::Estimate;
 
 use crate::accuracy::record::{AccuracyRecord, SceneOutcome, VariantRecord};
 
@@ -36,15 +36,17 @@ impl Price {
 
 /// The price of a variant over the image without it; `None` without rounds or pixels.
 pub fn price(
+    scene: &SceneOutcome,
     without: &VariantRecord,
     row: &VariantRecord,
-    pixels: u32,
     seed: u64,
 ) -> Option<Price> {
-    let each = |(with, without): (&f64, &f64)| (with - without) / f64::from(pixels.max(1));
-    let added: Vec<f64> = row.seconds.iter().zip(&without.seconds).map(each).collect();
+    let added = scene.differences(&row.seconds, &without.seconds).estimate(seed)?;
+    let each = |s: f64| s / f64::from(scene.pixels);
+    let Estimate { median, low, high } = added;
+    let added_s = Estimate { median: each(median), low: each(low), high: each(high) };
     let removed = without.error.value() - row.error.value();
-    Some(Price { removed, added_s: estimate(&added, seed).filter(|_| pixels > 0)? })
+    (scene.pixels > 0).then_some(Price { removed, added_s })
 }
 
 /// The table over all effects of a run that were measured; `None` where none was.
@@ -92,7 +94,7 @@ fn cells(
     row: &VariantRecord,
     seed: u64,
 ) -> Option<Vec<Cell>> {
-    let price = price(without, row, scene.pixels, seed)?;
+    let price = price(scene, without, row, seed)?;
     let in_microseconds = |e: &Estimate| {
         let [median, low, high] = [e.median, e.low, e.high].map(|s| short(s * MICROSECONDS));
         format!("{median} [{low}, {high}]")
@@ -112,15 +114,21 @@ fn cells(
 mod tests {
     use super::*;
     use crate::accuracy::error_of::ErrorOf;
-    use crate::accuracy::test_records::row;
+    use crate::accuracy::test_records::{axis, row};
 
     fn image(seconds: f64, rmse: f64) -> VariantRecord {
         VariantRecord { error: ErrorOf::Rmse { rmse }, ..row("image", seconds, 0) }
     }
 
+    fn price_of(pixels: u32, with: f64) -> Option<Price> {
+        let mut scene = axis(vec![image(1.0, 0.05), image(3.0, with)]).scenes.remove(0);
+        scene.pixels = pixels;
+        price(&scene, &scene.rows[0], &scene.rows[1], 1)
+    }
+
     #[test]
     fn a_price_is_time_added_for_error_removed() {
-        let price = price(&image(1.0, 0.05), &image(3.0, 0.01), 100, 1).unwrap();
+        let price = price_of(100, 0.01).unwrap();
         assert!(
             (price.removed - 0.04).abs() < 1e-12 && (price.added_s.median - 0.02).abs() < 1e-12
         );
@@ -130,8 +138,8 @@ mod tests {
 
     #[test]
     fn what_removes_nothing_has_no_price() {
-        let price_of = |rmse| price(&image(1.0, 0.05), &image(3.0, rmse), 100, 1).unwrap();
-        assert!(price_of(0.05).per_unit_s().is_none() && price_of(0.06).per_unit_s().is_none());
-        assert!(price(&image(1.0, 0.05), &image(3.0, 0.01), 0, 1).is_none());
+        let per_unit = |rmse| price_of(100, rmse).unwrap().per_unit_s();
+        assert!(per_unit(0.05).is_none() && per_unit(0.06).is_none());
+        assert!(price_of(0, 0.01).is_none());
     }
 }

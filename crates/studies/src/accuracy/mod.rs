@@ -19,6 +19,7 @@ pub mod parts;
 #[allow(clippy::indexing_slicing)]
 pub mod pictures;
 pub mod plot;
+pub mod processes;
 pub mod record;
 pub mod sampled;
 pub mod stage;

@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use presentation::numbers::{ratio, short};
 use presentation::table::{Cell, Table, dash};
 use renderer::RayKind;
-use statistics::estimate::{Estimate, estimate, geometric_mean_of_medians};
+use statistics::estimate::Estimate;
+use statistics::series::{Series, geometric_mean_of};
 
 use crate::accuracy::record::{AxisRecord, SceneOutcome, VariantRecord};
-use crate::accuracy::timing::ratios;
 
 /// The part of rays that no kind stands for; see `axes/right_work.rs`.
 pub const LEAVING: &str = "leaving surfaces";
@@ -45,10 +45,9 @@ fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
     let leading = first.rows.first().filter(|_| !parts.is_empty())?;
     let rows = first.rows.iter().map(|row| {
         let of_part = |part: &&str| {
-            let groups: Vec<Vec<f64>> =
+            let groups: Vec<Series> =
                 scenes.iter().filter_map(|scene| of_variant(scene, &row.variant, part)).collect();
-            let groups: Vec<&[f64]> = groups.iter().map(Vec::as_slice).collect();
-            geometric_mean_of_medians(&groups, seed).map_or_else(dash, |e| ratio(&e).into())
+            geometric_mean_of(&groups.iter().collect::<Vec<_>>(), seed).map_or_else(dash, |e| ratio(&e).into())
         };
         let cells = std::iter::once(row.variant.clone().into());
         cells.chain(parts.iter().map(of_part)).collect()
@@ -67,19 +66,19 @@ fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
 }
 
 /// Ratios of a variant's part to that of the first one, round by round.
-fn of_variant(scene: &SceneOutcome, variant: &str, part: &str) -> Option<Vec<f64>> {
+fn of_variant(scene: &SceneOutcome, variant: &str, part: &str) -> Option<Series> {
     let seconds =
         |row: &VariantRecord| row.parts.iter().find(|p| p.part == part).map(|p| p.seconds.clone());
     let row = scene.rows.iter().find(|row| row.variant == variant)?;
-    Some(ratios(&seconds(row)?, &seconds(scene.rows.first()?)?))
+    Some(scene.ratios(&seconds(row)?, &seconds(scene.rows.first()?)?))
 }
 
 /// What each step adds in time and takes away in errors; none where variants are no steps.
 pub fn steps(axis: &AxisRecord, scene: &SceneOutcome, seed: u64) -> Option<Table> {
     let first = scene.rows.first().filter(|_| scene.is_stepwise)?;
     let over = |row: &VariantRecord, other: &VariantRecord| {
-        let ratios = ratios(&row.seconds, &other.seconds);
-        estimate(&ratios, seed).map_or_else(dash, |e| more(&e).into())
+        let ratios = scene.ratios(&row.seconds, &other.seconds);
+        ratios.estimate(seed).map_or_else(dash, |e| more(&e).into())
     };
     let mut before = first;
     let rows = scene.rows.iter().enumerate().map(|(i, row)| {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::accuracy::error_of::ErrorOf;
 use statistics::estimate::Estimate;
+use statistics::series::Series;
 
 /// Where a variant stands among those of its axis on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,7 +36,7 @@ impl Standing {
 pub struct PartTime {
     /// Its name.
     pub part: String,
-    /// Seconds of each round.
+    /// Seconds of each round, process by process.
     pub seconds: Vec<f64>,
     /// Time over that of the first variant in the same rounds.
     pub ratio: Estimate,
@@ -56,7 +57,7 @@ pub struct VariantRecord {
     pub error: ErrorOf,
     /// The error is too near to that of the reference itself to be told.
     pub is_below_reference: bool,
-    /// Seconds of each round.
+    /// Seconds of each round, process by process.
     pub seconds: Vec<f64>,
     /// Their median.
     pub time_s: Estimate,
@@ -77,6 +78,14 @@ pub struct VariantRecord {
 
 fn is_none(pixels: &u32) -> bool {
     *pixels == 0
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn is_one(processes: &u32) -> bool {
+    *processes == 1
 }
 
 /// An axis on a scene.
@@ -103,9 +112,35 @@ pub struct SceneOutcome {
     pub rows: Vec<VariantRecord>,
     /// What cannot be and yet is, if anything; see [`crate::accuracy::audit`].
     pub faults: Vec<String>,
+    /// Processes that timed the variants, each in as many rounds.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub processes: u32,
 }
 
 impl SceneOutcome {
+    /// What `value` makes of two variants' seconds, round by round, each with the process that it is of.
+    fn pairs(&self, a: &[f64], b: &[f64], value: impl Fn(f64, f64) -> f64) -> Series {
+        let each = (a.len() / self.processes.max(1) as usize).max(1);
+        let pairs = a.iter().zip(b).enumerate();
+        let pairs = pairs.map(|(round, (a, b))| ((round / each) as u32, value(*a, *b)));
+        pairs.filter(|(_, x)| x.is_finite()).collect()
+    }
+
+    /// Seconds of rounds.
+    pub fn series(&self, seconds: &[f64]) -> Series {
+        self.pairs(seconds, seconds, |s, _| s)
+    }
+
+    /// One's time over another's.
+    pub fn ratios(&self, seconds: &[f64], other: &[f64]) -> Series {
+        self.pairs(seconds, other, |s, other| s / other)
+    }
+
+    /// One's time less another's.
+    pub fn differences(&self, seconds: &[f64], other: &[f64]) -> Series {
+        self.pairs(seconds, other, |s, other| s - other)
+    }
+
     /// Scene and subject.
     pub fn place(&self) -> String {
         match self.subject.as_str() {
@@ -179,8 +214,11 @@ pub struct AccuracyRecord {
     pub seed: u64,
     /// A first look only.
     pub quick: bool,
-    /// Rounds of each variant.
+    /// Rounds of each variant, in each process.
     pub rounds: usize,
+    /// Processes that timed them.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub processes: u32,
     /// Seconds of the whole run so far.
     pub took_s: f64,
     /// The axes so far.

@@ -107,7 +107,11 @@ impl Sampled<'_> {
     /// # Errors
     /// [`StudyError`] for more samples than fit, or threads that cannot be started.
     pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<Judged<'s>, StudyError> {
-        let plan = Plan::new(stage.quick);
+        let mut plan = Plan::new(stage.quick);
+        let seeds = if stage.only_times { 1 } else { SEEDS };
+        if stage.only_times {
+            plan.reference = 1;
+        }
         // what is not timed may use the whole machine
         let helper = pool(machine::threads())?;
         let image = |n, seed| helper.install(|| self.image(plan.size, n, seed));
@@ -133,12 +137,12 @@ impl Sampled<'_> {
             });
         }
         for &n in plan.samples {
-            let seeds = (0..SEEDS).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
+            let images = (0..seeds).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
             let images =
-                seeds.map(|seed| image(n, seed)).collect::<Result<Vec<Image>, StudyError>>()?;
+                images.map(|seed| image(n, seed)).collect::<Result<Vec<Image>, StudyError>>()?;
             let squares: f64 = images.iter().map(|i| rmse(i, &reference.image).powi(2)).sum();
-            let error = (squares / SEEDS as f64).sqrt();
-            if Some(&n) == plan.samples.last() {
+            let error = (squares / seeds as f64).sqrt();
+            if Some(&n) == plan.samples.last() && !stage.only_times {
                 faults.extend(audit::bad_reference(error, scatter(&images), reference.own_error));
             }
             variants.push(Variant {

@@ -79,6 +79,8 @@ pub struct Stage<'a> {
     pub aims: usize,
     /// A first look only.
     pub quick: bool,
+    /// Only times are asked for: another process says how wrong each variant is.
+    pub only_times: bool,
 }
 
 /// A structure over the stage's primitives.

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord};
 use crate::accuracy::tables::{push_facts, push_table};
-use crate::accuracy::timing::ratios;
 use crate::accuracy::{effect_prices, parts};
 use presentation::markdown::escaped;
 use presentation::numbers::short;
-use statistics::estimate::{Estimate, geometric_mean_of_medians};
+use statistics::estimate::Estimate;
+use statistics::series::{Series, geometric_mean_of};
 
 /// What the accuracy of an axis costs: from the cheapest variant to the most accurate one.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,9 +43,8 @@ pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
     if !axis.scenes.iter().any(is_at_stake) {
         return Some(Cost::NoneAtStake);
     }
-    let ratios: Vec<Vec<f64>> = axis.scenes.iter().filter_map(ratios_of_accurate).collect();
-    let groups: Vec<&[f64]> = ratios.iter().map(Vec::as_slice).collect();
-    let over_all = geometric_mean_of_medians(&groups, seed)?;
+    let ratios: Vec<Series> = axis.scenes.iter().filter_map(ratios_of_accurate).collect();
+    let over_all = geometric_mean_of(&ratios.iter().collect::<Vec<_>>(), seed)?;
     Some(match () {
         () if over_all.low <= 1.0 && over_all.high < TENTH => Cost::Free,
         () if over_all.low <= 1.0 => Cost::NotTold(over_all),
@@ -55,9 +54,9 @@ pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
 }
 
 /// Time of the most accurate variant over that of the cheapest, round by round.
-fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Vec<f64>> {
+fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Series> {
     let (accurate, cheapest) = (scene.most_accurate()?, scene.cheapest()?);
-    Some(ratios(&accurate.seconds, &cheapest.seconds))
+    Some(scene.ratios(&accurate.seconds, &cheapest.seconds))
 }
 
 /// The page.

@@ -11,8 +11,8 @@ use presentation::table::{Cell, Style, Table};
 /// What the columns mean.
 pub const GLOSSARY: &[&str] = &[
     "time: of the work named below the table, median over interleaved rounds; ratio: to the cheapest \
-     variant in the same rounds, with its 95% bootstrap interval, = where it holds 1; error: by the \
-     axis' metric, where it is a rate in 10^6 with its count, and with the bound 3/trials where \
+     variant in the same rounds, with its 95% interval (bootstrap; of several processes Student's), = where \
+     it holds 1; error: by the axis' metric, where it is a rate in 10^6 with its count, and with the bound 3/trials where \
      nothing was wrong.",
     "front: no other variant is as accurate and as fast, and better in one of both; ~front: only \
      variants whose time no difference was measured to are; ref: the variant (or one of its answers) \
@@ -114,8 +114,9 @@ pub fn facts(run: &AccuracyRecord) -> [String; 5] {
             tool.git_revision.clone().unwrap_or_else(unknown)
         ),
         format!(
-            "seed {}, {} rounds, one thread; {} in all",
+            "seed {}, {}{} rounds, one thread; {} in all",
             run.seed,
+            if run.processes > 1 { format!("{} processes of ", run.processes) } else { String::new() },
             run.rounds,
             took(run.took_s)
         ),

@@ -37,6 +37,7 @@ pub fn axis(rows: Vec<VariantRecord>) -> AxisRecord {
         reference_error: 0.0,
         rows,
         faults: Vec::new(),
+        processes: 1,
     };
     AxisRecord {
         axis: "triangle-test".into(),

@@ -9,7 +9,7 @@ use crate::accuracy::work::Work;
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{self, Clock};
-use statistics::estimate::{Estimate, estimate, median};
+use statistics::estimate::Estimate;
 
 /// A variant, judged and ready to be timed.
 pub struct Variant<'a> {
@@ -83,7 +83,8 @@ pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> S
         let fault = audit::inconsistency(&variant.name, expected, timed);
         faults.extend(fault.filter(|f| !faults.contains(f)));
     });
-    let rows = rows(variants, seconds, parts, said.reference_error, stage.seed);
+    let timed = variants.into_iter().zip(seconds).zip(parts);
+    let rows = timed.map(|((variant, s), parts)| row(variant, s, parts, said.reference_error));
     let mut outcome = SceneOutcome {
         scene: stage.name.to_owned(),
         subject: String::new(),
@@ -92,9 +93,11 @@ pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> S
         timed: said.timed,
         judged: said.judged,
         reference_error: said.reference_error,
-        rows,
+        rows: rows.collect(),
         faults,
+        processes: 1,
     };
+    figure(&mut outcome, stage.seed);
     let found = audit::faults(&outcome);
     outcome.faults.extend(found);
     outcome
@@ -131,19 +134,13 @@ impl Parts {
     }
 }
 
-/// One's time over another's, round by round.
-pub fn ratios(seconds: &[f64], other: &[f64]) -> Vec<f64> {
-    let pairs = seconds.iter().zip(other).filter(|(_, other)| **other > 0.0);
-    pairs.map(|(s, other)| s / other).collect()
-}
-
 /// Which variant is the cheapest, of those from `first` on: none takes less than it in the middle of
 /// the rounds that both were in. (Medians of times of their own would compare different rounds.)
-fn cheapest(seconds: &[Vec<f64>], first: usize) -> usize {
+fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
     let mut least = first;
-    for i in first + 1..seconds.len() {
-        if let (Some(own), Some(best)) = (seconds.get(i), seconds.get(least))
-            && median(&ratios(own, best)).is_some_and(|ratio| ratio < 1.0)
+    for (i, row) in outcome.rows.iter().enumerate().skip(first + 1) {
+        if let Some(best) = outcome.rows.get(least)
+            && outcome.ratios(&row.seconds, &best.seconds).middle().is_some_and(|ratio| ratio < 1.0)
         {
             least = i;
         }
@@ -151,69 +148,72 @@ fn cheapest(seconds: &[Vec<f64>], first: usize) -> usize {
     least
 }
 
-fn rows(
-    variants: Vec<Variant<'_>>,
-    seconds: Vec<Vec<f64>>,
-    parts: Vec<Parts>,
-    reference_error: f64,
-    seed: u64,
-) -> Vec<VariantRecord> {
-    const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
-    let times: Vec<Estimate> =
-        seconds.iter().map(|s| estimate(s, seed).unwrap_or(NO_TIME)).collect();
-    let variants_begin = variants.iter().take_while(|variant| variant.is_without).count();
-    let cheapest = seconds.get(cheapest(&seconds, variants_begin)).cloned().unwrap_or_default();
-    let of_first = parts.first().map(|parts| parts.seconds.clone()).unwrap_or_default();
-    let of_parts = |parts: Parts| {
-        let named = parts.names.into_iter().zip(parts.seconds).zip(&of_first);
-        let time = |((part, seconds), first): ((String, Vec<f64>), &Vec<f64>)| PartTime {
-            part,
-            ratio: estimate(&ratios(&seconds, first), seed).unwrap_or(NO_TIME),
-            seconds,
+const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
+
+/// What is known of a variant before [`figure`] says what its times come to.
+fn row(variant: Variant<'_>, seconds: Vec<f64>, parts: Parts, reference_error: f64) -> VariantRecord {
+    let is_below_reference = variant.error.value() < TIMES_REFERENCE * reference_error;
+    let part = |(part, seconds)| PartTime { part, ratio: NO_TIME, seconds };
+    VariantRecord {
+        variant: variant.name,
+        setting: variant.setting,
+        known_defect: variant.known_defect.map(Into::into),
+        is_reference: variant.is_reference,
+        error: variant.error,
+        is_below_reference,
+        seconds,
+        time_s: NO_TIME,
+        ratio: NO_TIME,
+        standing: Standing::Dominated,
+        also: variant.also.into_iter().map(|(name, x)| (name.to_owned(), x)).collect(),
+        parts: parts.names.into_iter().zip(parts.seconds).map(part).collect(),
+        is_without: variant.is_without,
+    }
+}
+
+/// Makes times, ratios and places of the variants from the seconds of their rounds.
+pub fn figure(outcome: &mut SceneOutcome, seed: u64) {
+    let variants_begin = outcome.rows.iter().take_while(|row| row.is_without).count();
+    let seconds = |row: &VariantRecord| row.seconds.clone();
+    let cheapest =
+        outcome.rows.get(cheapest(outcome, variants_begin)).map(seconds).unwrap_or_default();
+    let first = outcome.rows.first().map(|row| row.parts.clone()).unwrap_or_default();
+    let mut rows = std::mem::take(&mut outcome.rows);
+    for row in &mut rows {
+        let ratio = |seconds: &[f64], other: &[f64]| {
+            outcome.ratios(seconds, other).estimate(seed).unwrap_or(NO_TIME)
         };
-        named.map(time).collect()
-    };
-    type Timed<'a> = ((Variant<'a>, Vec<f64>), (Estimate, Parts));
-    let record = |((variant, seconds), (time_s, parts)): Timed<'_>| {
-        let ratios = ratios(&seconds, &cheapest);
-        let is_below_reference = variant.error.value() < TIMES_REFERENCE * reference_error;
-        VariantRecord {
-            variant: variant.name,
-            setting: variant.setting,
-            known_defect: variant.known_defect.map(Into::into),
-            is_reference: variant.is_reference,
-            error: variant.error,
-            is_below_reference,
-            seconds,
-            time_s,
-            ratio: estimate(&ratios, seed).unwrap_or(NO_TIME),
-            standing: Standing::Dominated,
-            also: variant.also.into_iter().map(|(name, x)| (name.to_owned(), x)).collect(),
-            parts: of_parts(parts),
-            is_without: variant.is_without,
+        row.time_s = outcome.series(&row.seconds).estimate(seed).unwrap_or(NO_TIME);
+        row.ratio = ratio(&row.seconds, &cheapest);
+        for (part, first) in row.parts.iter_mut().zip(&first) {
+            part.ratio = ratio(&part.seconds, &first.seconds);
         }
-    };
-    let mut rows: Vec<VariantRecord> =
-        variants.into_iter().zip(seconds).zip(times.into_iter().zip(parts)).map(record).collect();
+    }
+    let reference_error = outcome.reference_error;
     let places: Vec<Place> = rows.iter().map(|row| Place::of(row, reference_error)).collect();
     for (row, standing) in rows.iter_mut().zip(pareto::standings(&places)) {
         row.standing = standing;
     }
-    rows
+    outcome.rows = rows;
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accuracy::test_records::{axis, row};
 
     #[test]
     fn the_cheapest_is_found_round_by_round() {
         // a machine that slows down: the second is faster in each round, the third never
         let seconds = [vec![2.0, 4.0, 8.0], vec![1.0, 3.9, 7.0], vec![2.5, 4.5, 6.9]];
-        assert_eq!(cheapest(&seconds, 0), 1);
-        assert_eq!(cheapest(&seconds, 2), 2);
-        assert_eq!(ratios(&seconds[0], &seconds[1])[0], 2.0);
-        assert_eq!(ratios(&[1.0], &[0.0]).len(), 0);
+        let mut outcome = axis(vec![row("a", 1.0, 0), row("b", 1.0, 0), row("c", 1.0, 0)])
+            .scenes
+            .remove(0);
+        for (row, seconds) in outcome.rows.iter_mut().zip(seconds) {
+            row.seconds = seconds;
+        }
+        assert_eq!(cheapest(&outcome, 0), 1);
+        assert_eq!(cheapest(&outcome, 2), 2);
         assert_eq!((repeats(1.0), repeats(0.001), repeats(0.0)), (1, 4, 1000));
     }
 }

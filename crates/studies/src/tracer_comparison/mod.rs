@@ -21,7 +21,6 @@ use scene_loading::{Scene, Shape};
 
 use crate::accuracy::pareto::{Place, standings};
 use crate::accuracy::record::Standing;
-use crate::accuracy::timing::ratios;
 use crate::image_error::{Converged, edge_rmse, edges, rmse};
 use equal_error::{AtError, SampledImage, at_error};
 use measurement::rounds::interleaved::{Visit, interleaved};
@@ -234,7 +233,9 @@ fn judge(rows: &mut [Row], reference: &Converged, seed: u64) {
     let (mut places, mut placed) = (Vec::new(), Vec::new());
     for (i, row) in rows.iter_mut().enumerate() {
         let Ok(m) = &mut row.outcome else { continue };
-        m.ratio = estimate(&ratios(&m.seconds, &cheapest), seed);
+        let rounds = m.seconds.iter().zip(&cheapest).filter(|(_, cheapest)| **cheapest > 0.0);
+        let ratios: Vec<f64> = rounds.map(|(s, cheapest)| s / cheapest).collect();
+        m.ratio = estimate(&ratios, seed);
         let Some(time) = m.ratio else { continue };
         // errors below the reference's are not told from it
         let error = if m.is_below_reference { reference.own_error } else { m.error };
