@@ -36,8 +36,6 @@ const SIZE: (u32, u32) = (96, 32);
 const TIMED_RAYS: (usize, usize) = (20_000, 3_000);
 /// Trials of an exact oracle for each variant.
 const TRIALS: (usize, usize) = (100_000, 10_000);
-/// Trials where only times are asked for.
-const FEW_TRIALS: usize = 100;
 /// Rounds.
 const ROUNDS: (usize, usize) = (15, 5);
 
@@ -91,10 +89,11 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             }
             Ok(context.out.flush()?)
         };
-        let mut of_axis = study.measured(context, axis, |context, of_axis, scene| match is_alone {
-            true => show(context, of_axis, scene),
-            false => Ok(()),
-        })?;
+        let mut of_axis =
+            study.measured(context, axis, |context, of_axis, scene| match is_alone {
+                true => show(context, of_axis, scene),
+                false => Ok(()),
+            })?;
         if !is_alone {
             if let Err(error) = in_processes(context, args, &mut of_axis) {
                 study.failures += 1;
@@ -155,8 +154,8 @@ fn in_processes(
     Ok(())
 }
 
-/// The axes, timed, with hardly a trial of their errors, for the process that started this one, and how many
-/// scenes failed: those that serve no axis fail there, too.
+/// The axes, timed for the process that started this one, and how many scenes failed: none, since those that
+/// serve no axis fail there, too. Trials are made anew: some axes time rays that they draw for them.
 ///
 /// # Errors
 /// [`Error`] for axes and scenes that there are not.
@@ -167,7 +166,6 @@ pub fn times(
     let rounds = args.rounds.map_or(pick(ROUNDS, args.quick), |n| n as usize);
     let mut study = Study::of(context, args, rounds)?;
     study.limits.only_times = true;
-    study.limits.aims = FEW_TRIALS;
     let axes = select(&args.axes)?.into_iter();
     let axes = axes.map(|axis| study.measured(context, axis, |_, _, _| Ok(())));
     Ok((axes.collect::<Result<_, _>>()?, 0))

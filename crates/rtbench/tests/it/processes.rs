@@ -3,7 +3,9 @@
 use accel_core::structures::REGISTRY;
 use measurement::record::{RunRecord, Verdict};
 use measurement::system::clock::SystemClock;
+use rtbench::context::Environment;
 use serde_json::Value;
+use studies::accuracy::record::AccuracyRecord;
 
 use crate::check::{run_timed, with_program};
 use crate::common::{Ended, Folder, PLANTED};
@@ -55,6 +57,40 @@ fn a_process_that_gives_no_answer_is_an_error_that_names_it() {
     assert_ne!(ended.code, 0, "{}", ended.out);
     let unknown = run(&folder, "run tetra:2 --processes 0");
     assert_eq!(unknown.code, 2, "{}", unknown.err);
+}
+
+#[test]
+fn accuracy_has_times_of_all_processes_and_errors_of_one() {
+    let folder = Folder::new();
+    let axes =
+        "accuracy mailbox precision soft-shadows --scene balls:1 --quick --rounds 3 --trials 500";
+    let read = |processes: u32| {
+        let arguments = format!("{axes} --processes {processes} -o {}/{processes}", folder.path());
+        let ended = run(&folder, &arguments);
+        assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+        let text = folder.text(&format!("{processes}/accuracy.json"));
+        serde_json::from_str::<AccuracyRecord>(&text).unwrap()
+    };
+    let (alone, of_two) = (read(1), read(2));
+    assert_eq!((of_two.processes, of_two.rounds), (2, 3));
+    let scenes = |record: &AccuracyRecord| {
+        record.axes.iter().flat_map(|axis| axis.scenes.clone()).collect::<Vec<_>>()
+    };
+    for (one, two) in scenes(&alone).iter().zip(&scenes(&of_two)) {
+        assert_eq!((one.processes, two.processes), (1, 2));
+        for (one, two) in one.rows.iter().zip(&two.rows) {
+            assert_eq!((&one.variant, one.error), (&two.variant, two.error));
+            assert_eq!((one.seconds.len(), two.seconds.len()), (3, 6));
+            assert!(two.parts.iter().all(|part| part.seconds.len() == 6));
+        }
+    }
+    assert!(folder.text("2/accuracy.md").contains("2 processes of 3 rounds"));
+    let environment =
+        Environment { program: Some("/nowhere/rtbench".into()), ..with_program(&folder.path()) };
+    let arguments = format!("{axes} --processes 2");
+    let ended = run_timed(REGISTRY, environment, &SystemClock::default(), &arguments);
+    assert_eq!(ended.code, 1, "{}", ended.out);
+    assert!(ended.err.contains("cannot start /nowhere/rtbench"), "{}", ended.err);
 }
 
 #[test]

@@ -47,7 +47,8 @@ fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
         let of_part = |part: &&str| {
             let groups: Vec<Series> =
                 scenes.iter().filter_map(|scene| of_variant(scene, &row.variant, part)).collect();
-            geometric_mean_of(&groups.iter().collect::<Vec<_>>(), seed).map_or_else(dash, |e| ratio(&e).into())
+            geometric_mean_of(&groups.iter().collect::<Vec<_>>(), seed)
+                .map_or_else(dash, |e| ratio(&e).into())
         };
         let cells = std::iter::once(row.variant.clone().into());
         cells.chain(parts.iter().map(of_part)).collect()

@@ -30,7 +30,8 @@ pub fn join(
     seed: u64,
 ) -> Result<(), Unlike> {
     for scene in &mut axis.scenes {
-        let same = other.scenes.iter().find(|o| (&o.scene, &o.subject) == (&scene.scene, &scene.subject));
+        let same =
+            other.scenes.iter().find(|o| (&o.scene, &o.subject) == (&scene.scene, &scene.subject));
         let unlike = |found: String| Unlike {
             axis: axis.axis.clone(),
             place: scene.place(),
@@ -72,6 +73,9 @@ fn difference(scene: &SceneOutcome, other: &SceneOutcome, process: u32) -> Optio
     if names(scene) != names(other) {
         return Some(format!("other variants: {:?}", names(other)));
     }
+    if scene.timed != other.timed {
+        return Some(format!("timed {}", other.timed));
+    }
     let rounds = |of: &SceneOutcome, processes: u32| {
         of.rows.first().map_or(0, |row| row.seconds.len()) / processes.max(1) as usize
     };
@@ -110,11 +114,18 @@ mod tests {
         let mut judged = measured([1.0, 1.0]);
         let mut other = measured([1.0, 1.0]);
         other.scenes[0].rows.pop();
-        assert!(join(&mut judged, &other, 0, 1).unwrap_err().to_string().contains("other variants"));
+        assert!(
+            join(&mut judged, &other, 0, 1).unwrap_err().to_string().contains("other variants")
+        );
         other.scenes.clear();
         let error = join(&mut judged, &other, 0, 1).unwrap_err().to_string();
         assert_eq!(error, "triangle-test on kitchen: process 1 has nothing, not what was judged");
         join(&mut judged, &measured([1.0, 1.0]), 0, 1).unwrap();
+        let mut fewer = measured([1.0, 1.0]);
+        fewer.scenes[0].timed = "100 rays".into();
+        assert!(
+            join(&mut judged, &fewer, 1, 1).unwrap_err().to_string().contains("timed 100 rays")
+        );
         let mut shorter = measured([1.0, 1.0]);
         shorter.scenes[0].rows[0].seconds.pop();
         assert!(join(&mut judged, &shorter, 1, 1).unwrap_err().to_string().contains("2 rounds"));

@@ -116,7 +116,11 @@ pub fn facts(run: &AccuracyRecord) -> [String; 5] {
         format!(
             "seed {}, {}{} rounds, one thread; {} in all",
             run.seed,
-            if run.processes > 1 { format!("{} processes of ", run.processes) } else { String::new() },
+            if run.processes > 1 {
+                format!("{} processes of ", run.processes)
+            } else {
+                String::new()
+            },
             run.rounds,
             took(run.took_s)
         ),

@@ -151,7 +151,12 @@ fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
 const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
 
 /// What is known of a variant before [`figure`] says what its times come to.
-fn row(variant: Variant<'_>, seconds: Vec<f64>, parts: Parts, reference_error: f64) -> VariantRecord {
+fn row(
+    variant: Variant<'_>,
+    seconds: Vec<f64>,
+    parts: Parts,
+    reference_error: f64,
+) -> VariantRecord {
     let is_below_reference = variant.error.value() < TIMES_REFERENCE * reference_error;
     let part = |(part, seconds)| PartTime { part, ratio: NO_TIME, seconds };
     VariantRecord {
@@ -206,9 +211,8 @@ mod tests {
     fn the_cheapest_is_found_round_by_round() {
         // a machine that slows down: the second is faster in each round, the third never
         let seconds = [vec![2.0, 4.0, 8.0], vec![1.0, 3.9, 7.0], vec![2.5, 4.5, 6.9]];
-        let mut outcome = axis(vec![row("a", 1.0, 0), row("b", 1.0, 0), row("c", 1.0, 0)])
-            .scenes
-            .remove(0);
+        let mut outcome =
+            axis(vec![row("a", 1.0, 0), row("b", 1.0, 0), row("c", 1.0, 0)]).scenes.remove(0);
         for (row, seconds) in outcome.rows.iter_mut().zip(seconds) {
             row.seconds = seconds;
         }

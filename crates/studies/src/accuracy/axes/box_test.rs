@@ -50,7 +50,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         PrimsRef::Mixed(set) => aims(stage, set),
     };
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
-        let replay = Replay::new(&*built.tracer, &sheets);
+        let replay = Replay::new(&*built.tracer, &sheets).by_kind();
         let steps = replay.counted().elementary_steps;
         let (mut lost, mut found) = (Tally::default(), 0_u64);
         for Aim { bounds, ray, is_met } in &aims {

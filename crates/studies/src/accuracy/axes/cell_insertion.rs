@@ -43,7 +43,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
     let sheets = stage.all_sheets();
     let rays = count(&sheets);
-    let replays: Vec<_> = built.iter().map(|b| Replay::new(&*b.tracer, &sheets)).collect();
+    let replays: Vec<_> =
+        built.iter().map(|b| Replay::new(&*b.tracer, &sheets).by_kind()).collect();
     let primitives = stage.prepared.geometry.len().max(1) as f64;
     let mut variants = Vec::new();
     for (((built, replay), insertion), label) in

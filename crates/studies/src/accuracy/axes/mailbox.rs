@@ -32,7 +32,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built_all(&VARIANTS.map(|(_, label)| label))?;
     let sheets = stage.all_sheets();
     let rays = count(&sheets);
-    let replays: Vec<_> = built.iter().map(|b| Replay::new(&*b.tracer, &sheets)).collect();
+    let replays: Vec<_> =
+        built.iter().map(|b| Replay::new(&*b.tracer, &sheets).by_kind()).collect();
     let errors: Vec<ErrorOf> = replays
         .iter()
         .map(|r| {

@@ -44,10 +44,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let row = Row::parse(stage.registry, TRACER)?;
     let double: Box<dyn Tracer<f64>> =
         row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
-    let reference = Replay::new(&*double, &wide_sheets);
+    let reference = Replay::new(&*double, &wide_sheets).by_kind();
     let mut variants = Vec::new();
     for (name, built) in [("f32", &single), ("f32, tests in f64", mixed)] {
-        let replay = Replay::new(&*built.tracer, &sheets);
+        let replay = Replay::new(&*built.tracer, &sheets).by_kind();
         variants.push(Variant {
             name: name.into(),
             setting: built.setting(),

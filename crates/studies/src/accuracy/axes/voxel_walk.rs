@@ -53,7 +53,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let labels = WALKS.map(|walk| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={walk}"));
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
     let sheets = stage.all_sheets();
-    let replays: Vec<_> = built.iter().map(|b| Replay::new(&*b.tracer, &sheets)).collect();
+    let replays: Vec<_> =
+        built.iter().map(|b| Replay::new(&*b.tracer, &sheets).by_kind()).collect();
     let differing: Vec<u64> = replays
         .iter()
         .map(|r| replays.last().map_or(0, |reference| r.differing(reference)))
