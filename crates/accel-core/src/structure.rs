@@ -7,7 +7,8 @@ use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::sink::Sink;
 
-/// An acceleration structure over primitive ids.
+/// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small one in a
+/// crate of its own.
 pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// Whether a walk may push an id more than once. Without duplicates a mailbox is of no use,
     /// and none is compiled.
