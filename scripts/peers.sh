@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Builds the plugins in peers/ whose sources and libraries are there, and says what the others lack.
+# Builds the plugins in peers/ (folders with a Makefile) whose sources and libraries are there, and says what the others lack.
 # usage: scripts/peers.sh [NAME...]: all where none is named. Fails where one that has all it needs does not
 # compile. CXX, CC, CXXFLAGS and CFLAGS are passed on.
 set -uo pipefail
 cd "$(dirname "$0")/../peers" || exit 1
 names=("$@")
-[ ${#names[@]} -gt 0 ] || names=(*/)
+[ ${#names[@]} -gt 0 ] || names=(*/Makefile)
 failed=0
 for name in "${names[@]}"; do
+    name=${name%/Makefile}
     name=${name%/}
     if [ ! -f "$name/Makefile" ]; then
         echo "$name: there is no peers/$name/Makefile"

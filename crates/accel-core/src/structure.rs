@@ -7,7 +7,8 @@ use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::sink::Sink;
 
-/// An acceleration structure over primitive ids.
+/// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small one in a
+/// crate of its own.
 pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// Whether a walk may push an id more than once. Without duplicates a mailbox is of no use,
     /// and none is compiled.
@@ -162,6 +163,17 @@ pub enum BuildError {
 }
 
 /// What a registry line says of a structure.
+///
+/// Fields may be added. What is written so goes on compiling:
+///
+/// ```
+/// use accel_core::structure::StructureInfo;
+///
+/// pub static INFO: StructureInfo = StructureInfo {
+///     variants: &["", "leaf=8"],
+///     ..StructureInfo::new("my-tree", "a tree of my own")
+/// };
+/// ```
 #[derive(Debug)]
 pub struct StructureInfo {
     /// Name as typed: `uniform-grid`.
@@ -183,6 +195,28 @@ pub struct StructureInfo {
     pub known_defect: fn(&Params) -> Option<&'static str>,
     /// Only measured on a sample of the rays: it is too slow for all.
     pub sampled: bool,
+}
+
+impl StructureInfo {
+    /// A structure without parameters, measured on all rays, with no known defect.
+    pub const fn new(name: &'static str, summary: &'static str) -> Self {
+        Self {
+            name,
+            summary,
+            paper: "none",
+            deviations: "none",
+            params: &[],
+            variants: &[""],
+            also_tested: &[],
+            known_defect: no_defect,
+            sampled: false,
+        }
+    }
+
+    /// The defaults of its parameters, to be set one by one: [`Params::set`].
+    pub fn defaults(&self) -> Params {
+        Params::defaults(self.name, self.params, &[])
+    }
 }
 
 /// Refuses a set that no structure serves: without primitives, or out of scale.

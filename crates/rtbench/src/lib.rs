@@ -34,6 +34,7 @@ pub mod exit_code;
 pub mod exports;
 pub mod gate;
 pub mod like;
+mod measure;
 pub mod profile;
 pub mod program;
 mod recorded_command;
@@ -64,13 +65,43 @@ use measurement::system::clock::SystemClock;
 use measurement::system::{file_limit, interrupt, panics};
 use presentation::outside::{Guard, line};
 
+pub use accel_core;
+pub use measure::measure;
+pub use measurement;
+
 /// The whole program on the process's own arguments, outputs and clock.
 pub fn main() -> ExitCode {
     main_over(REGISTRY)
 }
 
-/// The same over structures of the caller's choice.
+/// The same with structures of the caller's beside ours: each a line of [`entry!`](accel_core::entry).
+///
+/// ```no_run
+/// use rtbench::accel_core::structures::uniform_grid::{self, UniformGrid};
+/// use rtbench::accel_core::{entry, structure::StructureInfo};
+///
+/// // a structure of yours has a type and an INFO of its own
+/// static INFO: StructureInfo = StructureInfo {
+///     params: uniform_grid::INFO.params,
+///     ..StructureInfo::new("my-grid", "the uniform grid under another name")
+/// };
+///
+/// fn main() -> std::process::ExitCode {
+///     rtbench::main_with(&[entry!(UniformGrid, INFO)])
+/// }
+/// ```
+pub fn main_with(own: &[Entry]) -> ExitCode {
+    main_over(&[REGISTRY, own].concat())
+}
+
+/// The same over structures of the caller's choice, and no others. A line that cannot be used
+/// ([`RegistryError`](accel_core::registry::RegistryError)) ends the program with exit code 1.
 pub fn main_over(registry: &[Entry]) -> ExitCode {
+    let taken: Vec<&str> = occluders::REGISTRY.iter().map(|entry| entry.info.name).collect();
+    if let Err(error) = accel_core::registry::check(registry, &taken) {
+        let _ = writeln!(io::stderr(), "error: {error}");
+        return ExitCode::from(FAILURE);
+    }
     panics::keep_quiet();
     interrupt::arm();
     // without the signal a write beyond the limit ends the process: nothing is lost that was kept before

@@ -9,7 +9,7 @@ use crate::grid::resolution::ResolutionRule;
 use crate::memory::{Counted, MemoryLimit, OutOfMemory};
 
 /// What values a parameter takes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParamKind {
     /// A whole number in a closed range.
     Integer {
@@ -45,7 +45,7 @@ impl fmt::Display for ParamKind {
 }
 
 /// One parameter of a structure.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParamSpec {
     /// Name as typed: `density`.
     pub name: &'static str,
@@ -89,12 +89,22 @@ fn valid_names(valid: &[&str]) -> String {
 }
 
 /// Validated settings: every parameter of a structure has a value.
-#[derive(Debug, Clone, PartialEq, Eq)]
+///
+/// ```
+/// use accel_core::structures::uniform_grid::INFO;
+///
+/// let params = INFO.defaults().set("density", 4)?.set("traversal", "driving-axis")?;
+/// assert_eq!(params.label(), "uniform-grid density=4 traversal=driving-axis");
+/// let error = params.set("density", -1).unwrap_err();
+/// assert!(error.to_string().starts_with("uniform-grid.density = '-1': expected a number from"));
+/// # Ok::<(), accel_core::params::ParamError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
 pub struct Params {
     structure: &'static str,
+    /// Its own, and those that it has in common with others.
+    specs: [&'static [ParamSpec]; 2],
     values: BTreeMap<&'static str, String>,
-    /// Names that differ from their default.
-    set: Vec<&'static str>,
     memory: MemoryLimit,
 }
 
@@ -108,39 +118,55 @@ impl Params {
         specs: &'static [ParamSpec],
         settings: impl IntoIterator<Item = (&'s str, &'s str)>,
     ) -> Result<Self, ParamError> {
-        Self::with_common(structure, specs, &[], settings)
+        Self::defaults(structure, specs, &[]).set_all(settings)
     }
 
-    /// The same with parameters that the structure has in common with others.
-    ///
-    /// # Errors
-    /// As [`Params::new`].
-    pub fn with_common<'s>(
+    /// The defaults of a structure's own parameters, and of those that it has in common with others.
+    pub fn defaults(
         structure: &'static str,
         own: &'static [ParamSpec],
         common: &'static [ParamSpec],
+    ) -> Self {
+        let values = own.iter().chain(common).map(|s| (s.name, s.default.to_owned())).collect();
+        Self { structure, specs: [own, common], values, memory: MemoryLimit::NONE }
+    }
+
+    /// The same with a parameter at this value: a number, a word, or what the command line would say.
+    ///
+    /// # Errors
+    /// [`ParamError`] for an unknown name or a value out of range.
+    pub fn set(mut self, name: &str, value: impl ToString) -> Result<Self, ParamError> {
+        let value = value.to_string();
+        let Some(spec) = self.specs().find(|s| s.name == name) else {
+            let valid = self.specs().map(|s| s.name).collect();
+            return Err(ParamError::Unknown {
+                structure: self.structure,
+                name: name.into(),
+                valid,
+            });
+        };
+        if !is_valid(spec.kind, &value) {
+            let expected = spec.kind.to_string();
+            let (structure, name) = (self.structure, spec.name);
+            return Err(ParamError::Invalid { structure, name, value, expected });
+        }
+        self.values.insert(spec.name, value);
+        Ok(self)
+    }
+
+    /// The same with all these settings, later ones before earlier ones.
+    ///
+    /// # Errors
+    /// As [`Params::set`].
+    pub fn set_all<'s>(
+        self,
         settings: impl IntoIterator<Item = (&'s str, &'s str)>,
     ) -> Result<Self, ParamError> {
-        let specs = || own.iter().chain(common);
-        let mut values: BTreeMap<_, _> = specs().map(|s| (s.name, s.default.to_owned())).collect();
-        for (name, value) in settings {
-            let spec = specs().find(|s| s.name == name).ok_or_else(|| ParamError::Unknown {
-                structure,
-                name: name.to_owned(),
-                valid: specs().map(|s| s.name).collect(),
-            })?;
-            if !is_valid(spec.kind, value) {
-                return Err(ParamError::Invalid {
-                    structure,
-                    name: spec.name,
-                    value: value.to_owned(),
-                    expected: spec.kind.to_string(),
-                });
-            }
-            values.insert(spec.name, value.to_owned());
-        }
-        let set = specs().filter(|s| values[s.name] != s.default).map(|s| s.name).collect();
-        Ok(Self { structure, values, set, memory: MemoryLimit::NONE })
+        settings.into_iter().try_fold(self, |params, (name, value)| params.set(name, value))
+    }
+
+    fn specs(&self) -> impl Iterator<Item = &'static ParamSpec> + use<> {
+        self.specs.into_iter().flatten()
     }
 
     /// The same for a structure that may take so much memory.
@@ -212,7 +238,15 @@ impl Params {
 
     /// The settings that differ from the defaults, as (name, value).
     pub fn changed(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        self.set.iter().map(|&name| (name, self.text(name)))
+        self.specs()
+            .map(|s| (s, self.text(s.name)))
+            .filter(|(s, v)| *v != s.default)
+            .map(|(s, v)| (s.name, v))
+    }
+
+    /// The structure and what differs from its defaults: `uniform-grid density=4`.
+    pub fn label(&self) -> String {
+        format!("{} {self}", self.structure).trim_end().to_owned()
     }
 }
 

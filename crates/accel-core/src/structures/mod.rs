@@ -134,7 +134,9 @@ pub fn build_compiled<'a, T: Structure<f32> + 'a>(
     build_tracer::<f32, T>(prims, params)
 }
 
-/// A registry entry for a generic structure and its description.
+/// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree, my_tree::INFO)`.
+/// The type's only parameter is its scalar; it is a [`Structure`](crate::structure::Structure) in f32 and
+/// in f64.
 #[macro_export]
 macro_rules! entry {
     ($structure:path, $info:path) => {

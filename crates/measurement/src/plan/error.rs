@@ -93,6 +93,16 @@ pub enum PlanError {
         /// All names.
         valid: String,
     },
+    /// A number that a run cannot have.
+    #[error("{what}: {value}, expected a number from 1 to {most}")]
+    OutOfRange {
+        /// The setting.
+        what: &'static str,
+        /// As given.
+        value: u64,
+        /// The largest.
+        most: u64,
+    },
     /// An occluder, and none of the rays that it answers.
     #[error("{structure} answers shadow rays only; add shadow to --rays")]
     NoRaysFor {

@@ -212,8 +212,11 @@ impl<'r> Plan<'r> {
         registry: &'r [Entry],
     ) -> Result<Self, PlanError> {
         let kinds = kinds(&args.rays)?;
+        within("threads", args.threads.into(), MeasuringSettings::MOST_THREADS.into())?;
+        within("rounds", args.rounds.unwrap_or(1).into(), MeasuringSettings::MOST_ROUNDS.into())?;
+        within("size", args.size.unwrap_or(1).into(), MeasuringSettings::LARGEST_SIZE.into())?;
         let memory = memory_limit::of(args.max_memory);
-        let within = |row: Row<'r>| Row { params: row.params.within(memory), ..row };
+        let limited = |row: Row<'r>| Row { params: row.params.within(memory), ..row };
         let at_least = if args.quick { 3 } else { 5 };
         let rounds = match (args.rounds, args.time_budget) {
             (Some(n), _) => Rounds::Fixed(n as usize),
@@ -242,8 +245,8 @@ impl<'r> Plan<'r> {
         }
         Ok(Self {
             scenes,
-            answers: answers(registry)?.into_iter().map(within).collect(),
-            rows: rows.into_iter().map(|row| within(row).into()).collect(),
+            answers: answers(registry)?.into_iter().map(limited).collect(),
+            rows: rows.into_iter().map(|row| limited(row).into()).collect(),
             baseline,
             keeps_baseline: false,
             same_rays: false,
@@ -266,6 +269,12 @@ impl<'r> Plan<'r> {
             memory,
         })
     }
+}
+
+/// Refuses what the command line would.
+fn within(what: &'static str, value: u64, most: u64) -> Result<(), PlanError> {
+    let error = PlanError::OutOfRange { what, value, most };
+    if (1..=most).contains(&value) { Ok(()) } else { Err(error) }
 }
 
 /// Width and height of the image of a full run.

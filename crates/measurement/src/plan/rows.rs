@@ -47,7 +47,7 @@ impl<'r, L: Listed> Row<'r, L> {
 
     /// Structure and settings.
     pub fn label(&self) -> String {
-        format!("{} {}", self.structure(), self.settings()).trim_end().to_owned()
+        self.params.label()
     }
 
     /// The defect that these settings keep on purpose, if any.
@@ -84,9 +84,7 @@ impl<'r, L: Listed> Row<'r, L> {
     ) -> Result<Self, PlanError> {
         let own = overrides.iter().filter(|o| std::ptr::eq(o.entry, entry));
         let all = own.map(|o| (o.name, o.value)).chain(settings.iter().copied());
-        let info = entry.info;
-        let params = Params::with_common(info.name, info.params, L::COMMON, all)
-            .map_err(|e| param_error(e, entry))?;
+        let params = entry.params(all).map_err(|e| param_error(e, entry))?;
         Ok(Self { entry, params })
     }
 

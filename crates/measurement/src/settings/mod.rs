@@ -5,6 +5,7 @@ pub mod duration;
 pub mod quantity;
 pub mod shard;
 pub mod suggest;
+mod typed;
 
 use std::time::Duration;
 
@@ -92,6 +93,8 @@ pub struct MeasuringSettings {
 impl MeasuringSettings {
     /// Most threads.
     pub const MOST_THREADS: u16 = 1024;
+    /// Most rounds.
+    pub const MOST_ROUNDS: u32 = 10_000;
     /// Largest width and height of an image.
     pub const LARGEST_SIZE: u32 = 8192;
 }

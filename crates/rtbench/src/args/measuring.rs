@@ -28,7 +28,7 @@ pub struct MeasuringArgs {
     pub pass_limit: Option<Duration>,
     /// Rounds: each visits every row once
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
-          value_parser = measurement::settings::quantity::count(1..=10_000))]
+          value_parser = measurement::settings::quantity::count(1..=MeasuringSettings::MOST_ROUNDS))]
     pub rounds: Option<u32>,
     /// Go on with rounds until this time has passed, all scenes together: 60s, 1.5m, 2h30m
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]

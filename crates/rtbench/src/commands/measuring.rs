@@ -32,6 +32,7 @@ use measurement::settings::{Lights, Precision};
 use measurement::system::panics::caught;
 use measurement::system::pools::Pools;
 use measurement::system::progress::Progress;
+use measurement::system::world::World;
 use renderer::ShadowRays;
 use studies::scale::{admission, quantities};
 
@@ -94,7 +95,7 @@ pub fn measure_scenes(
     outputs: &mut Outputs<'_>,
     show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
 ) -> Result<Measured, Error> {
-    let record = begin(context, plan);
+    let record = begin(context.world, &context.command_line, plan);
     measure_rest(context, plan, outputs, Kept::default(), record, show)
 }
 
@@ -233,7 +234,7 @@ fn is_due(scenes: usize) -> bool {
 }
 
 /// What all scenes so far say together.
-fn sum_up(record: &mut RunRecord) {
+pub fn sum_up(record: &mut RunRecord) {
     record.summary = summarize(&record.scenes, &record.settings);
     if let Some(scale) = &mut record.scale {
         scale.slopes = quantities::slopes(&record.scenes);
@@ -279,7 +280,10 @@ fn saved(
 }
 
 /// Loads and measures a scene; a panic is its failure.
-fn measure_one(
+///
+/// # Errors
+/// [`Error::Load`], [`Error::Measure`].
+pub fn measure_one(
     plan: &Plan<'_>,
     known: &dyn KnownScene,
     equipment: &Equipment<'_>,
@@ -325,14 +329,14 @@ pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
 }
 
 /// The record before the first scene.
-pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
+pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> RunRecord {
     RunRecord {
         schema_version: SCHEMA_VERSION,
-        tool: context.world.tool(),
-        command_line: context.command_line.clone(),
-        started_unix_s: context.world.unix_seconds(),
-        machine: context.world.machine(),
-        compiler: context.world.compiler(),
+        tool: world.tool(),
+        command_line: command_line.to_vec(),
+        started_unix_s: world.unix_seconds(),
+        machine: world.machine(),
+        compiler: world.compiler(),
         settings: Settings {
             seed: plan.seed,
             threads: plan.threads,
@@ -361,10 +365,10 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         },
         scenes: Vec::new(),
         summary: Vec::new(),
-        peak_rss_bytes: context.world.peak_rss(),
+        peak_rss_bytes: world.peak_rss(),
         planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
         complete: false,
-        load: [context.world.load(); 2],
+        load: [world.load(); 2],
         warnings: Vec::new(),
         shard: plan.part.as_ref().map(|part| part.record.clone()),
         parts: Vec::new(),

@@ -2,7 +2,7 @@
 
 pub mod accuracy;
 pub mod baseline;
-mod budget;
+pub mod budget;
 pub mod by_files;
 pub mod check;
 pub mod child;

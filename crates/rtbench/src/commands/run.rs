@@ -37,7 +37,7 @@ pub fn run(
     }
     let with_plugins = WithPlugins::load(context, &args.plugins)?;
     let plan = plan_of(context, args, &with_plugins)?;
-    let record = begin(context, &plan);
+    let record = begin(context.world, &context.command_line, &plan);
     let mut kept = Kept::default();
     let manifest = manifest_of(context, &plan, &record, arguments);
     run_outputs::refuse_occupied(context, &args.exports, Some(&manifest))?;
@@ -81,7 +81,7 @@ fn resume(
     let with_plugins = WithPlugins::load(context, plugins)?;
     let mut plan = plan_of(context, &args, &with_plugins)?;
     recorded_view::apply(&begun.found.manifest.settings, &mut plan).map_err(differs)?;
-    let record = begin(context, &plan);
+    let record = begin(context.world, &context.command_line, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
     if let Some(name) = kept.finished.values().find_map(|s| with_plugins.changed_since(s)) {
         return Err(differs(format!("plugin {name}: its file is another")).into());

@@ -98,7 +98,10 @@ fn with_outputs(args: &ScaleArgs, exports: &ExportArgs) -> Result<ScaleArgs, Pla
 
 /// The record before the first size.
 fn begun(context: &Context<'_>, scale: &Scale<'_>) -> RunRecord {
-    RunRecord { scale: Some(scale.record.clone()), ..begin(context, &scale.plan) }
+    RunRecord {
+        scale: Some(scale.record.clone()),
+        ..begin(context.world, &context.command_line, &scale.plan)
+    }
 }
 
 fn measure(

@@ -8,7 +8,7 @@ use accel_core::occluders;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use accel_core::structures::{Entry, brute_force, obvhs, uniform_grid};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
@@ -139,17 +139,7 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
 
 /// What a structure made for a test says of itself.
 pub const fn planted(name: &'static str, summary: &'static str) -> StructureInfo {
-    StructureInfo {
-        name,
-        summary,
-        paper: "none",
-        deviations: "none",
-        params: &[],
-        variants: &[""],
-        also_tested: &[],
-        known_defect: no_defect,
-        sampled: false,
-    }
+    StructureInfo::new(name, summary)
 }
 
 const INFO: StructureInfo = planted("dropper", "forgets a primitive");

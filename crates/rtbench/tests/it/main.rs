@@ -10,6 +10,7 @@ mod effects;
 mod explain;
 mod hard_cases;
 mod house;
+mod in_rust;
 mod occluders;
 mod own_view;
 mod plugins;

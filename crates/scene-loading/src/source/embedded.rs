@@ -3,7 +3,7 @@
 
 macro_rules! embed {
     ($($path:literal),* $(,)?) => {
-        &[$((concat!("scenes/", $path), include_str!(concat!("../../../../scenes/", $path)))),*]
+        &[$((concat!("scenes/", $path), include_str!(concat!("../../scenes/", $path)))),*]
     };
 }
 
@@ -41,9 +41,9 @@ pub(crate) static SETS: &[(&str, &str)] = embed![
 
 /// Files that scene files refer to: path in the repository and bytes.
 pub(crate) static ASSETS: &[(&str, &[u8])] = &[
-    ("scenes/pavilion.glb", include_bytes!("../../../../scenes/pavilion.glb")),
+    ("scenes/pavilion.glb", include_bytes!("../../scenes/pavilion.glb")),
     (
         "scenes/effects/effect-textures.gltf",
-        include_bytes!("../../../../scenes/effects/effect-textures.gltf"),
+        include_bytes!("../../scenes/effects/effect-textures.gltf"),
     ),
 ];

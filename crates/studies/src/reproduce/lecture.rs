@@ -11,7 +11,7 @@ use measurement::record::{RowRecord, SceneRecord, Verdict};
 use presentation::numbers::short;
 use statistics::estimate::{Estimate, rank_correlation};
 
-static TABLES: &str = include_str!("../../../../results/published/zachmann2007_tables.csv");
+static TABLES: &str = include_str!("../../published/zachmann2007_tables.csv");
 
 /// The lecture's scenes.
 pub const SCENES: [&str; 7] = ["balls", "gears", "mount", "rings", "teapot", "tetra", "tree"];

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-static GRIDS: &str = include_str!("../../../../results/published/havran1999_grids.csv");
-static OCTREES: &str = include_str!("../../../../results/published/havran1999_octrees.csv");
-static INVARIANTS: &str = include_str!("../../../../results/published/havran1999_invariants.csv");
+static GRIDS: &str = include_str!("../../published/havran1999_grids.csv");
+static OCTREES: &str = include_str!("../../published/havran1999_octrees.csv");
+static INVARIANTS: &str = include_str!("../../published/havran1999_invariants.csv");
 
 /// Scenes we have; the paper's ninth, `fluid`, was never part of SPD and is not available.
 pub const SCENES: [&str; 8] =

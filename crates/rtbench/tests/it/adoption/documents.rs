@@ -13,8 +13,8 @@ use crate::common::run;
 const CHEAP: [&str; 5] = ["list", "schema", "completions", "man", "doctor"];
 
 /// Folders of the repository, as documents name what is in them.
-const FOLDERS: [&str; 7] =
-    ["crates/", "docs/", "fuzz/", "results/", "scenes/", "scripts/", ".github/"];
+const FOLDERS: [&str; 8] =
+    ["crates/", "docs/", "fuzz/", "peers/", "results/", "scenes/", "scripts/", ".github/"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
