@@ -24,6 +24,7 @@ mod run;
 mod scale;
 mod scenes;
 mod sweep;
+mod tables;
 mod verify;
 mod view;
 
@@ -52,6 +53,7 @@ pub use run::RunArgs;
 pub use scale::{ScaleArgs, TrialArgs};
 pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
 pub use sweep::SweepArgs;
+pub use tables::TableArgs;
 pub use verify::VerifyArgs;
 pub use view::ViewArgs;
 

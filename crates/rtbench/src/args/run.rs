@@ -10,6 +10,7 @@ use crate::args::measuring::MeasuringArgs;
 use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
 use crate::args::plugins::PluginArgs;
+use crate::args::tables::TableArgs;
 
 /// `rtbench run`.
 #[derive(Debug, Clone, Args)]
@@ -47,6 +48,9 @@ pub struct RunArgs {
     /// Take what is not said from that set, as a run of it alone does: its rays, sizes, rows
     #[arg(long = "as", value_name = "SET")]
     pub as_set: Option<String>,
+    /// How tables look.
+    #[command(flatten)]
+    pub tables: TableArgs,
     /// What to write.
     #[command(flatten)]
     pub exports: ExportArgs,

@@ -33,6 +33,7 @@ use measurement::system::panics::caught;
 use measurement::system::pools::Pools;
 use measurement::system::progress::Progress;
 use renderer::ShadowRays;
+use studies::run::conclusions::{conclude_run, conclude_scene};
 use studies::scale::{admission, quantities};
 
 /// What came of a plan.
@@ -171,6 +172,9 @@ pub fn measure_rest(
                         _ => context.error(Error::from(error)),
                     });
                 }
+                if is_new {
+                    conclude_scene(&mut scene, plan.seed);
+                }
                 scene
             }
             Err(error) => {
@@ -235,6 +239,10 @@ fn is_due(scenes: usize) -> bool {
 /// What all scenes so far say together.
 fn sum_up(record: &mut RunRecord) {
     record.summary = summarize(&record.scenes, &record.settings);
+    // the sizes of one scene are no scenes to take means over
+    if record.scale.is_none() {
+        conclude_run(record);
+    }
     if let Some(scale) = &mut record.scale {
         scale.slopes = quantities::slopes(&record.scenes);
     }
@@ -361,6 +369,7 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         },
         scenes: Vec::new(),
         summary: Vec::new(),
+        conclusions: Vec::new(),
         peak_rss_bytes: context.world.peak_rss(),
         planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
         complete: false,

@@ -3,8 +3,6 @@
 //! A section is a file and a line in [`SECTIONS`]. What the folder lacks is said, with the command
 //! that makes it.
 
-pub mod break_even;
-pub mod costs;
 mod date;
 mod glossary;
 pub mod material;
