@@ -36,6 +36,7 @@ fn compared(record: &RunRecord) {
         metrics: METRICS.iter().collect(),
         shows_equal: true,
         filter: None,
+        margin: 0.05,
         threshold: None,
         is_forced: true,
     };

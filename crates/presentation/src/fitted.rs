@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     fn table() -> Table {
-        let row = |name: &str| [name, "1234567890", "12345", "ok on 25518 shadow rays"];
+        let row = |name: &'static str| [name, "1234567890", "12345", "ok on 25518 shadow rays"];
         let cells = |row: [&str; 4]| row.map(|t| Cell::from(t.to_owned())).into();
         Table {
             title: "t".into(),

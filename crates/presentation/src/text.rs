@@ -65,12 +65,7 @@ pub fn write_table_within(
 }
 
 /// Names left, numbers right, the last column left; what is wider than its column goes on below it.
-fn write_row(
-    out: &mut dyn Write,
-    row: &[Cell],
-    widths: &[usize],
-    colors: bool,
-) -> io::Result<()> {
+fn write_row(out: &mut dyn Write, row: &[Cell], widths: &[usize], colors: bool) -> io::Result<()> {
     let last = row.len().saturating_sub(1);
     let parts: Vec<Vec<String>> = row
         .iter()

@@ -174,6 +174,14 @@ impl Context<'_> {
         let _ = writeln!(self.err, "error: {}", outside::message(&message.to_string()));
     }
 
+    /// Prints which file was written, and of what it is.
+    pub fn wrote(&mut self, path: &Path, what: impl std::fmt::Display) {
+        if self.verbosity > Verbosity::Quiet {
+            let text = format!("wrote {}: {what}", path.display());
+            let _ = writeln!(self.err, "{}", outside::message(&text));
+        }
+    }
+
     /// Prints what is being done, when asked to.
     pub fn say(&mut self, message: impl std::fmt::Display) {
         if self.verbosity >= Verbosity::Verbose {

@@ -46,9 +46,8 @@ pub struct SummaryRow {
 impl SummaryRow {
     /// Whether it may be called the best of anything in every scene that it is in.
     pub fn may_lead(&self, scenes: &[SceneRecord]) -> bool {
-        let is_same = |row: &&RowRecord| {
-            row.structure == self.structure && row.settings == self.settings
-        };
+        let is_same =
+            |row: &&RowRecord| row.structure == self.structure && row.settings == self.settings;
         scenes.iter().all(|scene| scene.rows.iter().filter(is_same).all(|row| scene.may_lead(row)))
     }
 

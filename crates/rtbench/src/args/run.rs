@@ -42,7 +42,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "plugin",
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub processes: u32,
-    /// Also print ratios of each kind of ray, and the time to a picture of a million primary rays
+    /// Also print ratios of each kind of ray, and the time to image of a million primary rays
     #[arg(long)]
     pub by_kind: bool,
     /// Take what is not said from that set, as a run of it alone does: its rays, sizes, rows

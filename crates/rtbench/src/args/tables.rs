@@ -11,6 +11,7 @@ use crate::context::Terminal;
 
 /// How tables of a run are printed; files have all columns and the order of the registry.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Tables")]
 pub struct TableArgs {
     /// Order of the rows printed
     #[arg(long, value_parser = choice::<Sort>(), default_value = Sort::default().as_typed())]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
-use crate::commands::budget::Budget;
+use crate::commands::budget::{Budget, progress, steps_of};
 use crate::commands::processes::Processes;
 use crate::commands::row_deaths::{RowJournal, refuse_deadly, skip_deadly};
 use crate::context::Context;
@@ -20,7 +20,7 @@ use crate::gate::GateError;
 use crate::gate::against::AgainstError;
 use measurement::journal::Journal;
 use measurement::journal::lines::{Deaths, Line};
-use measurement::plan::{Plan, Rounds};
+use measurement::plan::Plan;
 use measurement::record::settings::{PROCESSOR_TIME, TIME_OF_DAY};
 use measurement::record::summary::summarize;
 use measurement::record::warnings;
@@ -31,7 +31,6 @@ use measurement::scenes::KnownScene;
 use measurement::settings::{Lights, Precision};
 use measurement::system::panics::caught;
 use measurement::system::pools::Pools;
-use measurement::system::progress::Progress;
 use renderer::ShadowRays;
 use studies::run::conclusions::{conclude_run, conclude_scene};
 use studies::scale::{admission, quantities};
@@ -380,21 +379,4 @@ pub fn begin(context: &Context<'_>, plan: &Plan<'_>) -> RunRecord {
         floor: None,
         scale: None,
     }
-}
-
-/// Steps of the bar for the scene at that place: each row is checked, timed in each round, rendered.
-fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
-    let rounds = match plan.rounds {
-        Rounds::Fixed(n) => n,
-        Rounds::Budget { at_least, .. } => at_least,
-    };
-    (plan.rows_in(scene) * (rounds * plan.processes as usize + 2)) as u64
-}
-
-fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
-    let budget = match plan.rounds {
-        Rounds::Budget { total, .. } => Some(total),
-        Rounds::Fixed(_) => None,
-    };
-    Progress::new(context.shows_progress(), steps, budget)
 }

@@ -55,7 +55,7 @@ pub static SECTIONS: &[Section] = &[
     ),
     section(
         "lecture",
-        "The lecture's tables against now",
+        "Zachmann 2007 against now",
         "rtbench reproduce zachmann2007 --export-csv DIR/zachmann2007.csv",
         sections::lecture::write,
     ),

@@ -88,7 +88,9 @@ fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
         Some(e) => {
             let ring = match best {
                 Some(best) if row.may_lead && e == best => Ring::Best,
-                Some(best) if row.may_lead && is_comparable(row) && e.low <= best.high => Ring::AsGood,
+                Some(best) if row.may_lead && is_comparable(row) && e.low <= best.high => {
+                    Ring::AsGood
+                }
                 _ => Ring::None,
             };
             // what is wrong by design says so

@@ -147,8 +147,7 @@ mod tests {
     /// A scene of which the reference is known to be wrong, with a sampled row, a plugin and a batch.
     fn made() -> RunRecord {
         let times = [0.2, 2.0, 2.0, 3.0, 0.1, 0.05, 1.0].map(scaled);
-        let labels =
-            ["known", "grid", "other", "slow", "sampled", "wrong", "grid query=batch"];
+        let labels = ["known", "grid", "other", "slow", "sampled", "wrong", "grid query=batch"];
         let rows: Vec<(&str, &[f64])> =
             labels.iter().zip(&times).map(|(label, times)| (*label, &times[..])).collect();
         let mut run = run(&[("tetra", &rows)]);

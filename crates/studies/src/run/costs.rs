@@ -54,9 +54,8 @@ impl Profile {
 
     /// Both costs of the rounds that both have, with their process.
     pub fn paired<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = (u32, [Cost; 2])> + 'a {
-        let both = |(visit, cost): (&Visit, &Cost)| {
-            Some((visit.0, [*cost, *other.rounds.get(visit)?]))
-        };
+        let both =
+            |(visit, cost): (&Visit, &Cost)| Some((visit.0, [*cost, *other.rounds.get(visit)?]));
         self.rounds.iter().filter_map(both)
     }
 

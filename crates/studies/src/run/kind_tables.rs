@@ -48,7 +48,7 @@ pub fn scene_table_of(
     let kinds = kinds(run);
     let mut header = vec!["structure", "query"];
     header.extend(&kinds);
-    header.extend(["picture ms", "to obvhs [95%]"]);
+    header.extend(["time to image ms", "to obvhs [95%]"]);
     let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
     let times = PictureTimes::of(scene);
     let obvhs = times.fastest_obvhs();
@@ -78,7 +78,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     for kind in &kinds {
         header.extend([kind, "least"]);
     }
-    header.extend(["picture to obvhs [95%]", "most"]);
+    header.extend(["time to image to obvhs [95%]", "most"]);
     let reference = reference::of_means(&run.scenes, &run.settings.reference);
     let pictures: Vec<PictureTimes<'_>> = run.scenes.iter().map(PictureTimes::of).collect();
     let of_means = run.scenes.iter().filter(|s| reference::is_over(s, &reference));
@@ -145,9 +145,9 @@ pub fn picture_table(run: &RunRecord) -> Table {
         }
     }
     let header =
-        vec!["scene", "query", "fastest", "picture ms", "of obvhs", "ms", "to obvhs [95%]"];
+        vec!["scene", "query", "fastest", "time to image ms", "of obvhs", "ms", "to obvhs [95%]"];
     Table {
-        title: "First picture: build, one million primary rays and their shadow rays".into(),
+        title: "Time to image: build, one million primary rays and their shadow rays".into(),
         header,
         rows,
         notes: vec![
@@ -179,7 +179,7 @@ fn notes(reference: &str, has_batches: bool) -> Vec<String> {
             "Of each kind of ray: rays per second over those of {reference}, for the same rays in \
              the same round; above 1 is faster. NAME-shuffled: the same rays in a random order.",
         ),
-        "picture: build, one million primary rays and their shadow rays; to obvhs: that time over \
+        "time to image: build, one million primary rays and their shadow rays; to obvhs: that time over \
          that of the row of obvhs which is done first; below 1 is faster."
             .into(),
     ];

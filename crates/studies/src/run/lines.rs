@@ -94,7 +94,8 @@ fn line(conclusion: &Conclusion) -> Line {
             let _ = write!(text, "; next: {row} {} x", short(times.median));
         }
         Some(Next { row, times }) => {
-            let _ = write!(text, "; next: {row} {} x {}", short(times.median), interval(times, 1.0));
+            let _ =
+                write!(text, "; next: {row} {} x {}", short(times.median), interval(times, 1.0));
         }
         None if not_different.is_empty() => text += "; no other row to compare with",
         None => {}
@@ -211,7 +212,10 @@ mod tests {
             "first image: bvh 40.0 ms [39.0, 50.0]; not significantly different: a, b, c and 1 more"
         );
         assert_eq!(
-            of(Conclusion { query: Query::Batch, ..conclusion(Question::Trace("shadow-shuffled".into())) }),
+            of(Conclusion {
+                query: Query::Batch,
+                ..conclusion(Question::Trace("shadow-shuffled".into()))
+            }),
             "shadow rays, shuffled, batch: bvh 2.5e-5 Mrays/s [2.0e-5, 2.6e-5]; no other row to \
              compare with"
         );
@@ -226,14 +230,12 @@ mod tests {
 
     #[test]
     fn builds_pay_from_a_number_of_rays_on_or_never() {
-        let at = |row: &str, from_rays, low, high| LeastTime { row: row.into(), from_rays, low, high };
+        let at =
+            |row: &str, from_rays, low, high| LeastTime { row: row.into(), from_rays, low, high };
         let alone = [at("grid", 0.0, 0.0, None)];
         assert!(build_pays(&alone).unwrap().text.contains("for any number of rays"));
-        let three = [
-            alone[0].clone(),
-            at("kd", 1234.0, 1100.0, Some(1500.0)),
-            at("bvh", 5e6, 4e6, None),
-        ];
+        let three =
+            [alone[0].clone(), at("kd", 1234.0, 1100.0, Some(1500.0)), at("bvh", 5e6, 4e6, None)];
         assert_eq!(
             build_pays(&three).unwrap().text,
             "grid; from 1.23 k rays [1.10 k, 1.50 k] kd; from 5.00 M rays [4.00 M, never] bvh"

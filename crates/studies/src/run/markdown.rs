@@ -40,7 +40,8 @@ pub fn to_string(run: &RunRecord) -> String {
 fn answers(run: &RunRecord) -> String {
     let mut text = String::new();
     let overall = lines::of_run(run).filter(|_| run.scenes.len() > 1);
-    for Lines { title, lines } in overall.into_iter().chain(run.scenes.iter().map(lines::of_scene)) {
+    for Lines { title, lines } in overall.into_iter().chain(run.scenes.iter().map(lines::of_scene))
+    {
         let _ = writeln!(text, "## {}\n", escaped(&title));
         for Line { head, text: answer } in lines {
             let _ = writeln!(text, "- {}: {}", escaped(&head), escaped(&answer));

@@ -216,7 +216,10 @@ mod tests {
         row.samples[0].reference_by_kind.values_mut().for_each(|s| *s /= 4.0);
         let times = PictureTimes::of(&record.scenes[0]).times;
         // 20 times the reference's 3 seconds for all rays, twice; 0.5 to build
-        assert!((times[1].timed.middle - (0.5 + 2.0 * (20.0 + 20.0 * 2.0))).abs() < 1e-9, "{times:?}");
+        assert!(
+            (times[1].timed.middle - (0.5 + 2.0 * (20.0 + 20.0 * 2.0))).abs() < 1e-9,
+            "{times:?}"
+        );
     }
 
     #[test]

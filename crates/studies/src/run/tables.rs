@@ -195,7 +195,7 @@ fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
 /// What a mailbox was good for.
 fn saved_note(row: &RowRecord) -> Option<String> {
     let part = row.work.as_ref()?.saved_part()?;
-    Some(format!("{}: the mailbox spared {:.1}% of the tests", row.label(), part * 100.0))
+    Some(format!("{}: the mailbox saved {:.1}% of the tests", row.label(), part * 100.0))
 }
 
 /// Rays of a batch, for what the border of a process costs.

@@ -23,7 +23,8 @@ pub fn write_scene(
 ) -> io::Result<()> {
     write(out, &scene_table(run, scene, view), view)?;
     if run.settings.by_kind {
-        let table = kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
+        let table =
+            kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
         write(out, &table, view)?;
     }
     if run.planned.len() > 1 && !scene.rows.is_empty() {

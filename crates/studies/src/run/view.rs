@@ -161,7 +161,8 @@ impl View {
             Sort::Memory => row.shape.as_ref().map_or(last, |shape| shape.memory_bytes as f64),
             Sort::Registry => 0.0,
         };
-        let class = |row: &RowRecord| (!row.verdict.is_timed(), row.answers == Answered::ShadowRays);
+        let class =
+            |row: &RowRecord| (!row.verdict.is_timed(), row.answers == Answered::ShadowRays);
         self.sorted(rows, class, key)
     }
 
@@ -206,7 +207,8 @@ mod tests {
 
     #[test]
     fn rows_are_sorted_by_what_was_asked() {
-        let mut run = run(&[("tetra", &[("a", &[3.0]), ("b", &[1.0]), ("c", &[2.0]), ("d", &[0.5])])]);
+        let mut run =
+            run(&[("tetra", &[("a", &[3.0]), ("b", &[1.0]), ("c", &[2.0]), ("d", &[0.5])])]);
         let rows = &mut run.scenes[0].rows;
         for (row, bytes) in rows.iter_mut().zip([10, 30, 20, 5]) {
             row.shape.as_mut().unwrap().memory_bytes = bytes;

@@ -76,7 +76,8 @@ fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
             names("", &lead.ties).trim().to_owned(),
         ])
     });
-    let header = vec!["for rays", "least time, build included", "time", "not told apart from it"];
+    let header =
+        vec!["for rays", "least time, build included", "time", "not significantly different"];
     words(format!("{scene}: the winner by the number of rays"), header, rows.collect())
 }
 
