@@ -68,7 +68,7 @@ check() { # NAME TURNS ARGUMENTS... -> code; the CSV file at $csv
     case $code in 0 | 3) ;; *) cat "$work/out" >&2; echo "check-trials: exit $code" >&2; exit 1 ;; esac
     return 0
 }
-# rung, scene, row, what, ..., outcome, note
+# stage, scene, row, what, ..., outcome, note
 regressions() { # AWK_CONDITION -> lines of the CSV file that are regressions and meet it
     awk -F, "\$11 == \"regression\" && ($1)" "$csv" | wc -l
 }

@@ -15,9 +15,9 @@ use rtbench::exports::{bencher, github_action_benchmark};
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{Evidence, Instructions, Times, judge};
 use rtbench::like::{Narrowed, narrowed};
-use rtbench::report::costs::profiles;
 use rtbench::report::material::{DataFile, Material};
 use rtbench::report::page;
+use studies::run::costs::profiles;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Ok(record) = file::record(Path::new("results.json"), bytes) else { return };
@@ -36,6 +36,7 @@ fn compared(record: &RunRecord) {
         metrics: METRICS.iter().collect(),
         shows_equal: true,
         filter: None,
+        margin: 0.05,
         threshold: None,
         is_forced: true,
     };

@@ -26,7 +26,7 @@ pub fn mebibytes(bytes: u64) -> String {
     short(bytes as f64 / f64::from(1 << 20))
 }
 
-/// A ratio with its interval; `=` where the interval holds 1: no difference was measured.
+/// A ratio with its interval; `=` where the interval contains 1: no difference was measured.
 pub fn ratio(estimate: &Estimate) -> String {
     let mark = if estimate.holds(1.0) { " =" } else { "  " };
     let Estimate { median, low, high } = *estimate;

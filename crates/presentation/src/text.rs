@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::fitted::{widths, wrapped};
 use crate::outside::{COLORS, line};
 use crate::table::{Cell, Style, Table};
 
@@ -10,8 +11,23 @@ use crate::table::{Cell, Style, Table};
 /// # Errors
 /// Those of the writer.
 pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Result<()> {
-    for line in lines {
-        writeln!(out, "{}", painted(line, Style::Dim, colors))?;
+    write_notes_within(out, lines, colors, None)
+}
+
+/// The same in lines of so many characters.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_notes_within(
+    out: &mut dyn Write,
+    lines: &[&str],
+    colors: bool,
+    width: Option<usize>,
+) -> io::Result<()> {
+    for text in lines {
+        for part in wrapped(&line(text), width.unwrap_or(usize::MAX), 0) {
+            writeln!(out, "{}", painted(&part, Style::Dim, colors))?;
+        }
     }
     Ok(())
 }
@@ -21,33 +37,67 @@ pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Res
 /// # Errors
 /// Those of the writer.
 pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
+    write_table_within(out, table, colors, None)
+}
+
+/// The same in lines of so many characters: names and words at the end go on in the next line.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_table_within(
+    out: &mut dyn Write,
+    table: &Table,
+    colors: bool,
+    width: Option<usize>,
+) -> io::Result<()> {
     let table = &shown(table);
-    let widths: Vec<usize> = (0..table.header.len())
-        .map(|c| {
-            let cells = table.rows.iter().filter_map(|r| r.get(c)).map(|c| c.text.chars().count());
-            let title = table.header.get(c).map_or(0, |title| title.chars().count());
-            cells.chain([title]).max().unwrap_or(0)
-        })
-        .collect();
-    writeln!(out, "{}", painted(&table.title, Style::Best, colors))?;
+    let widths = widths(table, width.unwrap_or(usize::MAX));
+    for part in wrapped(&table.title, width.unwrap_or(usize::MAX), 2) {
+        writeln!(out, "{}", painted(&part, Style::Best, colors))?;
+    }
     let header: Vec<Cell> = table.header.iter().map(|h| (*h).to_owned().into()).collect();
     for row in std::iter::once(&header).chain(&table.rows) {
-        let last = row.len().saturating_sub(1);
-        for (c, (cell, &width)) in row.iter().zip(&widths).enumerate() {
-            // Names left, numbers right, the verdict left.
+        write_row(out, row, &widths, colors)?;
+    }
+    let notes: Vec<&str> = table.notes.iter().map(String::as_str).collect();
+    write_notes_within(out, &notes, colors, width)?;
+    writeln!(out)
+}
+
+/// Names left, numbers right, the last column left; what is wider than its column goes on below it.
+fn write_row(out: &mut dyn Write, row: &[Cell], widths: &[usize], colors: bool) -> io::Result<()> {
+    let last = row.len().saturating_sub(1);
+    let parts: Vec<Vec<String>> = row
+        .iter()
+        .zip(widths)
+        .enumerate()
+        .map(|(c, (cell, width))| match c {
+            0 => wrapped(&cell.text, *width, 4.min(width / 2)),
+            _ if c == last => wrapped(&cell.text, *width, 0),
+            _ => vec![cell.text.clone()],
+        })
+        .collect();
+    let height = parts.iter().map(Vec::len).max().unwrap_or(0);
+    for i in 0..height {
+        let mut pending = String::new();
+        for (c, (cell, &width)) in row.iter().zip(widths).enumerate() {
+            let part = parts.get(c).and_then(|p| p.get(i)).map_or("", String::as_str);
             let text = match c {
-                0 => format!("{:<width$}", cell.text),
-                _ if c == last => format!("  {}", cell.text),
-                _ => format!("  {:>width$}", cell.text),
+                0 => format!("{part:<width$}"),
+                _ if c == last => format!("  {part}"),
+                _ => format!("  {part:>width$}"),
             };
-            write!(out, "{}", painted(&text, cell.style, colors))?;
+            // lines that go on end where their text ends
+            if i > 0 && part.is_empty() {
+                pending += &text;
+                continue;
+            }
+            write!(out, "{pending}{}", painted(&text, cell.style, colors))?;
+            pending.clear();
         }
         writeln!(out)?;
     }
-    for note in &table.notes {
-        writeln!(out, "{}", painted(note, Style::Dim, colors))?;
-    }
-    writeln!(out)
+    Ok(())
 }
 
 /// A table whose cells are as wide as they are shown.

@@ -27,5 +27,5 @@ pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};
 pub use shading::{ray_offset, refined_hit, surface};
 pub use tracers::generate_rays;
-pub use tracers::whitted::{Rendered, render, render_plan};
+pub use tracers::whitted::{Rendered, render, render_plan, render_watched};
 pub use tracers::work;

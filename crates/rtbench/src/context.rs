@@ -97,7 +97,14 @@ pub struct Terminal {
     pub no_color: bool,
     /// How wide help is printed; none: found out when it is.
     pub columns: Option<usize>,
+    /// How wide standard output is, where it is a terminal or COLUMNS says so.
+    pub found_width: Option<usize>,
 }
+
+/// Characters of a line where nobody says how wide it is.
+const DEFAULT_WIDTH: usize = 120;
+/// Narrower terminals break lines themselves.
+const LEAST_WIDTH: usize = 40;
 
 impl Terminal {
     /// What the process finds.
@@ -106,7 +113,15 @@ impl Terminal {
         let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty())
             || std::env::var_os("TERM").is_some_and(|v| v == "dumb");
         let (stdout, stderr) = (io::stdout().is_terminal(), io::stderr().is_terminal());
-        Self { stdout, stderr, no_color, columns: None }
+        let columns = || std::env::var("COLUMNS").ok()?.parse().ok();
+        let terminal = stdout.then(terminal_size::terminal_size).flatten();
+        let found_width = terminal.map(|(width, _)| usize::from(width.0)).or_else(columns);
+        Self { stdout, stderr, no_color, columns: None, found_width }
+    }
+
+    /// Characters of a line of tables.
+    pub fn width(self) -> usize {
+        self.found_width.unwrap_or(DEFAULT_WIDTH).max(LEAST_WIDTH)
     }
 
     /// Whether standard output gets colours.
@@ -159,6 +174,14 @@ impl Context<'_> {
         let _ = writeln!(self.err, "error: {}", outside::message(&message.to_string()));
     }
 
+    /// Prints which file was written, and of what it is.
+    pub fn wrote(&mut self, path: &Path, what: impl std::fmt::Display) {
+        if self.verbosity > Verbosity::Quiet {
+            let text = format!("wrote {}: {what}", path.display());
+            let _ = writeln!(self.err, "{}", outside::message(&text));
+        }
+    }
+
     /// Prints what is being done, when asked to.
     pub fn say(&mut self, message: impl std::fmt::Display) {
         if self.verbosity >= Verbosity::Verbose {
@@ -173,10 +196,12 @@ mod tests {
 
     #[test]
     fn colors_follow_choice_terminal_and_environment() {
-        let tty = Terminal { stdout: true, stderr: true, no_color: false, columns: None };
+        let tty = Terminal { stdout: true, stderr: true, ..Terminal::default() };
         let plain = Terminal { no_color: true, ..tty };
         assert!(tty.colors(Color::Auto) && !plain.colors(Color::Auto));
         assert!(plain.colors(Color::Always) && !tty.colors(Color::Never));
         assert!(!Terminal::default().colors(Color::Auto));
+        let of = |found_width| Terminal { found_width, ..Terminal::default() }.width();
+        assert_eq!([of(None), of(Some(80)), of(Some(1))], [DEFAULT_WIDTH, 80, LEAST_WIDTH]);
     }
 }

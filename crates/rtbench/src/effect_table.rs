@@ -36,7 +36,7 @@ pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
     }
     table.notes = vec![
         format!(
-            "all rays: {} a pixel, counted on {PROBE} x {PROBE} pixels",
+            "all rays: {} per pixel, counted on {PROBE} x {PROBE} pixels",
             per_pixel(all.total())
         ),
         "rays/pixel: of shadows, mirrors and refraction their own; of what is sampled, all rays \

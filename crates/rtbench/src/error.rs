@@ -228,9 +228,11 @@ impl Error {
                     matches!(e, UnknownScene { .. } | Procedural { .. } | NoSizes { .. });
                 if is_usage { USAGE } else { FAILURE }
             }
-            Self::Compare(CompareError::Filter { .. } | CompareError::NothingMatches { .. }) => {
-                USAGE
-            }
+            Self::Compare(
+                CompareError::Filter { .. }
+                | CompareError::Match { .. }
+                | CompareError::NothingMatches { .. },
+            ) => USAGE,
             Self::Gate(error) if error.is_usage() => USAGE,
             Self::Plan(_)
             | Self::Sweep(_)

@@ -59,7 +59,8 @@ use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, USAGE};
 use crate::exports::occupied::{self, OccupiedError};
-use measurement::scenes::Installed;
+use measurement::plan::error::PlanError;
+use measurement::scenes::{Installed, LoadError};
 use measurement::settings::suggest;
 use measurement::system::clock::SystemClock;
 use measurement::system::{file_limit, interrupt, panics};
@@ -278,9 +279,7 @@ fn dispatched(
         Command::Merge(args) => commands::merge::run(context, args, cli.color),
         Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Schema(args) => commands::printed::schema(context, args).map(|()| SUCCESS),
-        Command::Completions(args) => {
-            commands::printed::completions(context, args).map(|()| SUCCESS)
-        }
+        Command::Completions(args) => commands::completions::run(context, args).map(|()| SUCCESS),
         Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
     }
 }
@@ -305,10 +304,22 @@ fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
         return FAILURE;
     }
     context.error(error);
-    if error.exit_code() == USAGE {
-        let _ = writeln!(context.err, "For what there is, try 'rtbench list --help'.");
+    if let Some(listed) = listed_by(error) {
+        let _ = writeln!(context.err, "For what there is, try 'rtbench list {listed}'.");
     }
     error.exit_code()
+}
+
+/// The list that has what was not found.
+fn listed_by(error: &Error) -> Option<&'static str> {
+    match error {
+        Error::Plan(PlanError::UnknownStructure { .. } | PlanError::Param { .. }) => {
+            Some("structures")
+        }
+        Error::Plan(PlanError::Scene(LoadError::UnknownScene { .. }))
+        | Error::Load(LoadError::UnknownScene { .. }) => Some("scenes"),
+        _ => None,
+    }
 }
 
 /// The command line; help is as wide as the terminal.

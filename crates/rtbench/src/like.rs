@@ -31,10 +31,10 @@ pub enum LikeError {
         valid: String,
     },
     /// No scene could be measured now.
-    #[error("no scene could be measured: there is nothing to hold against")]
+    #[error("no scene could be measured: there is nothing to compare")]
     NothingMeasured,
     /// Nothing was finished in it.
-    #[error("the baseline has no finished scene: there is nothing to hold against it")]
+    #[error("the baseline has no finished scene: there is nothing to compare with it")]
     Empty,
     /// The settings are none of this program.
     #[error("the settings of the baseline are none of this program: {0}")]

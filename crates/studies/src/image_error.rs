@@ -32,7 +32,7 @@ pub fn edge_rmse(a: &Image, b: &Image, edges: &[bool]) -> Option<f64> {
     edges.contains(&true).then(|| rmse_over(a, b, is_edge))
 }
 
-/// A converged image: many samples a pixel, of two seeds, so that its own error is known.
+/// A converged image: many samples per pixel, of two seeds, so that its own error is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Converged {
     /// The mean of both.

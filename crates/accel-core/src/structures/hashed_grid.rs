@@ -25,7 +25,7 @@ use crate::structure::{StructureInfo, no_defect};
 pub static INFO: StructureInfo = StructureInfo {
     name: "hashed-grid",
     summary: "equal voxels in a hash table: only occupied ones take memory",
-    paper: "Glassner 1984 (hashed cells); Amanatides, Woo 1987 (walk)",
+    paper: "Glassner 1984 (hashed cells); Amanatides, Woo 1987 (traversal)",
     deviations: "linear probing, multiplicative hash, no chains; boxes as in uniform-grid",
     params: &[
         specs::RESOLUTION,

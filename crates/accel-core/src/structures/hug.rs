@@ -36,7 +36,7 @@ use crate::tree::clustering::components::components;
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "hug",
-    summary: "grids over clusters of primitives of like size, nested, each walked once a ray",
+    summary: "grids over clusters of primitives of like size, nested, each traversed once per ray",
     paper: "Cazals, Drettakis, Puech 1995",
     deviations: "largest class unclustered in the root; small clusters dissolve; coarser where useless",
     params: &[

@@ -35,7 +35,7 @@ use cells::{Cells, DEEPEST, Node};
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "kd-tree",
-    summary: "binary space subdivision by the surface-area heuristic, walked with a stack",
+    summary: "binary space subdivision by the surface-area heuristic, traversed with a stack",
     paper: "MacDonald, Booth 1990; Wald, Havran 2006; Shevtsov et al. 2007 (bins)",
     deviations: "padded boxes; binned above, exact below a number of references; no clipping",
     params: &[

@@ -42,7 +42,7 @@ use cells::{Cells, DEEPEST};
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "octree",
-    summary: "cells cut into eight at the centre or by cost; three ways to walk them",
+    summary: "cells cut into eight at the centre or by cost; three ways to traverse them",
     paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
     deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay or \
                  that multiply references",

@@ -174,7 +174,7 @@ fn a_teapot_in_a_stadium_agrees_with_brute_force() {
         let tracer = entry.build(PrimsRef::Watertight(&set), &entry.params([]).unwrap()).unwrap();
         let work = tracer.count_closest_hits(&rays, &mut vec![Hit::NONE; rays.len()]);
         let tests = work.intersection_tests as f64 / rays.len() as f64;
-        assert!(tests < 60.0, "{name}: {tests} tests a ray");
+        assert!(tests < 60.0, "{name}: {tests} tests per ray");
     }
 }
 

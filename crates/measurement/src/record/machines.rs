@@ -55,7 +55,7 @@ pub struct MachinesRecord {
     pub tool: Tool,
     /// The command line that joined them, program first.
     pub command_line: Vec<String>,
-    /// The row that ratios are taken to.
+    /// The reference row of ratios.
     pub reference: String,
     /// The machines, in the order given.
     pub machines: Vec<MachineRun>,

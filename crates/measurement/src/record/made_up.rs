@@ -43,6 +43,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
         },
         scenes: scenes.iter().map(|(name, rows)| scene(name, rows)).collect(),
         summary: Vec::new(),
+        conclusions: Vec::new(),
         peak_rss_bytes: None,
         planned: scenes.iter().map(|(name, _)| (*name).into()).collect(),
         complete: true,
@@ -101,5 +102,7 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
         oracle: Default::default(),
         rows: rows.iter().enumerate().map(row).collect(),
         peak_rss_bytes: None,
+        conclusions: Vec::new(),
+        least_time: Vec::new(),
     }
 }

@@ -129,17 +129,25 @@ pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
 pub static METRICS: &[Metric] = &[
     cost("n_in", "", "inner cells", Reading::Shape(|shape| shape.n_in)),
     cost("n_v", "", "elementary cells", Reading::Shape(|shape| shape.n_v)),
-    cost("n_ev", "", "empty elementary cells", Reading::Shape(|shape| shape.n_ev)),
+    Metric {
+        // what it cost is in n_v and memory
+        is_cost: false,
+        ..cost("n_ev", "", "empty elementary cells", Reading::Shape(|shape| shape.n_ev))
+    },
     cost("n_oiv", "", "references in cells", Reading::Shape(|shape| shape.n_oiv)),
     cost("memory", "bytes", "bytes of the structure", Reading::Shape(|shape| shape.memory_bytes)),
     cost("n_it", "", "intersection tests per ray", Reading::Work(|work| work.intersection_tests)),
     cost("n_ts", "", "traversal steps per ray", Reading::Work(|work| work.traversal_steps)),
     cost("n_ets", "", "elementary steps per ray", Reading::Work(|work| work.elementary_steps)),
-    cost("n_eets", "", "empty elementary steps per ray", Reading::Work(|work| work.empty_elementary_steps)),
+    Metric {
+        // what it cost is in n_ets
+        is_cost: false,
+        ..cost("n_eets", "", "empty elementary steps per ray", Reading::Work(|work| work.empty_elementary_steps))
+    },
     Metric {
         // what it cost is in n_it
         is_cost: false,
-        ..cost("saved", "", "tests per ray that a mailbox spared", Reading::Work(|work| work.tests_saved))
+        ..cost("saved", "", "tests per ray that a mailbox saved", Reading::Work(|work| work.tests_saved))
     },
     cost("build", "s", "build time", Reading::Build(|_, row| series(row, |s| Some(s.build_s)))),
     cost("trace", "s", "trace time of all rays", Reading::Trace(|row| series(row, |s| Some(s.total_trace_s())))),

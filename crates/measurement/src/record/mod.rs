@@ -1,5 +1,6 @@
 //! The record of a run: everything that tables, CSV and plots are made from, and what JSON holds.
 
+pub mod conclusion;
 mod figures;
 pub mod file;
 pub mod floor;
@@ -30,6 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings::shard::ShardRecord;
 
+pub use conclusion::{Conclusion, LeastTime, Next, Question};
 pub use floor::FloorRecord;
 pub use label::label;
 pub use plugin::PluginRecord;
@@ -69,6 +71,10 @@ pub struct RunRecord {
     pub scenes: Vec<SceneRecord>,
     /// Over all finished scenes, one for each row.
     pub summary: Vec<SummaryRow>,
+    /// Which rows are the fastest and the smallest over all finished scenes, by geometric means; empty of one
+    /// scene, and in records from before.
+    #[serde(default)]
+    pub conclusions: Vec<Conclusion>,
     /// Largest resident set of the process so far, bytes.
     pub peak_rss_bytes: Option<u64>,
     /// The scenes asked for, finished or not; empty in records from before there was a journal.

@@ -40,9 +40,8 @@ impl Query {
 }
 
 /// What stands below tables that have rows of both.
-pub const NOTE: &str = "query: batch rows answer many rays in one call, with several of them on \
-                        their way at once; all others, the reference among them, are asked ray by \
-                        ray.";
+pub const NOTE: &str = "query: batch rows answer many rays in one call, with several of them in \
+                        flight; to all others, the reference among them, rays are issued one by one.";
 
 #[cfg(test)]
 mod tests {

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::rays::order::distinct;
-use crate::record::row::RowRecord;
+use crate::rays::order::{distinct, kind_of};
+use crate::record::conclusion::{Conclusion, LeastTime};
+use crate::record::row::{Answered, RowRecord};
+use crate::record::verdict::Verdict;
 
 /// A scene's results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,6 +39,12 @@ pub struct SceneRecord {
     pub rows: Vec<RowRecord>,
     /// Largest resident set while the scene was measured, bytes.
     pub peak_rss_bytes: Option<u64>,
+    /// Which rows are the fastest and the smallest. Empty in records from before.
+    #[serde(default)]
+    pub conclusions: Vec<Conclusion>,
+    /// Which row takes the least time, build included, for how many rays; empty where none may lead.
+    #[serde(default)]
+    pub least_time: Vec<LeastTime>,
 }
 
 /// How the answers of a scene were judged.
@@ -59,5 +67,20 @@ impl SceneRecord {
     /// Rays of all kinds, each once.
     pub fn distinct_rays(&self) -> u64 {
         distinct(&self.rays).map(|(_, n)| n).sum()
+    }
+
+    /// Whether a row may be called the best of anything: all its answers were compared, each is right, and its
+    /// settings keep no defect.
+    pub fn may_lead(&self, row: &RowRecord) -> bool {
+        let is_answered = |kind: &str| match row.answers {
+            Answered::AllRays => true,
+            Answered::ShadowRays => kind_of(kind) == "shadow",
+        };
+        let answered = distinct(&self.rays).filter(|(kind, _)| is_answered(kind));
+        row.verdict == Verdict::Ok
+            && row.mismatches == 0
+            && row.known_defect.is_none()
+            && row.rays > 0
+            && row.checked_rays >= answered.map(|(_, n)| n).sum()
     }
 }

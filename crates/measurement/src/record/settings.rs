@@ -21,7 +21,7 @@ pub struct Settings {
     pub max_depth: u32,
     /// Kinds of rays.
     pub rays: Vec<String>,
-    /// The row that ratios are taken to, in every scene where it was built and is right; see
+    /// The reference row of ratios, in every scene where it was built and is right; see
     /// `is_reference` of the rows.
     pub reference: String,
     /// Run with `--quick`.

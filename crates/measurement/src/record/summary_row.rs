@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::record::label::{label, with_query};
-use crate::record::row::Answered;
+use crate::record::row::{Answered, RowRecord};
+use crate::record::scene::SceneRecord;
 use crate::record::verdict::Verdict;
 use statistics::estimate::Estimate;
 
@@ -43,6 +44,13 @@ pub struct SummaryRow {
 }
 
 impl SummaryRow {
+    /// Whether it may be called the best of anything in every scene that it is in.
+    pub fn may_lead(&self, scenes: &[SceneRecord]) -> bool {
+        let is_same =
+            |row: &&RowRecord| row.structure == self.structure && row.settings == self.settings;
+        scenes.iter().all(|scene| scene.rows.iter().filter(is_same).all(|row| scene.may_lead(row)))
+    }
+
     /// Structure and settings, with a word where it answers batches in any of its scenes.
     pub fn label_with_query(&self) -> String {
         with_query(label(&self.structure, &self.settings), self.batch_scenes > 0)

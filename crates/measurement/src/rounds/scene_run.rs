@@ -143,6 +143,8 @@ pub fn run_scene<S: Buildable>(
         oracle: judged,
         rows,
         peak_rss_bytes: equipment.world.peak_rss(),
+        conclusions: Vec::new(),
+        least_time: Vec::new(),
     })
 }
 

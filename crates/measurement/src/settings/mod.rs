@@ -19,14 +19,14 @@ pub enum Lights {
     /// From every hit, each that the hit faces.
     #[default]
     Each,
-    /// From every primary hit, the first: one shadow ray a hit.
+    /// From every primary hit, the first: one shadow ray per hit.
     First,
 }
 
 impl Choice for Lights {
     const ALL: &'static [(Self, &'static str, &'static str)] = &[
         (Self::Each, "each", "From every hit, each that the hit faces"),
-        (Self::First, "first", "From every primary hit, the first: one shadow ray a hit"),
+        (Self::First, "first", "From every primary hit, the first: one shadow ray per hit"),
     ];
 }
 
@@ -80,7 +80,7 @@ pub struct MeasuringSettings {
     pub threads: u16,
     /// Seed of schedules, samples and intervals.
     pub seed: u64,
-    /// The row that ratios are taken to; none means the default.
+    /// The reference row of ratios; none means the default.
     pub reference: Option<String>,
     /// Arithmetic of primitives and rays.
     pub precision: Precision,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use presentation::outside::line;
 
 /// The share of the file that is read, while one is.
@@ -11,6 +11,14 @@ fn write_loaded(_: &ProgressState, to: &mut dyn Write) {
     if let Some(share) = scene_loading::progress::share() {
         let _ = write!(to, "{:3.0}% of ", 100.0 * share);
     }
+}
+
+/// How long it may go on: nothing is known of that before the first step.
+fn write_left(state: &ProgressState, to: &mut dyn Write) {
+    let _ = match state.pos() {
+        0 => write!(to, "time left not known yet"),
+        _ => write!(to, "about {} left", HumanDuration(state.eta())),
+    };
 }
 
 /// A bar with the time left, or nothing at all.
@@ -35,9 +43,19 @@ impl Progress {
             if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(length), target);
         if let Ok(style) = ProgressStyle::with_template(
-            "{bar:24} {percent:>3}%  {elapsed} gone, about {eta} left  {loaded}{wide_msg}",
+            "{bar:24} {percent:>3}%  {elapsed} elapsed, {left}  {loaded}{wide_msg}",
         ) {
-            bar.set_style(style.with_key("loaded", write_loaded));
+            let style = style.with_key("loaded", write_loaded);
+            bar.set_style(match budget {
+                None => style.with_key("left", write_left),
+                // what is asked for is known from the start
+                Some(budget) => {
+                    style.with_key("left", move |state: &ProgressState, to: &mut dyn Write| {
+                        let left = budget.saturating_sub(state.elapsed());
+                        let _ = write!(to, "about {} left", HumanDuration(left));
+                    })
+                }
+            });
         }
         if visible {
             bar.enable_steady_tick(Duration::from_millis(500));

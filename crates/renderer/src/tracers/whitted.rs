@@ -345,7 +345,7 @@ pub fn render<S: Buildable>(
     tracer: &dyn Tracer<S>,
     settings: &RaySettings,
 ) -> Image {
-    image(&Whitted::new(scene, settings), tracer).image
+    image(&Whitted::new(scene, settings), tracer, &|| ()).image
 }
 
 /// An image and the rays it took.
@@ -364,13 +364,28 @@ pub fn render_plan<S: Buildable>(
     tracer: &dyn Tracer<S>,
     plan: &EffectPlan,
 ) -> Rendered {
-    image(&Whitted::planned(scene, plan), tracer)
+    image(&Whitted::planned(scene, plan), tracer, &|| ())
 }
 
-fn image<S: Buildable>(whitted: &Whitted<'_>, tracer: &dyn Tracer<S>) -> Rendered {
+/// The same; `row_done` is called after each row of pixels, from any thread.
+pub fn render_watched<S: Buildable>(
+    scene: &Scene,
+    tracer: &dyn Tracer<S>,
+    plan: &EffectPlan,
+    row_done: &(dyn Fn() + Sync),
+) -> Rendered {
+    image(&Whitted::planned(scene, plan), tracer, row_done)
+}
+
+fn image<S: Buildable>(
+    whitted: &Whitted<'_>,
+    tracer: &dyn Tracer<S>,
+    row_done: &(dyn Fn() + Sync),
+) -> Rendered {
     let [width, height] = whitted.grid;
     let row = |y| {
         let row = whitted.trace_columns(tracer, y, 0..width);
+        row_done();
         (row.colors, row.counts)
     };
     let rows: Vec<(Vec<Rgb>, RayCounts)> = (0..height).into_par_iter().map(row).collect();

@@ -278,7 +278,7 @@ fn the_shadow_of_a_square_has_exact_edges() {
     }
 }
 
-/// The image of single rays, with so many samples a pixel.
+/// The image of single rays, with so many samples per pixel.
 fn supersampled(scene: &Scene, size: u32, samples: u32) -> Rendered {
     let wishes = SampleWishes { supersamples: Some(samples), ..SampleWishes::default() };
     let plan = EffectPlan::of(scene, &settings([size; 2], wishes));

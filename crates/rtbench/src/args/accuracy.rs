@@ -33,7 +33,7 @@ pub struct AccuracyArgs {
     /// Seed of rays, aims, schedules and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Write accuracy.csv, accuracy.json, accuracy.md, summary.md, a plot an axis and pictures there
+    /// Write accuracy.csv, accuracy.json, accuracy.md, summary.md, one plot per axis and images there
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

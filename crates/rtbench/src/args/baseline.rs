@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use crate::args::run::RunArgs;
+use crate::args::tables::TableArgs;
 
 /// `rtbench baseline`.
 #[derive(Debug, Clone, Args)]
@@ -36,6 +37,9 @@ pub enum BaselineAction {
     Show {
         /// Its name
         name: String,
+        /// How tables look.
+        #[command(flatten)]
+        tables: TableArgs,
     },
     /// Keep one under another name, too, in place of what had that name
     Promote {

@@ -129,7 +129,7 @@ pub struct AgainstArgs {
     /// Seed of schedules, samples and intervals [default: 1]
     #[arg(long, value_name = "N", conflicts_with = "baseline")]
     pub seed: Option<u64>,
-    /// The row that ratios are taken to, as for `run`
+    /// The reference row of ratios, as for `run`
     #[arg(long, value_name = "STRUCTURE", conflicts_with = "baseline")]
     pub reference: Option<String>,
     /// Arithmetic of primitives and rays [default: f32]

@@ -17,6 +17,13 @@ pub struct CompareArgs {
     /// Only what changed, in either direction, by more than this many percent
     #[arg(short, long, value_name = "PCT", value_parser = percent)]
     pub threshold: Option<f64>,
+    /// Equivalence margin in percent: a ratio whose interval lies within it is no difference
+    #[arg(long, value_name = "PCT", value_parser = percent, default_value = "5")]
+    pub margin: f64,
+    /// Compare a row that has another name now: OLD in the first results with NEW in the others; of a
+    /// structure, all its rows
+    #[arg(long = "match", value_name = "OLD=NEW")]
+    pub matches: Vec<String>,
     /// Metrics, equal or not [default: build, trace, ratio, and every exact one that differs]
     #[arg(short, long, value_name = "METRIC", value_delimiter = ',')]
     pub metrics: Vec<String>,
@@ -29,7 +36,7 @@ pub struct CompareArgs {
     /// How to print it
     #[arg(long, value_enum, default_value_t = CompareFormat::Text)]
     pub format: CompareFormat,
-    /// Write one CSV row a scene, structure and metric
+    /// Write one CSV row per scene, structure and metric
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
     /// Write the tables in Markdown

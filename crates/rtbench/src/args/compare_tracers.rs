@@ -19,11 +19,11 @@ pub struct CompareTracersArgs {
     /// triangles,patches
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub without: Vec<String>,
-    /// Samples a pixel [default: 1,2,4,...,1024; with --quick 1,4,16,64,256]
+    /// Samples per pixel [default: 1,2,4,...,1024; with --quick 1,4,16,64,256]
     #[arg(long, value_name = "N", value_delimiter = ',',
           value_parser = measurement::settings::quantity::count(1..=65536))]
     pub samples: Vec<u32>,
-    /// Samples a pixel of each of the reference's two images [default: 4096; with --quick 1024]
+    /// Samples per pixel of each of the reference's two images [default: 4096; with --quick 1024]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=4_194_304))]
     pub reference_samples: Option<u32>,
     /// The structure that rays are traced through [default: obvhs-cwbvh, or the first]

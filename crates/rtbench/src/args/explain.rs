@@ -25,7 +25,7 @@ pub struct ExplainArgs {
     /// How much memory a structure may take.
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Write one CSV row a scene, kind of ray and row or factor; - is standard output, instead of the
+    /// Write one CSV row per scene, kind of ray and row or factor; - is standard output, instead of the
     /// tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,

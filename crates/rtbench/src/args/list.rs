@@ -8,6 +8,9 @@ pub struct ListArgs {
     /// What to list
     #[arg(value_enum)]
     pub what: Listed,
+    /// Only those of these names
+    #[arg(value_name = "NAME")]
+    pub names: Vec<String>,
     /// As text or as JSON
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
@@ -30,6 +33,21 @@ pub enum Listed {
     Rays,
     /// Axes of accuracy
     Axes,
+}
+
+impl Listed {
+    /// One of what is listed.
+    pub fn singular(self) -> &'static str {
+        match self {
+            Self::Structures => "structure",
+            Self::Occluders => "occluder",
+            Self::Tracers => "tracer",
+            Self::Scenes => "scene",
+            Self::Sets => "set",
+            Self::Rays => "kind of rays",
+            Self::Axes => "axis",
+        }
+    }
 }
 
 /// How to print a list.

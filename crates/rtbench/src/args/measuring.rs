@@ -10,11 +10,12 @@ use crate::args::parsers::choice;
 
 /// What all commands that measure have in common.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Measuring")]
 pub struct MeasuringArgs {
     /// Kinds of rays [default: all]
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
-    /// The order in which rows are asked the rays
+    /// The order in which rays are issued to rows
     #[arg(long, value_parser = choice::<Orders>(),
           default_value = Orders::default().name())]
     pub order: Orders,
@@ -26,7 +27,7 @@ pub struct MeasuringArgs {
     /// with --quick]
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub pass_limit: Option<Duration>,
-    /// Rounds: each visits every row once
+    /// Rounds: each visits every row once [default: 5, 3 with --quick]
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
           value_parser = measurement::settings::quantity::count(1..=MeasuringSettings::MOST_ROUNDS))]
     pub rounds: Option<u32>,
@@ -43,7 +44,7 @@ pub struct MeasuringArgs {
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The row that ratios are taken to [default: obvhs-cwbvh adapter=direct, else obvhs-cwbvh, else
+    /// The reference row of ratios [default: obvhs-cwbvh adapter=direct, else obvhs-cwbvh, else
     /// the first row there is]
     #[arg(long, value_name = "STRUCTURE")]
     pub reference: Option<String>,
@@ -51,7 +52,7 @@ pub struct MeasuringArgs {
     #[arg(long, value_parser = choice::<Precision>(),
           default_value = Precision::default().name())]
     pub precision: Precision,
-    /// Width and height of the image
+    /// Width and height of the image [default: 128, 48 with --quick; sets may say otherwise]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MeasuringSettings::LARGEST_SIZE.into()))]
     pub size: Option<u32>,
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::args::exports::ExportArgs;
+use crate::args::tables::TableArgs;
 
 /// `rtbench merge`.
 #[derive(Debug, Clone, Args)]
@@ -21,6 +22,9 @@ pub struct MergeArgs {
     #[arg(long, conflicts_with_all = ["mixed_machines", "export_github_smaller",
           "export_github_bigger", "export_bencher"])]
     pub machines: bool,
+    /// How tables look.
+    #[command(flatten)]
+    pub tables: TableArgs,
     /// What to write.
     #[command(flatten)]
     pub exports: ExportArgs,

@@ -24,6 +24,7 @@ mod run;
 mod scale;
 mod scenes;
 mod sweep;
+mod tables;
 mod verify;
 mod view;
 
@@ -52,12 +53,16 @@ pub use run::RunArgs;
 pub use scale::{ScaleArgs, TrialArgs};
 pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
 pub use sweep::SweepArgs;
+pub use tables::TableArgs;
 pub use verify::VerifyArgs;
 pub use view::ViewArgs;
 
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
+
+/// The head of options that every command has.
+const GLOBAL: &str = "Every command";
 
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
@@ -69,25 +74,25 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
     /// When to use colours; NO_COLOR is respected by `auto`.
-    #[arg(long, global = true, value_enum, default_value_t = Color::Auto, value_name = "WHEN")]
+    #[arg(long, global = true, help_heading = GLOBAL, value_enum, default_value_t = Color::Auto, value_name = "WHEN")]
     pub color: Color,
     /// No progress and no warnings on stderr.
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, help_heading = GLOBAL, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Say on stderr what is done.
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, help_heading = GLOBAL)]
     pub verbose: bool,
     /// Read scene files whose sources lie outside their folders: for files that are your own
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = GLOBAL)]
     pub allow_outside: bool,
     /// What scenes are given.
     #[command(flatten)]
     pub view: ViewArgs,
     /// Replace files and results that are there
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = GLOBAL)]
     pub overwrite: bool,
     /// Sets of scenes and defaults of `run` [default: rtbench.toml here or in a folder above]
-    #[arg(long, global = true, value_name = "FILE")]
+    #[arg(long, global = true, help_heading = GLOBAL, value_name = "FILE")]
     pub config: Option<PathBuf>,
 }
 
@@ -106,20 +111,36 @@ pub enum Color {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Measure structures on scenes and print the tables
+    #[command(
+        after_help = "Examples:\n  rtbench run my.obj                                  which structure for this file\n  rtbench run teapot -s kd-tree,wide-bvh -o out       two structures, results in a folder\n  rtbench run teapot --quick --sort memory            a first look, the smallest first\n  rtbench run tree -s uniform-grid:density=4          a structure with a setting"
+    )]
     Run(RunArgs),
     /// Measure one parameter of a structure over its values
+    #[command(
+        after_help = "Examples:\n  rtbench sweep teapot -s uniform-grid -p density --from 0.1 --to 100"
+    )]
     Sweep(SweepArgs),
     /// Measure one scene in several sizes: how build, trace and memory grow
+    #[command(
+        after_help = "Examples:\n  rtbench scale tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
+    )]
     Scale(ScaleArgs),
     /// What the difference in time between two rows is made of: structure, kernel, query
+    #[command(after_help = "Examples:\n  rtbench explain teapot-tess -s kd-tree")]
     Explain(ExplainArgs),
-    /// Put the results of two or more runs side by side
+    /// Compare the results of two or more runs
+    #[command(
+        after_help = "Examples:\n  rtbench compare before after -t 5%\n  rtbench compare before after --match hug=hug:density=4"
+    )]
     Compare(CompareArgs),
     /// List what there is
+    #[command(after_help = "Examples:\n  rtbench list structures kd-tree")]
     List(ListArgs),
     /// Render a scene, with the effects it calls for, to a PNG or EXR image
+    #[command(after_help = "Examples:\n  rtbench render teapot -o teapot.png --size 256")]
     Render(RenderArgs),
-    /// What an image costs by the lecture's product, factor by factor, predicted and measured
+    /// What an image costs by Zachmann's product, factor by factor, predicted and measured
+    #[command(after_help = "Examples:\n  rtbench cost teapot --heat-maps maps")]
     Cost(CostArgs),
     /// One scene by samples, by cones and by beams: time against error
     CompareTracers(CompareTracersArgs),
@@ -130,16 +151,21 @@ pub enum Command {
     /// Check what another program answered
     Hits(HitsArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
+    #[command(after_help = "Examples:\n  rtbench verify -s kd-tree --rays 1000")]
     Verify(VerifyArgs),
-    /// What accuracy costs in time: variants of tests, walks, offsets, samples
+    /// What accuracy costs in time: variants of tests, traversals, offsets, samples
     Accuracy(AccuracyArgs),
-    /// Make a page to read of the results in a folder: tables, plots, break-even counts
+    /// Make an HTML report of the results in a folder: tables, plots, break-even counts
+    #[command(after_help = "Examples:\n  rtbench report out")]
     Report(ReportArgs),
-    /// Put published figures beside ours
+    /// Compare our figures with published ones
     Reproduce(ReproduceArgs),
     /// What the time of a run's fastest rows is spent on: work, and lines from caches and memory
     Profile(ProfileArgs),
-    /// Hold this program against a baseline or against an older binary: the gate of a CI job
+    /// Compare this program with a baseline or with an older binary: the gate of a CI job
+    #[command(
+        after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check --against ./old --new ./new -- --frames 9"
+    )]
     Check(CheckArgs),
     /// Keep results to check against
     Baseline(BaselineArgs),
@@ -147,12 +173,14 @@ pub enum Command {
     #[command(hide = true)]
     Child(ChildArgs),
     /// Join the parts of a run that `--shard` made
+    #[command(after_help = "Examples:\n  rtbench merge part-1 part-2 -o whole")]
     Merge(MergeArgs),
-    /// Say what on this machine disturbs measurements, and what to do about it
+    /// Report what may disturb measurements on this machine, and what to do about it
     Doctor(DoctorArgs),
     /// Print the JSON schema of what is written
     Schema(SchemaArgs),
     /// Print completions for a shell
+    #[command(after_help = "Examples:\n  rtbench completions bash")]
     Completions(CompletionsArgs),
     /// Print the manual page, or write the pages of all commands
     Man(ManArgs),

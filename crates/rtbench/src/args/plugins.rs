@@ -7,6 +7,7 @@ use clap::Args;
 
 /// Which plugins, and how they run.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Plugins")]
 pub struct PluginArgs {
     /// A shared library with a structure of yours (rtbench.h): its row stands beside ours
     #[arg(long, value_name = "FILE")]

@@ -18,7 +18,7 @@ pub struct RenderArgs {
     /// The image to write: .png, or .exr for linear floats
     #[arg(short, long, value_name = "FILE", required_unless_present = "plan")]
     pub output: Option<PathBuf>,
-    /// Print what the scene calls for, and the rays a pixel that each effect adds
+    /// Print what the scene calls for, and the rays per pixel that each effect adds
     #[arg(long)]
     pub plan: bool,
     /// The structure to trace with [default: obvhs-cwbvh, or the first]
@@ -68,24 +68,25 @@ pub struct CostArgs {
 /// The factors of an image's cost beside its pixels. Those of effects that the scene does not call
 /// for change nothing.
 #[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Sampling")]
 pub struct SamplingArgs {
     /// Longest chain of rays; eye rays have depth 1
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub depth: u32,
-    /// Eye rays a pixel for its area [default: what the scene says, or 1]
+    /// Eye rays per pixel for its area [default: what the scene says, or 1]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub supersamples: Option<u32>,
-    /// Shadow rays a hit, for each light with a radius [default: what the scene says, or 16]
+    /// Shadow rays per hit, for each light with a radius [default: what the scene says, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub shadow_samples: Option<u32>,
     /// Rays of the first rough mirror of a path [default: what the scene says, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub glossy_samples: Option<u32>,
-    /// Eye rays a pixel for the exposure [default: what the scene says, or 16]
+    /// Eye rays per pixel for the exposure [default: what the scene says, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub temporal_samples: Option<u32>,
-    /// Eye rays a pixel for the area of the lens [default: what the scene says, or 16]
+    /// Eye rays per pixel for the area of the lens [default: what the scene says, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub focal_samples: Option<u32>,
     /// Seed of the sample patterns

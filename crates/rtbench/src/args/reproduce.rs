@@ -33,7 +33,7 @@ pub struct HavranArgs {
     /// Structures as the publication names them, `invariants` among them [default: all]
     #[arg(long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Write one CSV row a figure
+    /// Write one CSV row per figure
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
     /// Exit with 1 when a figure differs and nobody knows why
@@ -50,7 +50,7 @@ pub struct ZachmannArgs {
     /// How to measure; ratios are always taken to the lecture's uniform D=1.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-    /// Write one CSV row a scene and structure
+    /// Write one CSV row per scene and structure
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
 }

@@ -10,6 +10,7 @@ use crate::args::measuring::MeasuringArgs;
 use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
 use crate::args::plugins::PluginArgs;
+use crate::args::tables::TableArgs;
 
 /// `rtbench run`.
 #[derive(Debug, Clone, Args)]
@@ -41,12 +42,15 @@ pub struct RunArgs {
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "plugin",
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub processes: u32,
-    /// Also print ratios of each kind of ray, and the time to a picture of a million primary rays
+    /// Also print ratios of each kind of ray, and the time to image of a million primary rays
     #[arg(long)]
     pub by_kind: bool,
     /// Take what is not said from that set, as a run of it alone does: its rays, sizes, rows
     #[arg(long = "as", value_name = "SET")]
     pub as_set: Option<String>,
+    /// How tables look.
+    #[command(flatten)]
+    pub tables: TableArgs,
     /// What to write.
     #[command(flatten)]
     pub exports: ExportArgs,

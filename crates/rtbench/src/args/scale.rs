@@ -46,10 +46,10 @@ pub struct ScaleArgs {
     /// --resume DIR` goes on with it
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write one CSV row a size, structure and setting; - is standard output, instead of the tables
+    /// Write one CSV row per size, structure and setting; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    /// Write one CSV row a slope; or -
+    /// Write one CSV row per slope; or -
     #[arg(long, value_name = "FILE")]
     pub export_slopes: Option<PathBuf>,
     /// Write plots, one panel a quantity; or -

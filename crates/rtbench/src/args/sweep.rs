@@ -58,10 +58,10 @@ pub struct SweepArgs {
     /// How much memory a structure may take.
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Write one CSV row a scene and value; - is standard output, instead of the tables
+    /// Write one CSV row per scene and value; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    /// Write a plot, one panel a scene; or -
+    /// Write a plot, one panel per scene; or -
     #[arg(long, value_name = "FILE")]
     pub export_svg: Option<PathBuf>,
     /// Write the tables in Markdown; or -

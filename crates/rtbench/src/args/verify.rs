@@ -38,7 +38,7 @@ pub struct VerifyArgs {
     /// Repeat one trial: a line that an earlier run printed
     #[arg(long, value_name = "LINE")]
     pub replay: Option<String>,
-    /// Write one CSV row a case, precision and structure, anew after each case
+    /// Write one CSV row per case, precision and structure, anew after each case
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
     /// Write everything as JSON, likewise

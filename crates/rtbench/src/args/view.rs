@@ -8,6 +8,7 @@ use scene_loading::view_options::{CameraOption, LightOption, direction};
 /// The view and the lights that scenes are given from the command line, of every command that loads
 /// scenes.
 #[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "View and lights")]
 pub struct ViewArgs {
     /// Camera instead of the scenes' own, in world units and degrees: 1,2,3:0,0,0:45 [default: the
     /// scene's, or one that frames it]

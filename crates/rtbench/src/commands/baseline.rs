@@ -17,6 +17,7 @@ use measurement::system::pressure::Watch;
 use presentation::table::Table;
 use presentation::text::write_table;
 use studies::run::text;
+use studies::run::view::View;
 
 /// Does what was asked and returns the exit code.
 ///
@@ -28,7 +29,9 @@ pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Resu
     match &args.action {
         BaselineAction::Save(args) => return save(context, args, &store),
         BaselineAction::List => list(context, &store, colors)?,
-        BaselineAction::Show { name } => show(context, &store, name, colors)?,
+        BaselineAction::Show { name, tables } => {
+            show(context, &store, name, &tables.view(context.terminal, color))?;
+        }
         BaselineAction::Promote { name, to } => {
             let baseline = read(&store.existing(name).map_err(gate)?).map_err(gate)?;
             let path = store.save(to, &baseline, true).map_err(gate)?;
@@ -157,13 +160,13 @@ pub(super) fn rounds(record: &RunRecord) -> usize {
     rows.map(|row| row.samples.len()).max().unwrap_or(0)
 }
 
-fn show(context: &mut Context<'_>, store: &Store, name: &str, colors: bool) -> Result<(), Error> {
+fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Result<(), Error> {
     let Baseline { record, instructions, .. } =
         read(&store.existing(name).map_err(gate)?).map_err(gate)?;
     for scene in &record.scenes {
-        text::write_scene(context.out, &record, scene, colors)?;
+        text::write_scene(context.out, &record, scene, view)?;
     }
-    text::write_summary(context.out, &record, colors)?;
+    text::write_end(context.out, &record, view)?;
     if let Some(counts) = instructions {
         let header = vec!["row", "rays", "build", "trace"];
         let title = format!("Instructions ({})", counts.valgrind);
@@ -178,7 +181,7 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, colors: bool) -> R
             cells.into_iter().map(Into::into).collect()
         });
         let table = Table { title, header, rows: rows.collect(), notes: Vec::new() };
-        write_table(context.out, &table, colors)?;
+        write_table(context.out, &table, view.colors)?;
     }
     Ok(())
 }

@@ -1,8 +1,10 @@
-//! The time budget of a run: how much of it each scene has.
+//! The time budget of a run, how much of it each scene has, and the bar that shows how far it is.
 
 use std::time::Duration;
 
+use crate::context::Context;
 use measurement::plan::{Plan, Rounds};
+use measurement::system::progress::Progress;
 
 /// The time budget of a run, if it has one.
 pub struct Budget {
@@ -37,4 +39,22 @@ impl Budget {
         let left = u32::try_from(left.max(1)).unwrap_or(u32::MAX);
         Some(self.total?.saturating_sub(spent) / left)
     }
+}
+
+/// Steps of the bar for the scene at that place: each row is checked, timed in each round, rendered.
+pub fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
+    let rounds = match plan.rounds {
+        Rounds::Fixed(n) => n,
+        Rounds::Budget { at_least, .. } => at_least,
+    };
+    (plan.rows_in(scene) * (rounds * plan.processes as usize + 2)) as u64
+}
+
+/// The bar of a run.
+pub fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
+    let budget = match plan.rounds {
+        Rounds::Budget { total, .. } => Some(total),
+        Rounds::Fixed(_) => None,
+    };
+    Progress::new(context.shows_progress(), steps, budget)
 }

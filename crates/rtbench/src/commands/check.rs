@@ -79,6 +79,9 @@ pub fn run(
         writeln!(context.out, "{}", line(remark))?;
     }
     text::write_notes(context.out, GLOSSARY, colors)?;
+    for improvement in report.improvements() {
+        writeln!(context.out, "{}", line(&improvement))?;
+    }
     writeln!(context.out, "{}", line(&report.verdict()))?;
     context.out.flush()?;
     write_file(args.export_csv.as_deref(), || export::csv(&report))?;

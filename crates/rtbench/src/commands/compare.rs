@@ -4,7 +4,7 @@ use regex_lite::Regex;
 
 use crate::args::{Color, CompareArgs, CompareFormat};
 use crate::comparison::{
-    Choice, CompareError, Comparison, Named, compare, csv, default_metrics, tables,
+    Choice, CompareError, Comparison, Named, compare, csv, default_metrics, renamed, tables,
 };
 use crate::context::Context;
 use crate::error::Error;
@@ -20,7 +20,15 @@ use presentation::json;
 /// [`Error`] for results that cannot be read or compared, unknown metrics, and outputs.
 pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Result<u8, Error> {
     let choice = choice(args)?;
-    let runs = args.results.iter().map(|path| file::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let mut runs =
+        args.results.iter().map(|path| file::read(path)).collect::<Result<Vec<_>, _>>()?;
+    let mut matched = Vec::new();
+    if let Some((old, others)) = runs.split_first_mut() {
+        for text in &args.matches {
+            matched.push(renamed::matched(text, old, others)?);
+        }
+        matched.iter().for_each(|renamed| renamed.apply(old));
+    }
     let paths: Vec<String> = args.results.iter().map(|p| p.display().to_string()).collect();
     let letters: Vec<String> = (0..runs.len()).map(letter).collect();
     let mut named = letters.iter().zip(&paths).zip(&runs).map(|((letter, path), run)| Named {
@@ -34,8 +42,9 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
             comparisons.push(compare(old, new, &choice)?);
         }
     }
-    for comparison in &comparisons {
+    for comparison in &mut comparisons {
         warn_of(context, comparison);
+        comparison.cautions.extend(matched.iter().map(ToString::to_string));
     }
     let json = || json::written(&comparisons);
     write_file(args.export_csv.as_deref(), || csv::to_string(&comparisons))?;
@@ -67,6 +76,7 @@ fn choice(args: &CompareArgs) -> Result<Choice, Error> {
         metrics,
         shows_equal: args.all_metrics || !args.metrics.is_empty(),
         filter: args.filter.as_ref().map(filter).transpose()?,
+        margin: args.margin / 100.0,
         threshold: args.threshold,
         is_forced: args.force,
     })

@@ -37,7 +37,7 @@ use studies::tracer_comparison::reference::{Sampled, converged};
 use studies::tracer_comparison::report::Report;
 use studies::tracer_comparison::{KINDS, Question, compare, without};
 
-/// Samples a pixel: those of the full comparison, and those of a first look.
+/// Samples per pixel: those of the full comparison, and those of a first look.
 const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const QUICK_SAMPLES: [u32; 5] = [1, 4, 16, 64, 256];
 

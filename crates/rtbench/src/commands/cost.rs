@@ -80,6 +80,9 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         }
         Ok::<_, Error>(rows)
     })?;
+    if let Some(folder) = &args.heat_maps {
+        context.wrote(folder, format_args!("heat maps {}", MAPS.join(", ")));
+    }
     let table = table(scene.name(), &row.label(), &rows, &model, &calibration);
     write_table(context.out, &table, context.terminal.colors(color))?;
     context.out.flush()?;
@@ -116,7 +119,7 @@ fn calibrate(
 
 fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration: &[&str]) -> Table {
     let mut table = Table {
-        title: format!("{scene} through {label}: the lecture's product, factor by factor"),
+        title: format!("{scene} through {label}: Zachmann's product of 2007, factor by factor"),
         header: vec![
             "factor",
             "product says",

@@ -12,6 +12,8 @@ use serde_json::{Value, json};
 use crate::args::{Format, ListArgs, Listed};
 use crate::context::Context;
 use crate::error::Error;
+use measurement::plan::error::PlanError;
+use measurement::settings::suggest;
 use presentation::json;
 use studies::accuracy::axis::AXES;
 
@@ -57,25 +59,27 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             })
             .collect(),
     };
+    let value = named(value, args)?;
+    let is_asked = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     let out = &mut *context.out;
     match args.format {
         Format::Json => {
             out.write_all(json::written(&value)?.as_bytes())?;
         }
         Format::Text if args.what == Listed::Structures => {
-            for e in context.registry {
+            for e in context.registry.iter().filter(|e| is_asked(e.info.name)) {
                 write_structure(out, e.info)?;
             }
             writeln!(out, "every structure:")?;
             chosen_tests::PARAMS.iter().try_for_each(|p| write_param(out, p))?;
         }
         Format::Text if args.what == Listed::Occluders => {
-            for e in context.occluders {
+            for e in context.occluders.iter().filter(|e| is_asked(e.info.name)) {
                 write_structure(out, e.info)?;
             }
         }
         Format::Text if args.what == Listed::Tracers => {
-            for info in TRACERS {
+            for info in TRACERS.iter().filter(|info| is_asked(info.name)) {
                 write_tracer(out, info)?;
             }
         }
@@ -83,6 +87,30 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     }
     out.flush()?;
     Ok(())
+}
+
+/// Those that were asked for by name; all where none were.
+fn named(mut items: Vec<Value>, args: &ListArgs) -> Result<Vec<Value>, PlanError> {
+    let all: Vec<String> = items.iter().map(|item| text(item, "name")).collect();
+    let names = || all.iter().map(String::as_str);
+    for name in &args.names {
+        if !all.contains(name) {
+            return Err(PlanError::UnknownName {
+                what: args.what.singular(),
+                name: name.clone(),
+                hint: suggest::hint(name, names()),
+                valid: names().collect::<Vec<_>>().join(", "),
+            });
+        }
+    }
+    if !args.names.is_empty() {
+        items.retain(|item| args.names.contains(&text(item, "name")));
+    }
+    Ok(items)
+}
+
+fn text(item: &Value, key: &str) -> String {
+    item[key].as_str().unwrap_or_default().to_owned()
 }
 
 fn entry((name, summary): &(String, String)) -> Value {
@@ -149,7 +177,6 @@ fn write_param(out: &mut dyn Write, p: &ParamSpec) -> io::Result<()> {
 
 /// A name a line, with its summary or its members.
 fn write_names(out: &mut dyn Write, items: &[Value]) -> io::Result<()> {
-    let text = |item: &Value, key: &str| item[key].as_str().unwrap_or_default().to_owned();
     let width = items.iter().map(|i| text(i, "name").chars().count()).max().unwrap_or(0);
     for item in items {
         let members = item["scenes"]

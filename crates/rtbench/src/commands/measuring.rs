@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::time::Duration;
 
-use crate::commands::budget::Budget;
+use crate::commands::budget::{Budget, progress, steps_of};
 use crate::commands::processes::Processes;
 use crate::commands::row_deaths::{RowJournal, refuse_deadly, skip_deadly};
 use crate::context::Context;
@@ -20,7 +20,7 @@ use crate::gate::GateError;
 use crate::gate::against::AgainstError;
 use measurement::journal::Journal;
 use measurement::journal::lines::{Deaths, Line};
-use measurement::plan::{Plan, Rounds};
+use measurement::plan::Plan;
 use measurement::record::settings::{PROCESSOR_TIME, TIME_OF_DAY};
 use measurement::record::summary::summarize;
 use measurement::record::warnings;
@@ -31,9 +31,9 @@ use measurement::scenes::KnownScene;
 use measurement::settings::{Lights, Precision};
 use measurement::system::panics::caught;
 use measurement::system::pools::Pools;
-use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use renderer::ShadowRays;
+use studies::run::conclusions::{conclude_run, conclude_scene};
 use studies::scale::{admission, quantities};
 
 /// What came of a plan.
@@ -172,6 +172,9 @@ pub fn measure_rest(
                         _ => context.error(Error::from(error)),
                     });
                 }
+                if is_new {
+                    conclude_scene(&mut scene, plan.seed);
+                }
                 scene
             }
             Err(error) => {
@@ -236,6 +239,10 @@ fn is_due(scenes: usize) -> bool {
 /// What all scenes so far say together.
 pub fn sum_up(record: &mut RunRecord) {
     record.summary = summarize(&record.scenes, &record.settings);
+    // the sizes of one scene are no scenes to take means over
+    if record.scale.is_none() {
+        conclude_run(record);
+    }
     if let Some(scale) = &mut record.scale {
         scale.slopes = quantities::slopes(&record.scenes);
     }
@@ -365,6 +372,7 @@ pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> Run
         },
         scenes: Vec::new(),
         summary: Vec::new(),
+        conclusions: Vec::new(),
         peak_rss_bytes: world.peak_rss(),
         planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
         complete: false,
@@ -375,21 +383,4 @@ pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> Run
         floor: None,
         scale: None,
     }
-}
-
-/// Steps of the bar for the scene at that place: each row is checked, timed in each round, rendered.
-fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
-    let rounds = match plan.rounds {
-        Rounds::Fixed(n) => n,
-        Rounds::Budget { at_least, .. } => at_least,
-    };
-    (plan.rows_in(scene) * (rounds * plan.processes as usize + 2)) as u64
-}
-
-fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
-    let budget = match plan.rounds {
-        Rounds::Budget { total, .. } => Some(total),
-        Rounds::Fixed(_) => None,
-    };
-    Progress::new(context.shows_progress(), steps, budget)
 }

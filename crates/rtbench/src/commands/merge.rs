@@ -9,6 +9,7 @@ use crate::context::Context;
 use crate::error::Error;
 use measurement::record::file;
 use measurement::record::merge::{MergeError, MergeProblem, Part, merge};
+use studies::run::conclusions::{conclude_run, conclude_scene};
 use studies::run::text;
 
 /// Merges and returns the exit code: that of the whole run.
@@ -31,20 +32,23 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     }
     run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
+    let seed = record.settings.seed;
+    record.scenes.iter_mut().for_each(|scene| conclude_scene(scene, seed));
+    conclude_run(&mut record);
     record.command_line = context.command_line.clone();
     // not before: parts that do not fit leave no empty files
     let mut outputs = run_outputs::of_run(&args.exports)?;
     outputs.write(&record, true)?;
     outputs.print(&record, context.out)?;
-    let colors = context.terminal.colors(color);
+    let view = args.tables.view(context.terminal, color);
     for scene in &record.scenes {
         warn_of(context, scene);
         if !outputs.are_printed() {
-            text::write_scene(context.out, &record, scene, colors)?;
+            text::write_scene(context.out, &record, scene, &view)?;
         }
     }
     if !outputs.are_printed() && !record.summary.is_empty() {
-        text::write_summary(context.out, &record, colors)?;
+        text::write_end(context.out, &record, &view)?;
     }
     context.out.flush()?;
     Ok(exit_code(&Measured { record, failures: 0, disturbed: false }))

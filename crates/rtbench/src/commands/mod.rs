@@ -8,6 +8,7 @@ pub mod check;
 pub mod child;
 pub mod compare;
 pub mod compare_tracers;
+pub mod completions;
 pub mod cost;
 pub mod doctor;
 pub mod explain;

@@ -67,6 +67,7 @@ fn exports(args: &ExportArgs) -> Vec<Option<PathBuf>> {
         export_github_smaller,
         export_github_bigger,
         export_bencher,
+        export_select: _,
         output: _,
     } = args;
     cloned(&[

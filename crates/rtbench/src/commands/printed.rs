@@ -1,9 +1,9 @@
-//! `rtbench schema`, `completions` and `man`: what is printed of the program itself.
+//! `rtbench schema` and `man`: what is printed of the program itself.
 
 use clap::CommandFactory;
 use clap_mangen::Man;
 
-use crate::args::{Cli, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
+use crate::args::{Cli, ManArgs, SchemaArgs, SchemaOf};
 use crate::context::Context;
 use crate::error::Error;
 use crate::schema;
@@ -12,7 +12,7 @@ use measurement::settings::suggest;
 use measurement::system::files::WriteError;
 
 /// The program's name, in pages and completions.
-const NAME: &str = "rtbench";
+pub(super) const NAME: &str = "rtbench";
 
 /// Prints a schema.
 ///
@@ -26,18 +26,6 @@ pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error>
         SchemaOf::Scene => schema::SCENE,
     };
     context.out.write_all(text.as_bytes())?;
-    Ok(context.out.flush()?)
-}
-
-/// Prints completions.
-///
-/// # Errors
-/// [`Error::Output`].
-pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<(), Error> {
-    // the library takes no error of its writer
-    let mut text = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
-    context.out.write_all(&text)?;
     Ok(context.out.flush()?)
 }
 

@@ -1,12 +1,13 @@
 //! `rtbench render`: a picture of a scene, through any structure, with the effects it calls for.
 
 use std::path::Path;
+use std::time::Duration;
 
 use accel_core::occluders;
 use accel_core::occluders::shadow_path::ShadowPath;
 use accel_core::query::tracer::Tracer;
 use accel_core::structures::Entry;
-use renderer::{Geometry, ImageFormat, RenderSettings, render_plan};
+use renderer::{Geometry, ImageFormat, RenderSettings, render_watched};
 use scene_loading::SampleWishes;
 
 use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
@@ -23,9 +24,11 @@ use measurement::settings::suggest;
 use measurement::system::created::Created;
 use measurement::system::machine;
 use measurement::system::pools::pool;
+use measurement::system::progress::Progress;
 use presentation::text::write_table;
 use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
+use studies::run::lines::seconds;
 
 /// Renders, or prints the plan, or both.
 ///
@@ -54,7 +57,12 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
     let settings = settings(args.size, &args.sampling);
     let plan = plan_of(&loaded.scene, &settings)?;
-    let (table, image) = pool
+    let [width, height] = settings.resolution;
+    let progress = Progress::new(context.shows_progress(), u64::from(height), None);
+    let primitives = geometry.len();
+    progress.message(format!("{name}: building {} over {primitives} primitives", row.label()));
+    let started = context.clock.now();
+    let ended = pool
         .install(|| {
             let structure = row.entry.build(geometry.prims(), &row.params)?;
             let tracer: Box<dyn Tracer<f32>> = match &occluder {
@@ -67,10 +75,17 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
                 }
             };
             let table = args.plan.then(|| effect_table::of(&loaded.scene, &*tracer, &plan));
-            let image = output.is_some().then(|| render_plan(&loaded.scene, &*tracer, &plan).image);
+            progress.message(format!("{name}: rendering {width} x {height} pixels"));
+            let row_done = || progress.step(Duration::ZERO);
+            let image = output
+                .is_some()
+                .then(|| render_watched(&loaded.scene, &*tracer, &plan, &row_done).image);
             Ok((table, image))
         })
-        .map_err(|source| MeasureError::Build { scene: name.to_owned(), source })?;
+        .map_err(|source| MeasureError::Build { scene: name.to_owned(), source });
+    progress.finish();
+    let (table, image) = ended?;
+    let took = context.clock.now().saturating_sub(started).as_secs_f64();
     if let Some(table) = table {
         write_table(context.out, &table, context.terminal.colors(color))?;
         context.out.flush()?;
@@ -79,7 +94,9 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
         image
             .save(path, format)
             .map_err(|source| UnsavedImage { path: path.to_owned(), source })?;
-        context.say(format_args!("{name} through {}: {}", row.label(), path.display()));
+        let (row, took) = (row.label(), seconds(took));
+        context
+            .wrote(path, format_args!("{width} x {height} pixels of {name} through {row}, {took}"));
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::Parser;
 use scene_loading::source_names::path_of_name;
 
-use crate::args::{Cli, Color, Command, ExportArgs, PluginArgs, RunArgs};
+use crate::args::{Cli, Color, Command, ExportArgs, PluginArgs, RunArgs, TableArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
 use crate::commands::plugin_rows::WithPlugins;
 use crate::commands::resumable::{Begun, go_on, manifest_of, watch};
@@ -20,6 +20,7 @@ use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use studies::run::text;
+use studies::run::view::View;
 
 /// Runs and returns the exit code. `arguments` are those of the process, program first.
 ///
@@ -33,7 +34,8 @@ pub fn run(
 ) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
         let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };
-        return resume(context, folder, &exports, &args.plugins, color);
+        let resumed = Resumed { folder, exports: &exports, plugins: &args.plugins };
+        return resume(context, resumed, &args.tables, color);
     }
     let with_plugins = WithPlugins::load(context, &args.plugins)?;
     let plan = plan_of(context, args, &with_plugins)?;
@@ -47,16 +49,23 @@ pub fn run(
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
     watch(context, &kept, args.exports.output.as_deref(), plan.scenes.len())?;
-    measure(context, color, &plan, outputs, kept, record)
+    let view = args.tables.view(context.terminal, color);
+    measure(context, &view, &plan, outputs, kept, record)
+}
+
+/// What the command line says of a run that goes on.
+struct Resumed<'a> {
+    folder: &'a Path,
+    exports: &'a ExportArgs,
+    plugins: &'a PluginArgs,
 }
 
 /// Finishes the run that was begun in a folder. Where to write, and which plugins to run, is taken from this
 /// command line alone: the journal is a file that others may have had their hands on.
 fn resume(
     context: &mut Context<'_>,
-    folder: &Path,
-    exports: &ExportArgs,
-    plugins: &PluginArgs,
+    Resumed { folder, exports, plugins }: Resumed<'_>,
+    tables: &TableArgs,
     color: Color,
 ) -> Result<u8, Error> {
     let (journal, found) = Journal::resume(folder)?;
@@ -94,7 +103,7 @@ fn resume(
     }
     let outputs = run_outputs::of_run(exports)?;
     watch(context, &kept, Some(folder), plan.scenes.len())?;
-    measure(context, color, &plan, outputs, kept, record)
+    measure(context, &tables.view(context.terminal, color), &plan, outputs, kept, record)
 }
 
 /// What is measured, the rows of plugins among it. No plugin judges answers.
@@ -113,25 +122,24 @@ fn plan_of<'r, 'c: 'r>(
 
 fn measure(
     context: &mut Context<'_>,
-    color: Color,
+    view: &View,
     plan: &Plan<'_>,
     mut outputs: Outputs<'_>,
     kept: Kept,
     record: RunRecord,
 ) -> Result<u8, Error> {
-    let colors = context.terminal.colors(color);
     let has_tables = !outputs.are_printed();
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);
             if has_tables {
-                text::write_scene(context.out, record, scene, colors)?;
+                text::write_scene(context.out, record, scene, view)?;
                 context.out.flush()?;
             }
             Ok(())
         })?;
     if has_tables && !measured.record.summary.is_empty() {
-        text::write_summary(context.out, &measured.record, colors)?;
+        text::write_end(context.out, &measured.record, view)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))

@@ -10,6 +10,7 @@ use studies::run::{csv, markdown};
 
 use crate::args::ExportArgs;
 use crate::context::Context;
+use crate::exports::measures::Select;
 use crate::exports::occupied::{OccupiedError, Wanted};
 use crate::exports::outputs::{OutputError, Outputs};
 use crate::exports::{bencher, github_action_benchmark};
@@ -21,16 +22,20 @@ pub(super) struct Exporter {
     pub path: fn(&ExportArgs) -> Option<&PathBuf>,
     /// The file's name in the folder of `-o`, if it is written there.
     pub in_folder: Option<&'static str>,
-    /// The text of what is finished so far.
-    pub to_string: fn(&RunRecord) -> Result<String, FormatError>,
+    /// The text of what is finished so far, or of the series of it that are selected.
+    pub to_string: fn(&RunRecord, Select<'_>) -> Result<String, FormatError>,
 }
 
 /// All formats, the record first: it says of which run the files beside it are, also when the program is
 /// killed between the first two.
 static EXPORTERS: [Exporter; 6] = [
-    exporter(|args| args.export_json.as_ref(), Some(file::NAME), json::written),
-    exporter(|args| args.export_csv.as_ref(), Some("results.csv"), csv::to_string),
-    exporter(|args| args.export_markdown.as_ref(), Some("results.md"), markdown::exported),
+    exporter(|args| args.export_json.as_ref(), Some(file::NAME), |run, _| json::written(run)),
+    exporter(|args| args.export_csv.as_ref(), Some("results.csv"), |run, _| csv::to_string(run)),
+    exporter(
+        |args| args.export_markdown.as_ref(),
+        Some("results.md"),
+        |run, _| markdown::exported(run),
+    ),
     exporter(|args| args.export_github_smaller.as_ref(), None, github_action_benchmark::smaller),
     exporter(|args| args.export_github_bigger.as_ref(), None, github_action_benchmark::bigger),
     exporter(|args| args.export_bencher.as_ref(), None, bencher::to_string),
@@ -39,7 +44,7 @@ static EXPORTERS: [Exporter; 6] = [
 const fn exporter(
     path: fn(&ExportArgs) -> Option<&PathBuf>,
     in_folder: Option<&'static str>,
-    to_string: fn(&RunRecord) -> Result<String, FormatError>,
+    to_string: fn(&RunRecord, Select<'_>) -> Result<String, FormatError>,
 ) -> Exporter {
     Exporter { path, in_folder, to_string }
 }
@@ -78,13 +83,22 @@ pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
         outputs.folder(folder)?;
         for exporter in &EXPORTERS {
             let path = exporter.in_folder.map(|name| folder.join(name));
-            outputs.add(path.as_ref(), exporter.to_string)?;
+            outputs.add(path.as_ref(), text_of(exporter, args))?;
         }
     }
     for exporter in &EXPORTERS {
-        outputs.add((exporter.path)(args), exporter.to_string)?;
+        outputs.add((exporter.path)(args), text_of(exporter, args))?;
     }
     Ok(outputs)
+}
+
+/// What an exporter makes of a run, for the series that the command line selects.
+fn text_of(
+    exporter: &Exporter,
+    args: &ExportArgs,
+) -> impl Fn(&RunRecord) -> Result<String, FormatError> + use<> {
+    let (to_string, select) = (exporter.to_string, args.export_select.clone());
+    move |run| to_string(run, select.as_ref())
 }
 
 #[cfg(test)]

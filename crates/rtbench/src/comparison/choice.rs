@@ -13,6 +13,8 @@ pub struct Choice {
     pub shows_equal: bool,
     /// Finds what is compared.
     pub filter: Option<Regex>,
+    /// The share by which a ratio may differ from 1 and be called no difference.
+    pub margin: f64,
     /// Percent that are shown from.
     pub threshold: Option<f64>,
     /// What cannot be compared is compared.

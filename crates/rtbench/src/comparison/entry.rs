@@ -10,6 +10,12 @@ use statistics::series::{p_value, ratio_of};
 /// Probability of chance from which a difference is not called one.
 const SIGNIFICANT: f64 = 0.05;
 
+/// The equivalence margin where none is asked for: a ratio is called no difference where its whole interval
+/// lies within 1 / 1.05 to 1.05. Smaller differences are those of where code and memory happen to lie, and
+/// what `check` lets pass. The 95% interval in the place of the 90% one of two one-sided tests (D. Schuirmann,
+/// Journal of Pharmacokinetics and Biopharmaceutics 15(6), 1987) errs on the side of `inconclusive`.
+pub const MARGIN: f64 = 0.05;
+
 /// What comes of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -20,8 +26,10 @@ pub enum Outcome {
     Less,
     /// Exact: more than before.
     More,
-    /// Measured: the interval of the ratio holds 1.
+    /// Measured: the interval of the ratio contains 1 and lies within the equivalence margin.
     NoDifference,
+    /// Measured: the interval contains 1, and differences beyond the margin.
+    Inconclusive,
     /// Measured: the whole interval is below 1.
     Faster,
     /// Measured: the whole interval is above 1.
@@ -43,11 +51,14 @@ impl Outcome {
         }
     }
 
-    /// Of a measured one, with the probability of chance where it was tested.
-    pub fn of_measured(ratio: Option<Estimate>, p: Option<f64>) -> Self {
+    /// Of a measured one, with the probability of chance where it was tested, and the share by which
+    /// a ratio may differ from 1 and be none the less called no difference.
+    pub fn of_measured(ratio: Option<Estimate>, p: Option<f64>, margin: f64) -> Self {
+        let is_within = |r: Estimate| r.high <= 1.0 + margin && r.low >= 1.0 / (1.0 + margin);
         match ratio {
             None => Self::TooFewRounds,
-            Some(ratio) if ratio.holds(1.0) => Self::NoDifference,
+            Some(ratio) if ratio.holds(1.0) && is_within(ratio) => Self::NoDifference,
+            Some(ratio) if ratio.holds(1.0) => Self::Inconclusive,
             Some(_) if p.is_some_and(|p| p >= SIGNIFICANT) => Self::Unclear,
             Some(ratio) if ratio.median < 1.0 => Self::Faster,
             Some(_) => Self::Slower,
@@ -61,6 +72,7 @@ impl Outcome {
             Self::Less => "less",
             Self::More => "more",
             Self::NoDifference => "no difference",
+            Self::Inconclusive => "inconclusive",
             Self::Faster => "faster",
             Self::Slower => "slower",
             Self::Unclear => "unclear",
@@ -103,6 +115,7 @@ impl Entry {
         metric: &Metric,
         [old_scene, new_scene]: [&SceneRecord; 2],
         [old_row, new_row]: [&RowRecord; 2],
+        margin: f64,
     ) -> Option<Self> {
         let before = metric.values(old_scene, old_row);
         let after = metric.values(new_scene, new_row);
@@ -112,7 +125,7 @@ impl Entry {
         } else {
             let ratio = ratio_of(&after, &before);
             let p = p_value(&before, &after);
-            (ratio, p, Outcome::of_measured(ratio, p))
+            (ratio, p, Outcome::of_measured(ratio, p, margin))
         };
         Some(Self {
             structure: new_row.structure.clone(),
@@ -159,17 +172,19 @@ mod tests {
     fn outcomes_say_what_the_interval_says() {
         let of = |low, high| {
             let ratio = Estimate { median: f64::midpoint(low, high), low, high };
-            let untested = Outcome::of_measured(Some(ratio), None);
-            assert_eq!(untested, Outcome::of_measured(Some(ratio), Some(0.04)));
-            let unclear = Outcome::of_measured(Some(ratio), Some(0.06));
-            assert_eq!(unclear == Outcome::Unclear, untested != Outcome::NoDifference);
+            let untested = Outcome::of_measured(Some(ratio), None, MARGIN);
+            assert_eq!(untested, Outcome::of_measured(Some(ratio), Some(0.04), MARGIN));
+            let unclear = Outcome::of_measured(Some(ratio), Some(0.06), MARGIN);
+            assert_eq!(unclear == Outcome::Unclear, !ratio.holds(1.0));
             untested
         };
-        assert_eq!(of(0.9, 1.1), Outcome::NoDifference);
-        assert_eq!(of(1.0, 1.1), Outcome::NoDifference);
+        assert_eq!(of(0.96, 1.04), Outcome::NoDifference);
+        assert_eq!(of(1.0, 1.05), Outcome::NoDifference);
+        assert_eq!(of(0.9, 1.04), Outcome::Inconclusive);
+        assert_eq!(of(0.995, 24.4), Outcome::Inconclusive);
         assert_eq!(of(1.01, 1.1), Outcome::Slower);
         assert_eq!(of(0.8, 0.99), Outcome::Faster);
-        assert_eq!(Outcome::of_measured(None, None), Outcome::TooFewRounds);
+        assert_eq!(Outcome::of_measured(None, None, MARGIN), Outcome::TooFewRounds);
         assert_eq!(Outcome::of_exact(2.0, 1.0), Outcome::Less);
         assert_eq!(Outcome::of_exact(1.0, 2.0), Outcome::More);
         assert_eq!(Outcome::of_exact(1.0, 1.0), Outcome::Equal);

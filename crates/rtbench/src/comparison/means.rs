@@ -48,7 +48,7 @@ pub fn means(pairs: &[Pair<'_>], metrics: &[&'static Metric], choice: &Choice) -
                     && (choice.is_forced || metric.rays(old) == metric.rays(new))
                     && choice.finds(&scenes[0].name, &row.label(), metric.name)
             });
-            let Some(mean) = mean(metric, row, of_row) else { continue };
+            let Some(mean) = mean(metric, row, of_row, choice.margin) else { continue };
             let is_hidden = (mean.outcome == Outcome::Equal && !choice.shows_equal)
                 || choice.threshold.is_some_and(|t| !exceeds(mean.ratio, mean.outcome, t));
             if !is_hidden {
@@ -64,6 +64,7 @@ fn mean<'p, 'r: 'p>(
     metric: &Metric,
     row: &RowRecord,
     pairs: impl Iterator<Item = &'p Pair<'r>>,
+    margin: f64,
 ) -> Option<Mean> {
     let values: Vec<[Series; 2]> = pairs
         .map(|(scenes, rows)| [0, 1].map(|i| metric.values(scenes[i], rows[i])))
@@ -87,7 +88,7 @@ fn mean<'p, 'r: 'p>(
     } else {
         let groups: Vec<(&Series, &Series)> = values.iter().map(|[old, new]| (new, old)).collect();
         let ratio = geometric_mean_of_ratios_of(&groups);
-        (ratio, Outcome::of_measured(ratio, None))
+        (ratio, Outcome::of_measured(ratio, None, margin))
     };
     let (structure, settings) = (row.structure.clone(), row.settings.clone());
     (scenes > 0).then_some(Mean {

@@ -6,6 +6,7 @@ pub mod csv;
 pub mod differences;
 pub mod entry;
 pub mod means;
+pub mod renamed;
 pub mod tables;
 
 use serde::Serialize;
@@ -40,6 +41,17 @@ pub enum CompareError {
         old: String,
         /// Scenes of the second.
         new: String,
+    },
+    /// A row that is to be matched with another is not there, or may be read in two ways.
+    #[error(
+        "--match '{text}': {message}; expected OLD=NEW, rows of the first results and of the others: \
+             'hug=hug density=4'"
+    )]
+    Match {
+        /// As typed.
+        text: String,
+        /// What is wrong with it.
+        message: String,
     },
     /// The filter is no regular expression.
     #[error("--filter '{filter}': {message}")]
@@ -268,7 +280,7 @@ impl Comparison {
                     continue;
                 }
                 is_paired = true;
-                if let Some(entry) = Entry::of(metric, scenes, [before, after]) {
+                if let Some(entry) = Entry::of(metric, scenes, [before, after], choice.margin) {
                     self.show(entry, choice, &mut out.entries);
                 }
             }

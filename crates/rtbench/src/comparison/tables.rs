@@ -18,9 +18,11 @@ const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "
 pub const GLOSSARY: &[&str] = &[
     "old, new: exact values, or medians over the rounds. ratio: new over old, of medians with the \
      95% interval of Bonett and Price (2020); below 1 is faster, or less. p: the probability of \
-     rounds this unlike by chance (Mann and Whitney); unclear: the interval leaves out 1, but p is \
-     0.05 or more.",
-    "Of 20 intervals over runs that do not differ, one leaves out 1 by chance, and two runs at \
+     rounds this unlike by chance (Mann and Whitney).",
+    "no difference: the interval contains 1 and lies within the equivalence margin (--margin, 5%). \
+     inconclusive: it contains 1 and reaches beyond the margin; more rounds would tell. unclear: the \
+     interval does not contain 1, but p is 0.05 or more.",
+    "Of 20 intervals over runs that do not differ, one does not contain 1 by chance, and two runs at \
      different times drift apart: what matters is measured again, or by `rtbench check --against`.",
     "All scenes: geometric means of the ratios, over the scenes that both runs have the row in. \
      The reference's own ratio is 1 by definition and not shown.",
@@ -199,7 +201,7 @@ fn outcome(outcome: Outcome, ratio: Option<Estimate>) -> Cell {
         Outcome::Slower | Outcome::More => Style::Bad,
         Outcome::Faster | Outcome::Less => Style::Best,
         Outcome::Equal | Outcome::NoDifference => Style::Dim,
-        Outcome::Unclear | Outcome::TooFewRounds => Style::Plain,
+        Outcome::Inconclusive | Outcome::Unclear | Outcome::TooFewRounds => Style::Plain,
     };
     Cell { text: format!("{}{}", outcome.name(), change.unwrap_or_default()), style }
 }

@@ -22,6 +22,7 @@ fn choice() -> Choice {
         metrics: default_metrics(),
         shows_equal: false,
         filter: None,
+        margin: entry::MARGIN,
         threshold: None,
         is_forced: false,
     }

@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use crate::exports::measures::{Measure, costs, rates};
+use crate::exports::measures::{Measure, Select, costs, rates};
 use measurement::record::RunRecord;
 use presentation::format_error::FormatError;
 use presentation::json;
@@ -25,21 +25,21 @@ struct Entry {
 ///
 /// # Errors
 /// [`FormatError`].
-pub fn smaller(run: &RunRecord) -> Result<String, FormatError> {
-    json::written(&entries(costs(run)))
+pub fn smaller(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
+    json::written(&entries(costs(run, select)))
 }
 
-/// Rays a second.
+/// Rays per second.
 ///
 /// # Errors
 /// [`FormatError`].
-pub fn bigger(run: &RunRecord) -> Result<String, FormatError> {
-    json::written(&entries(rates(run)))
+pub fn bigger(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
+    json::written(&entries(rates(run, select)))
 }
 
 fn entries(measures: Vec<Measure>) -> Vec<Entry> {
     let entry = |m: Measure| Entry {
-        name: format!("{} / {}", m.row, m.name),
+        name: m.series(),
         unit: m.unit,
         value: m.value,
         range: m.interval.map(|[low, high]| format!("{low:.4e} to {high:.4e}")),

@@ -7,6 +7,7 @@
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::record::ratios::series;
 use measurement::record::{RowRecord, RunRecord, reference};
+use regex_lite::Regex;
 
 /// A number of a row of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,15 +24,30 @@ pub struct Measure {
     pub interval: Option<[f64; 2]>,
 }
 
-/// Times, ratios and counters: the metrics of every timed row. Smaller is better.
-pub fn costs(run: &RunRecord) -> Vec<Measure> {
+/// Which series are exported: those that it finds in `SCENE: STRUCTURE SETTINGS / NAME`; none: all.
+pub type Select<'a> = Option<&'a Regex>;
+
+impl Measure {
+    /// As charts call it.
+    pub fn series(&self) -> String {
+        format!("{} / {}", self.row, self.name)
+    }
+
+    fn is_selected(&self, select: Select<'_>) -> bool {
+        select.is_none_or(|select| select.is_match(&self.series()))
+    }
+}
+
+/// Times, ratios and counters: the metrics of every timed row that are costs. Smaller is better.
+pub fn costs(run: &RunRecord, select: Select<'_>) -> Vec<Measure> {
     let mut measures = Vec::new();
     for scene in &run.scenes {
         let has_ratios = reference::is_over(scene, &run.settings.reference);
         for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
             // rates have the kinds of rays
             let of_all = METRICS.iter().filter(|m| !matches!(m.reading, Reading::RatioOf(_)));
-            let of_all = of_all.filter(|m| has_ratios || !m.is_to_reference());
+            // of what is no cost, less is not better
+            let of_all = of_all.filter(|m| m.is_cost && (has_ratios || !m.is_to_reference()));
             for metric in of_all {
                 let found = metric.values(scene, row).estimate(run.settings.seed);
                 let Some(found) = found else { continue };
@@ -50,11 +66,12 @@ pub fn costs(run: &RunRecord) -> Vec<Measure> {
             }
         }
     }
+    measures.retain(|m| m.is_selected(select));
     measures
 }
 
-/// Millions of rays a second by kind, of every timed row. Bigger is better.
-pub fn rates(run: &RunRecord) -> Vec<Measure> {
+/// Millions of rays per second by kind, of every timed row. Bigger is better.
+pub fn rates(run: &RunRecord, select: Select<'_>) -> Vec<Measure> {
     let mut measures = Vec::new();
     for scene in &run.scenes {
         for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
@@ -73,6 +90,7 @@ pub fn rates(run: &RunRecord) -> Vec<Measure> {
             }
         }
     }
+    measures.retain(|m| m.is_selected(select));
     measures
 }
 

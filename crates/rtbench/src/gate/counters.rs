@@ -1,7 +1,8 @@
 //! Rung: the exact counters, without any tolerance.
 //!
 //! They are the same on every machine, so any difference is one of the code. More work or more
-//! memory is a regression; less is an improvement, to be kept by saving a new baseline.
+//! memory is a regression; less is an improvement, to be kept by saving a new baseline. More empty cells,
+//! steps into them or saved tests alone are neither: what they cost is in the counters that they are shares of.
 
 use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung};
 use measurement::record::metrics::{METRICS, Metric};
@@ -36,7 +37,7 @@ fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
         return Some(finding(Outcome::NotJudged, "other rays were counted"));
     }
     if !metric.is_cost && before != now {
-        return Some(finding(Outcome::NotJudged, "changed; what it cost is judged by n_it"));
+        return Some(finding(Outcome::NotJudged, "changed; no cost by itself, but a share of one"));
     }
     let outcome = match before.total_cmp(&now) {
         std::cmp::Ordering::Less => Outcome::Regression,

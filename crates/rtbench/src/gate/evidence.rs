@@ -43,7 +43,8 @@ impl Outcome {
 /// One thing that was judged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// The rung that judged it.
+    /// The stage that judged it.
+    #[serde(rename = "stage")]
     pub rung: &'static str,
     /// Scene.
     pub scene: String,

@@ -9,7 +9,7 @@ use presentation::markdown::{escaped, push_table};
 
 /// Columns of the CSV file.
 pub const COLUMNS: [&str; 12] = [
-    "rung",
+    "stage",
     "scene",
     "row",
     "what",
@@ -27,6 +27,11 @@ pub const COLUMNS: [&str; 12] = [
 pub fn markdown(report: &Report, all: bool) -> String {
     let mut text =
         format!("# rtbench check: {}\n\n{}\n\n", report.outcome.name(), escaped(&report.verdict()));
+    let improvements = report.improvements();
+    for improvement in &improvements {
+        let _ = writeln!(text, "- {}", escaped(improvement));
+    }
+    text += if improvements.is_empty() { "" } else { "\n" };
     for table in report.tables(all) {
         if table.rows.is_empty() {
             let (title, notes) = (escaped(&table.title), table.notes.join(" "));

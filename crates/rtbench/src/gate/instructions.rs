@@ -8,8 +8,11 @@ use measurement::callgrind::CountedRow;
 use statistics::estimate::Estimate;
 
 /// Registry line.
-pub const RUNG: Rung =
-    Rung { name: "instructions", summary: "instructions of build and walk, by callgrind", judge };
+pub const RUNG: Rung = Rung {
+    name: "instructions",
+    summary: "instructions of build and traversal, by callgrind",
+    judge,
+};
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let rows = evidence.rows();

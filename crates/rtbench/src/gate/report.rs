@@ -44,6 +44,9 @@ pub struct Report {
     pub pairs: Vec<PairedTimes>,
 }
 
+/// Improvements that are named beside the tables.
+const MOST_IMPROVEMENTS: usize = 10;
+
 /// What the columns mean.
 pub const GLOSSARY: &[&str] = &[
     "change: now over the baseline, with its 95% interval where it was measured; p: the \
@@ -91,6 +94,25 @@ impl Report {
             n => format!("; {n} scenes failed"),
         };
         format!("check against {}: {}{failed}", self.against, counts.join(", "))
+    }
+
+    /// What became faster or less by more than the threshold, most first.
+    pub fn improvements(&self) -> Vec<String> {
+        let mut better: Vec<&Finding> =
+            self.findings.iter().filter(|f| f.outcome == Outcome::Improved).collect();
+        let change = |f: &Finding| f.change.map_or(1.0, |c| c.median);
+        better.sort_by(|a, b| change(a).total_cmp(&change(b)));
+        let line = |f: &&Finding| {
+            let cells = cells(f);
+            let [row, what, _, _, change, ..] = &cells[..] else { return String::new() };
+            let word = if f.rung == wall_clock::RUNG.name { "faster" } else { "less" };
+            format!("{word}: {}, {}: {}", row.text, what.text, change.text)
+        };
+        let mut lines: Vec<String> = better.iter().take(MOST_IMPROVEMENTS).map(line).collect();
+        if better.len() > lines.len() {
+            lines.push(format!("and {} more in the tables", better.len() - lines.len()));
+        }
+        lines
     }
 
     /// A table a rung: what changed or could not be told, and with `all` the rest.

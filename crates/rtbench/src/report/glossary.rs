@@ -18,25 +18,25 @@ pub static MEANINGS: &[(&str, &str)] = &[
     (
         "ratio [95%]",
         "trace time over the reference's for the same rays in the same round: the median with its \
-         95% bootstrap interval; below 1 is faster; = where the interval holds 1: no difference was \
-         measured",
+         95% bootstrap interval; below 1 is faster; = where the interval contains 1: no \
+         significant difference",
     ),
     ("trace ratio [95%]", "geometric mean over the scenes of the ratio of trace times"),
     ("build ratio [95%]", "geometric mean over the scenes of the ratio of build times"),
-    ("primary", "millions of primary rays a second"),
-    ("shadow", "millions of shadow rays a second"),
-    ("second.", "millions of reflected and refracted rays a second"),
-    ("diffuse", "millions of rays a second in random directions from surfaces"),
+    ("primary", "millions of primary rays per second"),
+    ("shadow", "millions of shadow rays per second"),
+    ("second.", "millions of reflected and refracted rays per second"),
+    ("diffuse", "millions of rays per second in random directions from surfaces"),
     ("verdict", "whether every answer was right, and on how many rays that rests where not on all"),
     (
         "query",
-        "whether a row was asked ray by ray, or answered a batch with several rays on their way",
+        "whether rays were issued to a row one by one, or in batches with several rays in flight",
     ),
-    ("picture ms", "build, one million primary rays and their shadow rays, milliseconds"),
+    ("time to image ms", "build, one million primary rays and their shadow rays, milliseconds"),
     ("to obvhs [95%]", "that time over that of the row of obvhs which is done first"),
     ("least", "the scene with the fewest rays per second over those of the reference"),
     ("break-even", "the number of rays from which on the slower build is worth it"),
-    ("not told apart", "the 95% interval of the ratio of both times holds 1"),
+    ("not significantly different", "the 95% interval of the ratio of both times contains 1"),
     ("k, M, G", "thousand, million, thousand million"),
 ];
 

@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 use scene_loading::source_hash::sha256_of_bytes;
 use serde::de::DeserializeOwned;
 
-use crate::report::costs::{Profile, profiles};
 use crate::report::records::{LectureRow, Reproduced, TracersRecord};
 use measurement::record::file::{self, RecordError};
 use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
 use studies::accuracy::record::AccuracyRecord;
+use studies::run::conclusions::{conclude_run, conclude_scene};
+use studies::run::costs::{Profile, profiles};
 
 /// What every PNG file begins with.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -118,7 +119,11 @@ impl Material {
     /// [`ReportError`], naming the file. What is not there is no error.
     pub fn read(record: &Path) -> Result<Self, ReportError> {
         let text = file::bytes(record)?;
-        let run = file::record(record, &text)?;
+        let mut run = file::record(record, &text)?;
+        // what a record says of itself is not believed, and those from before say nothing
+        let seed = run.settings.seed;
+        run.scenes.iter_mut().for_each(|scene| conclude_scene(scene, seed));
+        conclude_run(&mut run);
         let folder = match record.parent() {
             Some(folder) if folder != Path::new("") => folder.to_owned(),
             _ => PathBuf::from("."),

@@ -3,8 +3,6 @@
 //! A section is a file and a line in [`SECTIONS`]. What the folder lacks is said, with the command
 //! that makes it.
 
-pub mod break_even;
-pub mod costs;
 mod date;
 mod glossary;
 pub mod material;
@@ -57,7 +55,7 @@ pub static SECTIONS: &[Section] = &[
     ),
     section(
         "lecture",
-        "The lecture's tables against now",
+        "Zachmann 2007 against now",
         "rtbench reproduce zachmann2007 --export-csv DIR/zachmann2007.csv",
         sections::lecture::write,
     ),

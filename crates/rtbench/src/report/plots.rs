@@ -1,6 +1,5 @@
 //! The plots of a run: bars with intervals, and builds against rays.
 
-use crate::report::costs::Profile;
 use measurement::record::{
     Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, reference,
 };
@@ -8,35 +7,29 @@ use presentation::numbers::short;
 use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column, chart};
 use presentation::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series, figure};
 use statistics::estimate::Estimate;
+use studies::run::costs::Profile;
 
 /// What a bar chart needs of a row, of a scene or of all.
 struct Ratios {
     name: String,
     verdict: Verdict,
     answers: Answered,
+    /// It may be called the fastest.
+    may_lead: bool,
     trace: Option<Estimate>,
     build: Option<Estimate>,
-}
-
-impl From<&RowRecord> for Ratios {
-    fn from(row: &RowRecord) -> Self {
-        let RowRecord { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
-        Self { name: row.label_with_query(), verdict, answers, trace, build }
-    }
-}
-
-impl From<&SummaryRow> for Ratios {
-    fn from(row: &SummaryRow) -> Self {
-        let SummaryRow { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
-        let name = row.label_with_query();
-        Self { name, verdict, answers, trace, build }
-    }
 }
 
 /// Trace and build time of each row of a scene over the reference's.
 pub fn scene_bars(run: &RunRecord, scene: &SceneRecord) -> String {
     let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
-    bars(format!("{}: times over those of {reference}", scene.name), &scene.rows)
+    let of = |row: &RowRecord| {
+        let RowRecord { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
+        let (name, may_lead) = (row.label_with_query(), scene.may_lead(row));
+        Ratios { name, verdict, answers, may_lead, trace, build }
+    };
+    let rows = scene.rows.iter().map(of).collect();
+    bars(format!("{}: times over those of {reference}", scene.name), rows)
 }
 
 /// The same over all scenes.
@@ -44,21 +37,22 @@ pub fn summary_bars(run: &RunRecord) -> String {
     let reference = reference::of_means(&run.scenes, &run.settings.reference);
     let scenes = reference::scenes_over(&run.scenes, &reference);
     let title = format!("Times over those of {reference}, geometric means over {scenes} scene(s)");
-    bars(title, &run.summary)
+    let of = |row: &SummaryRow| {
+        let SummaryRow { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
+        let (name, may_lead) = (row.label_with_query(), row.may_lead(&run.scenes));
+        Ratios { name, verdict, answers, may_lead, trace, build }
+    };
+    bars(title, run.summary.iter().map(of).collect())
 }
 
-fn bars<'a, R>(title: String, rows: &'a [R]) -> String
-where
-    Ratios: From<&'a R>,
-{
-    let mut rows: Vec<Ratios> = rows.iter().map(Ratios::from).collect();
+fn bars(title: String, mut rows: Vec<Ratios>) -> String {
     // what is wrong, and what answers shadow rays only, comes last
     let key = |r: &Ratios| (!is_comparable(r), r.trace.map_or(f64::INFINITY, |e| e.median));
     rows.sort_by(|a, b| {
         let (a, b) = (key(a), key(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
-    let best = rows.first().filter(|r| is_comparable(r)).and_then(|r| r.trace);
+    let best = rows.iter().find(|r| r.may_lead && is_comparable(r)).and_then(|r| r.trace);
     let column = |label: &str| Column {
         axis: Axis { label: label.to_owned(), scale: Scale::Log },
         base: 1.0,
@@ -93,8 +87,10 @@ fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
         None => Bar::Words("-".to_owned()),
         Some(e) => {
             let ring = match best {
-                Some(best) if is_comparable(row) && e == best => Ring::Best,
-                Some(best) if is_comparable(row) && e.low <= best.high => Ring::AsGood,
+                Some(best) if row.may_lead && e == best => Ring::Best,
+                Some(best) if row.may_lead && is_comparable(row) && e.low <= best.high => {
+                    Ring::AsGood
+                }
                 _ => Ring::None,
             };
             // what is wrong by design says so

@@ -4,9 +4,11 @@ use accel_core::variants::chosen_tests;
 use std::io::{self, Write};
 use std::process::{Command, Stdio};
 
-use crate::common::{Folder, PLANTED, run};
+use crate::common::{Folder, PLANTED, run, run_with};
+use clap::{CommandFactory, Parser};
 use measurement::scenes::Installed;
-use measurement::system::clock::SystemClock;
+use measurement::system::clock::{SteppingClock, SystemClock};
+use rtbench::args::Cli;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 
 #[test]
@@ -164,6 +166,112 @@ fn render_writes_a_png() {
 }
 
 #[test]
+fn hints_name_the_list_that_has_it() {
+    for (arguments, list) in [
+        ("run tetra:2 -s unifrom-grid", Some("structures")),
+        ("run tetra:2 -s uniform-grid:densty=1", Some("structures")),
+        ("run tetrra", Some("scenes")),
+        ("run tetra:2 --rays primery", None),
+        ("list structures kd-tre", None),
+    ] {
+        let ended = run(arguments);
+        let hint = list.map(|list| format!("try 'rtbench list {list}'"));
+        let said = ended.err.lines().find(|l| l.starts_with("For what there is"));
+        assert_eq!(said.is_some(), hint.is_some(), "{arguments}: {}", ended.err);
+        assert!(
+            hint.is_none_or(|hint| said.unwrap().contains(&hint)),
+            "{arguments}: {}",
+            ended.err
+        );
+    }
+}
+
+#[test]
+fn lists_have_what_is_named() {
+    let all = run("list structures").out;
+    let one = run("list structures kd-tree hug");
+    assert_eq!((one.code, one.err.as_str()), (0, ""));
+    assert!(one.out.starts_with("hug: ") && one.out.contains("\nkd-tree: "), "{}", one.out);
+    assert!(!one.out.contains("octree: ") && all.contains("octree: "));
+    let scene = run("list scenes teapot");
+    assert_eq!(scene.out.lines().count(), 1, "{}", scene.out);
+    let json: serde_json::Value =
+        serde_json::from_str(&run("list rays shadow --format json").out).unwrap();
+    assert_eq!(json.as_array().unwrap().len(), 1);
+    let unknown = run("list tracers bean");
+    assert_eq!(unknown.code, 2);
+    assert!(
+        unknown.err.contains("unknown tracer 'bean' (did you mean 'beam'?)"),
+        "{}",
+        unknown.err
+    );
+}
+
+#[test]
+fn examples_in_help_are_commands() {
+    let mut examples = 0;
+    for command in Cli::command().get_subcommands() {
+        let text = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        for line in text.lines().filter_map(|line| line.trim().strip_prefix("rtbench ")) {
+            let typed = line.split("   ").next().unwrap().split_whitespace();
+            let parsed = Cli::try_parse_from(std::iter::once("rtbench").chain(typed));
+            assert!(parsed.is_ok(), "{line}: {}", parsed.unwrap_err());
+            examples += 1;
+        }
+    }
+    assert!(examples > 10, "{examples}");
+}
+
+#[test]
+fn tables_fit_and_are_sorted_by_what_was_asked() {
+    let arguments = "run tetra:2 --size 16 --rounds 1 -s uniform-grid:resolution=heterogeneous:density=20,\
+                     dropper,obvhs-cwbvh,brute-force,light-buffer";
+    let printed = |more: &str| {
+        let clock = SteppingClock::new(std::time::Duration::from_millis(1));
+        run_with(PLANTED, &Installed, &clock, &format!("{arguments} {more}")).out
+    };
+    let usual = printed("");
+    let widest = |text: &str| text.lines().map(|line| line.chars().count()).max().unwrap();
+    assert!(widest(&usual) <= 120 && widest(&printed("--wide")) > 120, "{usual}");
+    let row = |text: &str, name: &str| text.lines().position(|l| l.starts_with(name)).unwrap();
+    // what is wrong stands last, of shadow rays alone before it
+    let named = ["obvhs-cwbvh", "light-buffer", "dropper"].map(|name| row(&usual, name));
+    assert!(named.is_sorted(), "{usual}");
+    let registry = printed("--sort registry");
+    assert!(row(&registry, "dropper") < row(&registry, "light-buffer"), "{registry}");
+    let some = printed("--columns n_it,memory");
+    let head = some.lines().find(|l| l.starts_with("structure")).unwrap();
+    assert_eq!(head.split_whitespace().collect::<Vec<_>>(), ["structure", "N_IT", "MiB"]);
+    let unknown = run(&format!("{arguments} --columns n_its"));
+    assert!(unknown.code == 2 && unknown.err.contains("did you mean 'n_it'?"), "{}", unknown.err);
+}
+
+#[test]
+fn a_run_ends_with_its_answers_and_files_have_them() {
+    let folder = Folder::new();
+    let arguments = format!(
+        "run tetra:2 tetra:1 --size 16 --rounds 6 -s dropper,uniform-grid,hug,obvhs-cwbvh:adapter=direct -o {}",
+        folder.path()
+    );
+    let ended = run(&arguments);
+    let answers = ended.out.split("Answers over 2 scenes").nth(1).expect("answers");
+    let heads = ["first image", "primary rays", "shadow rays", "diffuse rays", "least memory"];
+    assert!(heads.iter().all(|head| answers.contains(head)), "{answers}");
+    // what is wrong, or known to be, does not lead
+    assert!(!answers.contains("dropper") && !answers.contains("adapter=direct"), "{answers}");
+    assert_eq!(ended.out.matches("build pays").count(), 2, "one for each scene: {}", ended.out);
+    let record = folder.record();
+    assert_eq!(record.conclusions.len(), heads.len());
+    assert!(record.scenes.iter().all(|scene| !scene.least_time.is_empty()));
+    let markdown = folder.text("results.md");
+    assert!(markdown.find("## Answers over 2 scenes") < markdown.find("## tetra:2"));
+    let page = run(&format!("report {} -o -", folder.path()));
+    for conclusion in &record.conclusions {
+        assert!(page.out.contains(&conclusion.row), "{}", conclusion.row);
+    }
+}
+
+#[test]
 fn colors_only_when_asked_for() {
     let arguments = "run tetra:2 --quick --rounds 1 -s obvhs-cwbvh,dropper";
     assert!(!run(arguments).out.contains('\x1b'));
@@ -174,7 +282,7 @@ fn colors_only_when_asked_for() {
 fn quiet_runs_say_nothing_but_results() {
     let ended = run("run tetra:2 -q --quick --rounds 1 -s obvhs-cwbvh");
     assert_eq!((ended.code, ended.err.as_str()), (0, ""));
-    assert!(ended.out.contains("All scenes"));
+    assert!(ended.out.contains("Answers for tetra:2"));
 }
 
 /// An output whose reader has gone.

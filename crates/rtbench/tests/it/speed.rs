@@ -115,12 +115,12 @@ fn batches_are_told_from_single_rays_by_what_was_built() {
         assert!((row["picture_s"].parse::<f64>().unwrap() - picture).abs() < 1e-6, "{row:?}");
     }
     let markdown = folder.text("results.md");
-    for title in ["pavilion: by kind of ray", "All scenes: by kind of ray", "First picture"] {
+    for title in ["pavilion: by kind of ray", "All scenes: by kind of ray", "Time to image"] {
         assert!(ended.out.contains(title) && markdown.contains(title), "{title}");
     }
     let page = run_over(REGISTRY, &format!("report {} -o -", folder.path()));
     assert!(page.out.contains("irregular-grid query=batch (batch)"), "{}", page.err);
-    assert!(page.out.contains("First picture"));
+    assert!(page.out.contains("Time to image"));
 }
 
 #[test]

@@ -8,15 +8,15 @@ use crate::error::{LoadError, Place};
 /// the command line overrides both. An effect that the scene does not call for is not sampled.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SampleWishes {
-    /// Eye rays a pixel for its area.
+    /// Eye rays per pixel for its area.
     pub supersamples: Option<u32>,
-    /// Shadow rays a hit and light, for lights with an extent.
+    /// Shadow rays per hit and light, for lights with an extent.
     pub shadow: Option<u32>,
     /// Reflected rays a hit on a rough mirror.
     pub glossy: Option<u32>,
-    /// Eye rays a pixel for the time that the shutter is open.
+    /// Eye rays per pixel for the time that the shutter is open.
     pub temporal: Option<u32>,
-    /// Eye rays a pixel for the area of the lens.
+    /// Eye rays per pixel for the area of the lens.
     pub focal: Option<u32>,
 }
 

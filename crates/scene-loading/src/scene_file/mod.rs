@@ -190,11 +190,11 @@ pub struct MaterialEntry {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Effects {
-    /// Eye rays a pixel for its area.
+    /// Eye rays per pixel for its area.
     #[serde(deserialize_with = "samples")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub supersamples: Option<u32>,
-    /// Shadow rays a hit and light with a radius.
+    /// Shadow rays per hit and light with a radius.
     #[serde(deserialize_with = "samples")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub shadow: Option<u32>,
@@ -202,11 +202,11 @@ pub struct Effects {
     #[serde(deserialize_with = "samples")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub glossy: Option<u32>,
-    /// Eye rays a pixel for the time that the shutter is open.
+    /// Eye rays per pixel for the time that the shutter is open.
     #[serde(deserialize_with = "samples")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub temporal: Option<u32>,
-    /// Eye rays a pixel for the area of the lens.
+    /// Eye rays per pixel for the area of the lens.
     #[serde(deserialize_with = "samples")]
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub focal: Option<u32>,

@@ -60,7 +60,7 @@ fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
         header: std::iter::once("variant").chain(parts.iter().map(|part| head(part))).collect(),
         rows: rows.collect(),
         notes: vec![format!(
-            "Geometric mean over {}; medians of rounds, 95% intervals, = where they hold 1.",
+            "Geometric mean over {}; medians of rounds, 95% intervals, = where they contain 1.",
             names.join(", ")
         )],
     })

@@ -1,4 +1,4 @@
-//! An axis as a plot: time against error, the front pointed out, one panel a scene.
+//! An axis as a plot: time against error, the front pointed out, one panel per scene.
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{AxisRecord, SceneOutcome, Standing, VariantRecord};

@@ -160,7 +160,7 @@ impl Comparison {
             short(1.0 / ratio.median),
         );
         if !ties.is_empty() {
-            text += &format!(" (not told apart from {})", ties.join(", "));
+            text += &format!(" (not significantly different from {})", ties.join(", "));
         }
         let modern = self.lines.iter().find(|l| l.lecture.is_none());
         if let Some((line, modern)) = modern.and_then(|l| Some((l, l.run.now?))) {

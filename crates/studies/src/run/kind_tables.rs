@@ -20,7 +20,12 @@ use statistics::estimate::Estimate;
 
 /// The kinds of rays of a run, each in its orders, as records call them.
 pub fn kinds(run: &RunRecord) -> Vec<&'static str> {
-    let is_asked = |name: &str| run.scenes.iter().any(|scene| scene.rays.contains_key(name));
+    kinds_of(run.scenes.iter())
+}
+
+/// Those of scenes.
+pub fn kinds_of<'s>(scenes: impl Iterator<Item = &'s SceneRecord> + Clone) -> Vec<&'static str> {
+    let is_asked = |name: &str| scenes.clone().any(|scene| scene.rays.contains_key(name));
     let all = METRICS.iter().filter_map(|metric| match metric.reading {
         Reading::RatioOf(name) => Some(name),
         _ => None,
@@ -30,21 +35,31 @@ pub fn kinds(run: &RunRecord) -> Vec<&'static str> {
 
 /// A scene: rows down, kinds of rays across.
 pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table {
+    scene_table_of(run, scene, &scene.rows.iter().collect::<Vec<_>>(), indent)
+}
+
+/// The same with rows of the scene in any order.
+pub fn scene_table_of(
+    run: &RunRecord,
+    scene: &SceneRecord,
+    shown_rows: &[&RowRecord],
+    indent: bool,
+) -> Table {
     let kinds = kinds(run);
     let mut header = vec!["structure", "query"];
     header.extend(&kinds);
-    header.extend(["picture ms", "to obvhs [95%]"]);
+    header.extend(["time to image ms", "to obvhs [95%]"]);
     let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
     let times = PictureTimes::of(scene);
     let obvhs = times.fastest_obvhs();
     let mut previous = "";
-    let rows = scene.rows.iter().map(|row| {
+    let rows = shown_rows.iter().map(|&row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells: Vec<Cell> = vec![name.into(), row.query.name().to_owned().into()];
         cells.extend(kinds.iter().map(|kind| speed(row.ratio_by_kind.get(*kind))));
         let time = times.of_row(&row.label());
-        cells.push(time.map_or_else(dash, |t| numbers::milliseconds(t.seconds).into()));
+        cells.push(time.map_or_else(dash, |t| numbers::milliseconds(t.timed.middle).into()));
         cells.push(to_obvhs(time, obvhs, run.settings.seed));
         cells
     });
@@ -63,7 +78,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     for kind in &kinds {
         header.extend([kind, "least"]);
     }
-    header.extend(["picture to obvhs [95%]", "most"]);
+    header.extend(["time to image to obvhs [95%]", "most"]);
     let reference = reference::of_means(&run.scenes, &run.settings.reference);
     let pictures: Vec<PictureTimes<'_>> = run.scenes.iter().map(PictureTimes::of).collect();
     let of_means = run.scenes.iter().filter(|s| reference::is_over(s, &reference));
@@ -117,22 +132,22 @@ pub fn picture_table(run: &RunRecord) -> Table {
         let obvhs = times.fastest_obvhs();
         for query in [Query::OneRay, Query::Batch] {
             let Some(own) = times.fastest_other(query) else { continue };
-            let ms = |time: &PictureTime| Cell::from(numbers::milliseconds(time.seconds));
+            let ms = |time: &PictureTime| Cell::from(numbers::milliseconds(time.timed.middle));
             rows.push(vec![
                 scene.name.clone().into(),
                 query.name().to_owned().into(),
-                own.label.clone().into(),
+                own.timed.label.clone().into(),
                 ms(own),
-                obvhs.map_or_else(dash, |time| time.label.clone().into()),
+                obvhs.map_or_else(dash, |time| time.timed.label.clone().into()),
                 obvhs.map_or_else(dash, ms),
                 to_obvhs(Some(own), obvhs, run.settings.seed),
             ]);
         }
     }
     let header =
-        vec!["scene", "query", "fastest", "picture ms", "of obvhs", "ms", "to obvhs [95%]"];
+        vec!["scene", "query", "fastest", "time to image ms", "of obvhs", "ms", "to obvhs [95%]"];
     Table {
-        title: "First picture: build, one million primary rays and their shadow rays".into(),
+        title: "Time to image: build, one million primary rays and their shadow rays".into(),
         header,
         rows,
         notes: vec![
@@ -154,7 +169,7 @@ fn named(of_scene: Option<(String, f64)>) -> Cell {
 }
 
 fn to_obvhs(own: Option<&PictureTime>, obvhs: Option<&PictureTime>, seed: u64) -> Cell {
-    let ratio = || own?.quotients(obvhs?).estimate(seed);
+    let ratio = || own?.timed.quotients(&obvhs?.timed).estimate(seed);
     ratio().map_or_else(dash, |ratio| numbers::ratio(&ratio).into())
 }
 
@@ -164,7 +179,7 @@ fn notes(reference: &str, has_batches: bool) -> Vec<String> {
             "Of each kind of ray: rays per second over those of {reference}, for the same rays in \
              the same round; above 1 is faster. NAME-shuffled: the same rays in a random order.",
         ),
-        "picture: build, one million primary rays and their shadow rays; to obvhs: that time over \
+        "time to image: build, one million primary rays and their shadow rays; to obvhs: that time over \
          that of the row of obvhs which is done first; below 1 is faster."
             .into(),
     ];
@@ -194,9 +209,9 @@ pub fn csv_fields(kinds: &[&str], row: &RowRecord, times: &PictureTimes<'_>) -> 
     }
     fields.extend(shuffled(kinds).map(|kind| number(row.mrays.get(kind).copied())));
     let own = times.of_row(&row.label());
-    fields.push(number(own.map(|time| time.seconds)));
+    fields.push(number(own.map(|time| time.timed.middle)));
     let ratio = own.zip(times.fastest_obvhs());
-    let ratio = ratio.and_then(|(own, obvhs)| own.quotients(obvhs).middle());
+    let ratio = ratio.and_then(|(own, obvhs)| own.timed.quotients(&obvhs.timed).middle());
     fields.push(number(ratio));
     fields
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::run::lines::{self, Line, Lines};
 use crate::run::tables::GLOSSARY;
 use crate::run::{kind_tables, tables};
 use measurement::rays::order::Orders;
@@ -32,11 +33,39 @@ pub fn to_string(run: &RunRecord) -> String {
         all.extend(by_kind.then(|| kind_tables::summary_table(run, false)));
         all.extend(by_kind.then(|| kind_tables::picture_table(run)));
     }
-    document("rtbench results", run, &all, GLOSSARY)
+    with_answers("rtbench results", run, &all, GLOSSARY, &answers(run))
+}
+
+/// What the run says, a list a scene, that of all scenes first.
+fn answers(run: &RunRecord) -> String {
+    let mut text = String::new();
+    let overall = lines::of_run(run).filter(|_| run.scenes.len() > 1);
+    for Lines { title, lines } in overall.into_iter().chain(run.scenes.iter().map(lines::of_scene))
+    {
+        let _ = writeln!(text, "## {}\n", escaped(&title));
+        for Line { head, text: answer } in lines {
+            let _ = writeln!(text, "- {}: {}", escaped(&head), escaped(&answer));
+        }
+        text.push('\n');
+    }
+    if !text.is_empty() {
+        let _ = writeln!(text, "{}\n", lines::NOTE);
+    }
+    text
 }
 
 /// Where and how a run was measured, tables, and what their symbols mean.
 pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str]) -> String {
+    with_answers(title, run, tables, glossary, "")
+}
+
+fn with_answers(
+    title: &str,
+    run: &RunRecord,
+    tables: &[Table],
+    glossary: &[&str],
+    answers: &str,
+) -> String {
     let mut text = format!("# {title}\n\n");
     if let Some(shard) = &run.shard {
         let _ =
@@ -59,6 +88,7 @@ pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str
         let _ = writeln!(text, "- part {index} of {parts}: {command} on {cpu}");
     }
     text.push('\n');
+    text += answers;
     for table in tables {
         push_table(&mut text, table);
     }

@@ -1,10 +1,16 @@
-//! The record of a run as tables, Markdown and CSV.
+//! The record of a run as conclusions, tables, Markdown and CSV.
 
+pub mod break_even;
 pub mod columns;
+pub mod conclusions;
+pub mod costs;
 pub mod csv;
 pub mod kind_tables;
+pub mod leads;
+pub mod lines;
 pub mod machines;
 pub mod markdown;
 pub mod picture_time;
 pub mod tables;
 pub mod text;
+pub mod view;

@@ -4,7 +4,7 @@
 //! picture. The sum says what a picture without reflections costs, so that build and trace need not be
 //! weighed by taste. It is derived from what rounds measured: rays in the order of the image, each
 //! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all rays
-//! by its ratio to the reference on that sample, as in `crate::report::costs`.
+//! by its ratio to the reference on that sample, as in [`costs`].
 //!
 //! What it is compared with is the fastest row of obvhs in the same scene, whichever preset that is; its
 //! known wrong hits are no excuse.
@@ -13,9 +13,11 @@ use std::collections::BTreeMap;
 
 use accel_core::structures::obvhs::{bvh2, cwbvh};
 
+use crate::run::costs::{self, all_rays_s};
+use crate::run::leads::Timed;
 use measurement::record::query::Query;
 use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
-use statistics::estimate::{Estimate, median};
+use statistics::estimate::Estimate;
 use statistics::series::{Series, geometric_mean_of};
 
 /// Primary rays of the picture.
@@ -24,16 +26,12 @@ pub const PRIMARY_RAYS: f64 = 1e6;
 /// What a row takes, round by round.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureTime {
-    /// Structure and settings.
-    pub label: String,
-    /// How it was asked.
-    pub query: Query,
+    /// Its seconds.
+    pub timed: Timed,
     /// It is a row of obvhs.
     pub is_obvhs: bool,
-    /// Seconds, by process and round.
-    pub rounds: BTreeMap<(u32, u32), f64>,
-    /// Their median.
-    pub seconds: f64,
+    /// It may be called the best of anything.
+    pub may_lead: bool,
 }
 
 impl PictureTime {
@@ -49,22 +47,9 @@ impl PictureTime {
             let seconds = seconds(scene, row, reference, sample)?;
             Some(((sample.process, sample.round), seconds))
         };
-        let rounds: BTreeMap<(u32, u32), f64> = row.samples.iter().filter_map(of).collect();
-        Some(Self {
-            label: row.label(),
-            query: row.query,
-            is_obvhs,
-            seconds: median(&rounds.values().copied().collect::<Vec<_>>())?,
-            rounds,
-        })
-    }
-
-    /// Its time over that of another row, paired by round.
-    pub fn quotients(&self, other: &Self) -> Series {
-        let quotient = |(visit, own): (&(u32, u32), &f64)| {
-            Some((visit.0, own / other.rounds.get(visit)?)).filter(|(_, q)| q.is_finite())
-        };
-        self.rounds.iter().filter_map(quotient).collect()
+        let rounds = row.samples.iter().filter_map(of).collect();
+        let timed = Timed::new(row.label(), row.query, rounds)?;
+        Some(Self { timed, is_obvhs, may_lead: scene.may_lead(row) })
     }
 }
 
@@ -83,15 +68,20 @@ pub struct PictureTimes<'a> {
 impl<'a> PictureTimes<'a> {
     /// Of all rows of a scene that have one.
     pub fn of(scene: &'a SceneRecord) -> Self {
-        let reference = scene.rows.iter().find(|r| r.is_reference && r.verdict.is_timed());
+        let reference = costs::reference(scene);
         let times = scene.rows.iter().filter_map(|row| PictureTime::of(scene, row, reference));
         let times: Vec<PictureTime> = times.collect();
         let mut places = BTreeMap::new();
         for (i, time) in times.iter().enumerate() {
-            places.entry(time.label.clone()).or_insert(i);
+            places.entry(time.timed.label.clone()).or_insert(i);
         }
         let obvhs = fastest(&times, |time| time.is_obvhs);
         Self { scene, times, places, obvhs }
+    }
+
+    /// Of the rows that may lead.
+    pub fn leading(&self) -> impl Iterator<Item = &Timed> {
+        self.times.iter().filter(|time| time.may_lead).map(|time| &time.timed)
     }
 
     /// That of the row with that label.
@@ -106,13 +96,13 @@ impl<'a> PictureTimes<'a> {
 
     /// Of all others that are asked so, the one that is done first.
     pub fn fastest_other(&self, query: Query) -> Option<&PictureTime> {
-        self.times.get(fastest(&self.times, |time| !time.is_obvhs && time.query == query)?)
+        self.times.get(fastest(&self.times, |time| !time.is_obvhs && time.timed.query == query)?)
     }
 }
 
 fn fastest(times: &[PictureTime], is_meant: impl Fn(&PictureTime) -> bool) -> Option<usize> {
     let meant = times.iter().enumerate().filter(|(_, time)| is_meant(time));
-    meant.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds)).map(|(i, _)| i)
+    meant.min_by(|a, b| a.1.timed.middle.total_cmp(&b.1.timed.middle)).map(|(i, _)| i)
 }
 
 /// The row's time over that of the fastest row of obvhs, by scene: medians over the rounds by the
@@ -128,7 +118,7 @@ pub fn over_scenes(
         let (Some(own), Some(obvhs)) = (times.of_row(label), times.fastest_obvhs()) else {
             continue;
         };
-        let quotients = own.quotients(obvhs);
+        let quotients = own.timed.quotients(&obvhs.timed);
         let Some(middle) = quotients.middle() else { continue };
         by_scene.insert(times.scene.name.clone(), middle);
         groups.push(quotients);
@@ -151,26 +141,6 @@ fn seconds(
         .into_iter()
         .sum::<Option<f64>>()?;
     Some(sample.build_s + traced * (PRIMARY_RAYS / primary))
-}
-
-/// Seconds for all rays of a kind that the scene has.
-fn all_rays_s(
-    scene: &SceneRecord,
-    row: &RowRecord,
-    reference: Option<&RowRecord>,
-    sample: &Sample,
-    kind: &str,
-) -> Option<f64> {
-    let own = *sample.trace_s.get(kind)?;
-    let all = *scene.rays.get(kind)? as f64;
-    let timed_on = |row: &RowRecord| row.rays_by_kind.get(kind).map(|n| (*n).max(1) as f64);
-    let through_reference = || {
-        let reference = reference.filter(|reference| reference.stride < row.stride)?;
-        let same_round = reference.samples.iter().find(|s| s.round == sample.round)?;
-        let on_same_rays = sample.reference_by_kind.get(kind).filter(|s| **s > 0.0)?;
-        Some(own / on_same_rays * same_round.trace_s.get(kind)? * (all / timed_on(reference)?))
-    };
-    through_reference().or_else(|| Some(own * (all / timed_on(row)?)))
 }
 
 #[cfg(test)]
@@ -201,7 +171,7 @@ mod tests {
         let record = made(&[("obvhs-cwbvh", &[1.0, 1.0, 1.0])]);
         let times = PictureTimes::of(&record.scenes[0]).times;
         // 0.1 to build; of half a million rays 1 and of their shadow rays 2, both twice
-        assert!((times[0].seconds - 6.1).abs() < 1e-12, "{times:?}");
+        assert!((times[0].timed.middle - 6.1).abs() < 1e-12, "{times:?}");
     }
 
     #[test]
@@ -219,21 +189,21 @@ mod tests {
         let scenes = [PictureTimes::of(&record.scenes[0])];
         let times = &scenes[0];
         assert_eq!(times.times.len(), 4);
-        assert_eq!(times.fastest_obvhs().unwrap().label, "obvhs-bvh2 preset=fastest");
-        assert_eq!(times.fastest_other(Query::OneRay).unwrap().label, "uniform-grid");
+        assert_eq!(times.fastest_obvhs().unwrap().timed.label, "obvhs-bvh2 preset=fastest");
+        assert_eq!(times.fastest_other(Query::OneRay).unwrap().timed.label, "uniform-grid");
         let batch = times.fastest_other(Query::Batch).unwrap();
-        assert_eq!(batch.label, "irregular-grid query=batch");
-        let (by_scene, mean) = over_scenes(&scenes, &batch.label, 1).unwrap();
+        assert_eq!(batch.timed.label, "irregular-grid query=batch");
+        let (by_scene, mean) = over_scenes(&scenes, &batch.timed.label, 1).unwrap();
         assert!((mean.median - 0.5).abs() < 1e-12 && (by_scene["tetra"] - 0.5).abs() < 1e-12);
         assert_eq!(over_scenes(&scenes, "hug", 1), None);
         // but obvhs with its known defects is what others are compared with
-        let fastest = times.fastest_obvhs().unwrap().label.clone();
+        let fastest = times.fastest_obvhs().unwrap().timed.label.clone();
         record.scenes[0].rows[1].verdict = Verdict::WrongAsShipped;
         let known = PictureTimes::of(&record.scenes[0]);
-        assert_eq!(known.fastest_obvhs().unwrap().label, fastest);
+        assert_eq!(known.fastest_obvhs().unwrap().timed.label, fastest);
         record.scenes[0].rows[1].verdict = Verdict::Wrong;
         let wrong = PictureTimes::of(&record.scenes[0]);
-        assert_eq!(wrong.fastest_obvhs().unwrap().label, "obvhs-cwbvh");
+        assert_eq!(wrong.fastest_obvhs().unwrap().timed.label, "obvhs-cwbvh");
     }
 
     #[test]
@@ -246,7 +216,10 @@ mod tests {
         row.samples[0].reference_by_kind.values_mut().for_each(|s| *s /= 4.0);
         let times = PictureTimes::of(&record.scenes[0]).times;
         // 20 times the reference's 3 seconds for all rays, twice; 0.5 to build
-        assert!((times[1].seconds - (0.5 + 2.0 * (20.0 + 20.0 * 2.0))).abs() < 1e-9, "{times:?}");
+        assert!(
+            (times[1].timed.middle - (0.5 + 2.0 * (20.0 + 20.0 * 2.0))).abs() < 1e-9,
+            "{times:?}"
+        );
     }
 
     #[test]

@@ -19,6 +19,16 @@ const HEADS: [&str; 19] = [
 /// The block of a scene: structures down, counters and times across. Rows of a structure beyond
 /// its first are named by their settings alone when `indent` is set.
 pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table {
+    scene_table_of(run, scene, &scene.rows.iter().collect::<Vec<_>>(), indent)
+}
+
+/// The same with rows of the scene in any order.
+pub fn scene_table_of(
+    run: &RunRecord,
+    scene: &SceneRecord,
+    shown_rows: &[&RowRecord],
+    indent: bool,
+) -> Table {
     // rates are those of rays in the order of the image
     let has = |kind: &str| {
         run.settings.order != Orders::Shuffled.name() && run.settings.rays.iter().any(|k| k == kind)
@@ -37,7 +47,7 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
     header.extend(shown.iter().map(|column| column.head));
     let all_rays = scene.distinct_rays();
     let mut previous = "";
-    let rows = scene.rows.iter().map(|row| {
+    let rows = shown_rows.iter().map(|&row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells = vec![name.into()];
@@ -46,9 +56,9 @@ pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table 
         cells
     });
     let mut rows: Vec<Vec<Cell>> = rows.collect();
-    let ratios = scene.rows.iter().map(|row| {
+    let ratios = shown_rows.iter().map(|row| {
         // a ratio over shadow rays alone is none to compare with the others
-        let is_comparable = row.verdict == Verdict::Ok && row.answers == Answered::AllRays;
+        let is_comparable = row.answers == Answered::AllRays && scene.may_lead(row);
         row.ratio.filter(|_| is_comparable)
     });
     mark_best(&mut rows, header.iter().position(|h| *h == RATIO), ratios);
@@ -185,7 +195,7 @@ fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
 /// What a mailbox was good for.
 fn saved_note(row: &RowRecord) -> Option<String> {
     let part = row.work.as_ref()?.saved_part()?;
-    Some(format!("{}: the mailbox spared {:.1}% of the tests", row.label(), part * 100.0))
+    Some(format!("{}: the mailbox saved {:.1}% of the tests", row.label(), part * 100.0))
 }
 
 /// Rays of a batch, for what the border of a process costs.
@@ -241,6 +251,11 @@ fn on_demand_note(row: &RowRecord) -> Option<String> {
 
 /// The summary over all scenes.
 pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
+    summary_table_of(run, &run.summary.iter().collect::<Vec<_>>(), indent)
+}
+
+/// The same with rows of the summary in any order.
+pub fn summary_table_of(run: &RunRecord, shown_rows: &[&SummaryRow], indent: bool) -> Table {
     let has_batches = run.summary.iter().any(|row| row.batch_scenes > 0);
     let mut header = vec!["structure"];
     if has_batches {
@@ -249,7 +264,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     header.extend(["scenes", "trace ratio [95%]", "build ratio [95%]", "verdict"]);
     let mut previous = "";
     let mut rows = Vec::new();
-    for row in &run.summary {
+    for row in shown_rows {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells: Vec<Cell> = vec![name.into()];
@@ -268,8 +283,8 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
         cells.push(summary_verdict(row));
         rows.push(cells);
     }
-    let ratios = run.summary.iter().map(|r| {
-        let is_comparable = r.verdict == Verdict::Ok && r.answers == Answered::AllRays;
+    let ratios = shown_rows.iter().map(|r| {
+        let is_comparable = r.answers == Answered::AllRays && r.may_lead(&run.scenes);
         r.ratio.filter(|_| is_comparable)
     });
     mark_best(&mut rows, header.iter().position(|h| *h == "trace ratio [95%]"), ratios);
@@ -307,15 +322,37 @@ fn summary_verdict(row: &SummaryRow) -> Cell {
     Cell { text, style: Style::Bad }
 }
 
-/// What the symbols mean.
-pub const GLOSSARY: &[&str] = &[
-    "N_IN hierarchical cells, N_V elementary cells, N_EV empty ones, N_OIV references in cells; \
-     per ray: N_IT intersection tests, N_TS traversal steps, N_ETS elementary steps, N_EETS \
-     steps into empty cells (Havran and Sixta 1999).",
-    "build, trace: medians over the rounds, one sample each a round; trace is the time for the \
-     rays of the column beside it. image: the whole picture through the renderer, once.",
-    "ratio: trace time divided by the reference's for the same rays in the same round, with its \
-     95% bootstrap interval; below 1 is faster; = where the interval holds 1: no difference was \
-     measured. primary, shadow, second., diffuse: millions of rays a second of one kind (second.: \
-     reflected and refracted).",
+/// What the symbols mean: the heads of columns, and a line about them.
+const SYMBOLS: [(&[&str], &str); 4] = [
+    (
+        &["N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"],
+        "N_IN hierarchical cells, N_V elementary cells, N_EV empty ones, N_OIV references in cells; \
+         per ray: N_IT intersection tests, N_TS traversal steps, N_ETS elementary steps, N_EETS \
+         steps into empty cells (Havran and Sixta 1999).",
+    ),
+    (
+        &["build ms", "trace ms", "image ms"],
+        "build, trace: medians over the rounds, one sample each per round; trace is the time for the \
+         rays of the column beside it. image: the whole picture through the renderer, once.",
+    ),
+    (
+        &[RATIO, "trace ratio [95%]"],
+        "ratio: trace time divided by the reference's for the same rays in the same round, with its \
+         95% bootstrap interval; below 1 is faster; = where the interval contains 1: no significant \
+         difference.",
+    ),
+    (
+        &["primary", "shadow", "second.", "diffuse"],
+        "primary, shadow, second., diffuse: millions of rays per second of one kind (second.: \
+         reflected and refracted).",
+    ),
 ];
+
+/// What the symbols mean.
+pub const GLOSSARY: &[&str] = &[SYMBOLS[0].1, SYMBOLS[1].1, SYMBOLS[2].1, SYMBOLS[3].1];
+
+/// What those of shown columns mean.
+pub fn glossary_of<'h>(heads: &'h [&'h str]) -> impl Iterator<Item = &'static str> + 'h {
+    let is_shown = |(of, _): &&(&[&str], &str)| of.iter().any(|head| heads.contains(head));
+    SYMBOLS.iter().filter(is_shown).map(|(_, text)| *text)
+}

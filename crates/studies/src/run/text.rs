@@ -2,12 +2,16 @@
 
 use std::io::{self, Write};
 
-use crate::run::tables::GLOSSARY;
+use crate::run::lines::{self, Line, Lines};
+use crate::run::view::View;
 use crate::run::{kind_tables, tables};
+use measurement::record::query::{self, Query};
 use measurement::record::{RunRecord, SceneRecord};
-use presentation::text::{write_notes, write_table};
+use presentation::fitted::wrapped;
+use presentation::table::{Style, Table};
+use presentation::text::{painted, write_notes_within, write_table_within};
 
-/// Prints the block of a scene.
+/// Prints the block of a scene, and where there are several what it says of this one.
 ///
 /// # Errors
 /// Those of the writer.
@@ -15,24 +19,85 @@ pub fn write_scene(
     out: &mut dyn Write,
     run: &RunRecord,
     scene: &SceneRecord,
-    colors: bool,
+    view: &View,
 ) -> io::Result<()> {
-    write_table(out, &tables::scene_table(run, scene, true), colors)?;
+    write(out, &scene_table(run, scene, view), view)?;
     if run.settings.by_kind {
-        write_table(out, &kind_tables::scene_table(run, scene, true), colors)?;
+        let table =
+            kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
+        write(out, &table, view)?;
+    }
+    if run.planned.len() > 1 && !scene.rows.is_empty() {
+        write_lines(out, &lines::of_scene(scene), view)?;
+        writeln!(out)?;
     }
     Ok(())
 }
 
-/// Prints the summary and what the symbols mean.
+/// The table of a scene with what is shown of it; what is the same below all of them stands at the end.
+fn scene_table(run: &RunRecord, scene: &SceneRecord, view: &View) -> Table {
+    let table = tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
+    let mut table = view.shown(&table).0;
+    table.notes.retain(|note| note != query::NOTE);
+    table
+}
+
+/// Prints the means where there are several scenes, what the symbols mean, and the answers.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_summary(out: &mut dyn Write, run: &RunRecord, colors: bool) -> io::Result<()> {
-    write_table(out, &tables::summary_table(run, true), colors)?;
-    if run.settings.by_kind {
-        write_table(out, &kind_tables::summary_table(run, true), colors)?;
-        write_table(out, &kind_tables::picture_table(run), colors)?;
+pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Result<()> {
+    let mut heads: Vec<&str> = Vec::new();
+    let mut left_out: Vec<&str> = Vec::new();
+    if let Some(scene) = run.scenes.first() {
+        let rows: Vec<_> = scene.rows.iter().collect();
+        let (table, others) = view.shown(&tables::scene_table_of(run, scene, &rows, false));
+        heads.extend(table.header);
+        left_out.extend(others);
     }
-    write_notes(out, GLOSSARY, colors)
+    if run.scenes.len() > 1 {
+        let rows = view.summary(&run.summary);
+        let mut table = view.shown(&tables::summary_table_of(run, &rows, view.indents())).0;
+        table.notes.retain(|note| note != query::NOTE);
+        write(out, &table, view)?;
+    }
+    if run.settings.by_kind {
+        if run.scenes.len() > 1 {
+            write(out, &kind_tables::summary_table(run, view.indents()), view)?;
+        }
+        write(out, &kind_tables::picture_table(run), view)?;
+    }
+    let mut notes: Vec<String> = Vec::new();
+    let batch = run.scenes.iter().flat_map(|s| &s.rows).any(|row| row.query == Query::Batch);
+    notes.extend(batch.then(|| query::NOTE.to_owned()));
+    notes.extend(tables::glossary_of(&heads).map(str::to_owned));
+    if !left_out.is_empty() {
+        notes.push(format!("Columns left out: {}; --wide shows all.", left_out.join(", ")));
+    }
+    let notes: Vec<&str> = notes.iter().map(String::as_str).collect();
+    write_notes_within(out, &notes, view.colors, view.width())?;
+    if let Some(lines) = lines::of_run(run) {
+        writeln!(out)?;
+        write_lines(out, &lines, view)?;
+        write_notes_within(out, &[lines::NOTE], view.colors, view.width())?;
+    }
+    Ok(())
+}
+
+fn write(out: &mut dyn Write, table: &Table, view: &View) -> io::Result<()> {
+    write_table_within(out, table, view.colors, view.width())
+}
+
+/// A question a line, the answers below one another.
+fn write_lines(out: &mut dyn Write, lines: &Lines, view: &View) -> io::Result<()> {
+    let heads = lines.lines.iter().map(|line| line.head.chars().count());
+    let indent = heads.max().unwrap_or(0) + 4;
+    writeln!(out, "{}", painted(&lines.title, Style::Best, view.colors))?;
+    for Line { head, text } in &lines.lines {
+        let text = format!("  {head:<width$}  {text}", width = indent - 4);
+        for part in wrapped(&text, view.width().unwrap_or(usize::MAX), indent) {
+            writeln!(out, "{}", painted(&part, Style::Plain, view.colors))?;
+        }
+    }
+    Ok(())
 }

@@ -76,5 +76,7 @@ pub fn without_rows(
         oracle: Default::default(),
         rows: rows.collect(),
         peak_rss_bytes: None,
+        conclusions: Vec::new(),
+        least_time: Vec::new(),
     })
 }

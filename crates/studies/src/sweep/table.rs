@@ -115,7 +115,7 @@ pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     let mut notes = vec![if equal.is_empty() {
         format!("Best: {parameter}={best}.")
     } else {
-        format!("Best: {parameter}={best}; no difference was measured to {}.", equal.join(", "))
+        format!("Best: {parameter}={best}; not significantly different: {}.", equal.join(", "))
     }];
     let mut swept = sweep.lines.iter().filter(|l| l.is_swept).filter_map(|l| l.value.as_deref());
     let ends = [swept.next(), swept.next_back()];
@@ -134,9 +134,9 @@ const GLOSSARY: &[&str] = &[
     "cells/prim: N_V for each primitive. N_V elementary cells, N_EV empty ones, N_OIV references in \
      cells; per ray: N_IT intersection tests, N_TS traversal steps. build, trace: medians over the \
      rounds; trace is the time for the rays of the column beside it, all kinds together; primary, \
-     shadow, second., diffuse: millions of rays a second of one kind.",
+     shadow, second., diffuse: millions of rays per second of one kind.",
     "ratio: trace time divided by the reference's for the same rays in the same round, with its 95% \
-     bootstrap interval; below 1 is faster; = where the interval holds 1. to best: that ratio over \
+     bootstrap interval; below 1 is faster; = where the interval contains 1. to best: that ratio over \
      the best value's.",
     "best: the value with the lowest ratio; ~best: its interval overlaps that of the best, no \
      difference was measured. rule: a rule of thumb for the number of voxels of N primitives (the \

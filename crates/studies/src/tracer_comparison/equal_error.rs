@@ -4,7 +4,7 @@
 /// What was measured of an image by samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampledImage {
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: f64,
     /// Root mean square error.
     pub error: f64,
@@ -12,12 +12,12 @@ pub struct SampledImage {
     pub seconds: f64,
 }
 
-/// Samples a pixel and seconds at which the samples reach an error.
+/// Samples per pixel and seconds at which the samples reach an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AtError {
     /// By interpolation between two that were measured.
     Reached {
-        /// Samples a pixel.
+        /// Samples per pixel.
         samples: f64,
         /// Seconds.
         seconds: f64,

@@ -82,7 +82,7 @@ pub struct Question<'a> {
     pub structures: Structures<'a>,
     /// Size, depth and seed.
     pub frame: Sampled,
-    /// Numbers of samples a pixel, in rising order.
+    /// Numbers of samples per pixel, in rising order.
     pub samples: &'a [u32],
     /// The tracers to compare, by name.
     pub tracers: &'a [&'static str],
@@ -97,7 +97,7 @@ pub struct Row {
     pub tracer: &'static str,
     /// Its settings where they are not the default ones.
     pub settings: String,
-    /// Samples a pixel, for the tracer by samples.
+    /// Samples per pixel, for the tracer by samples.
     pub samples: Option<u32>,
     /// What was measured, or why the tracer refuses the scene.
     pub outcome: Result<Measured, Refusal>,

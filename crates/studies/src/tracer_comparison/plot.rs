@@ -10,7 +10,7 @@ pub struct Placed {
     pub seconds: f64,
     /// Root mean square error.
     pub error: f64,
-    /// Samples a pixel, of images that are sampled.
+    /// Samples per pixel, of images that are sampled.
     pub samples: Option<u32>,
     /// Tracer and settings.
     pub label: String,
@@ -55,7 +55,7 @@ pub fn error_over_time(
         x: axis("time of the image (seconds)"),
         y: axis("root mean square error"),
         series: vec![Series {
-            name: "whitted, by samples a pixel".to_owned(),
+            name: "whitted, by samples per pixel".to_owned(),
             points: images.iter().filter(|i| i.samples.is_some()).map(Placed::point).collect(),
             is_joined: true,
         }],

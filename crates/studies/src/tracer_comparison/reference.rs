@@ -1,4 +1,4 @@
-//! The image to compare with: many samples a pixel, of two seeds, so that its own error is known.
+//! The image to compare with: many samples per pixel, of two seeds, so that its own error is known.
 
 use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
@@ -31,7 +31,7 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// The plan of an image with that many eye rays a pixel; what has a lens, a shutter or a light
+    /// The plan of an image with that many eye rays per pixel; what has a lens, a shutter or a light
     /// with an extent has one sample of each for every eye ray.
     pub fn plan(&self, scene: &Scene, samples: u32, seed: u64) -> EffectPlan {
         let samples = SampleWishes { supersamples: Some(samples), ..SampleWishes::ONE_OF_EACH };

@@ -61,7 +61,7 @@ pub struct Report {
     pub machine: Machine,
     /// What images were compared with.
     pub reference: Converged,
-    /// Samples a pixel of each of its two images.
+    /// Samples per pixel of each of its two images.
     pub reference_samples: u32,
     /// The images.
     pub rows: Vec<Row>,
@@ -118,7 +118,7 @@ impl Report {
         }
         let (own_error, samples) = (self.reference.own_error, self.reference_samples);
         table.notes.push(format!(
-            "reference: the mean of two images of {samples} samples a pixel; its own error is \
+            "reference: the mean of two images of {samples} samples per pixel; its own error is \
              {}; errors below ten times that are marked <",
             short(own_error)
         ));
@@ -158,7 +158,7 @@ impl Report {
                     let (times, than) =
                         if ratio >= 1.0 { (ratio, "longer") } else { (1.0 / ratio, "less") };
                     format!(
-                        "{label}: as near to the reference as {} samples a pixel, and took {} \
+                        "{label}: as near to the reference as {} samples per pixel, and took {} \
                          times {than} than they do",
                         short(samples),
                         short(times)
@@ -170,7 +170,7 @@ impl Report {
                     short(m.median() / seconds)
                 ),
                 AtError::Never { samples, seconds } => format!(
-                    "{label}: nearer to the reference than {samples} samples a pixel, in {} of \
+                    "{label}: nearer to the reference than {samples} samples per pixel, in {} of \
                      their time",
                     short(m.median() / seconds)
                 ),

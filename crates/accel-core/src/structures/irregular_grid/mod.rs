@@ -89,7 +89,7 @@ pub static INFO: StructureInfo = StructureInfo {
         },
         ParamSpec {
             name: "query",
-            summary: "batch keeps 24 rays of a batch on their way at once; sets with other \
+            summary: "batch keeps 24 rays of a batch in flight; sets with other \
                       primitives than triangles are walked one ray after the other",
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),

@@ -46,7 +46,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec {
             name: "query",
-            summary: "one ray after the other, or 16 rays of a batch on their way at once",
+            summary: "one ray after the other, or 16 rays of a batch in flight",
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),
         },

@@ -1,16 +1,17 @@
 //! Build against trace: who wins for how many rays, and from how many rays on each structure is
 //! worth it against each other.
 
-use crate::report::break_even::{BreakEven, break_even, count_interval, envelope};
-use crate::report::costs::{Cost, Profile, lead_for};
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
 use crate::report::plots;
-use crate::report::sections::headlines::names;
 use crate::report::tables::{self, Look, words};
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};
+use studies::run::break_even::{BreakEven, break_even};
+use studies::run::conclusions::least_time;
+use studies::run::costs::{Profile, lead_for};
+use studies::run::lines::{count, names, seconds};
 
 /// Powers of ten that are asked about.
 const DECADES: std::ops::RangeInclusive<i32> = 0..=9;
@@ -44,23 +45,22 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
 
 /// Who takes the least time, from how many rays on.
 fn reigns(scene: &str, profiles: &[Profile], seed: u64) -> Table {
-    let costs: Vec<Cost> = profiles.iter().map(|p| p.cost).collect();
-    let mut rows = Vec::new();
-    let mut before: Option<&Profile> = None;
-    for reign in envelope(&costs) {
-        let Some(profile) = profiles.get(reign.index) else { continue };
-        let interval = before.and_then(|other| count_interval(profile, other, seed));
-        rows.push(vec![
-            profile.label.clone(),
-            count(reign.from),
-            interval.map_or("-".into(), |[low, high]| format!("[{}, {}]", count(low), count(high))),
+    let rows = least_time(profiles, seed).into_iter().filter_map(|least| {
+        let profile = profiles.iter().find(|p| p.label == least.row)?;
+        let high = least.high.map_or("never".to_owned(), count);
+        Some(vec![
+            least.row,
+            count(least.from_rays),
+            match least.from_rays {
+                0.0 => "-".into(),
+                _ => format!("[{}, {high}]", count(least.low)),
+            },
             milliseconds(profile.cost.build_s),
             short(profile.cost.ray_s * 1e9),
-        ]);
-        before = Some(profile);
-    }
+        ])
+    });
     let header = vec!["least time", "from rays", "95%", "build ms", "ns per ray"];
-    words(format!("{scene}: who takes the least time, by medians"), header, rows)
+    words(format!("{scene}: who takes the least time, by medians"), header, rows.collect())
 }
 
 /// Who wins for 1, 10, 100... rays, and who is not told apart from it.
@@ -72,11 +72,12 @@ fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
         Some(vec![
             count(rays),
             lead.first.clone(),
-            duration(winner.cost.total_s(rays)),
+            seconds(winner.cost.total_s(rays)),
             names("", &lead.ties).trim().to_owned(),
         ])
     });
-    let header = vec!["for rays", "least time, build included", "time", "not told apart from it"];
+    let header =
+        vec!["for rays", "least time, build included", "time", "not significantly different"];
     words(format!("{scene}: the winner by the number of rays"), header, rows.collect())
 }
 
@@ -155,47 +156,4 @@ fn pair(row: &Profile, column: &Profile) -> Cell {
     let is_sure =
         quotients.values().iter().all(|q| *q < 1.0) || quotients.values().iter().all(|q| *q > 1.0);
     Cell { text, style: if is_sure { Style::Plain } else { Style::Dim } }
-}
-
-/// A number of rays, three digits and a letter.
-fn count(rays: f64) -> String {
-    match rays {
-        n if n.is_infinite() => "never".to_owned(),
-        n if n >= 999.5e9 => format!("{n:.1e}"),
-        n if n >= 999.5e6 => format!("{} G", short(n / 1e9)),
-        n if n >= 999.5e3 => format!("{} M", short(n / 1e6)),
-        n if n >= 999.5 => format!("{} k", short(n / 1e3)),
-        n => n.ceil().to_string(),
-    }
-}
-
-/// Seconds with the unit that suits them.
-fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 1e-3 => format!("{} us", short(s * 1e6)),
-        s if s < 1.0 => format!("{} ms", short(s * 1e3)),
-        s => format!("{} s", short(s)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn counts_and_durations_are_short() {
-        for (n, text) in [
-            (0.0, "0"),
-            (0.2, "1"),
-            (999.0, "999"),
-            (12_345.0, "12.3 k"),
-            (2e6, "2.00 M"),
-            (3e9, "3.00 G"),
-        ] {
-            assert_eq!(count(n), text);
-        }
-        assert_eq!(count(f64::INFINITY), "never");
-        assert_eq!(duration(0.0123), "12.3 ms");
-        assert_eq!(duration(2e-6), "2.00 us");
-    }
 }

@@ -52,7 +52,7 @@ impl TracersRecord {
         let header = vec!["tracer", "image, milliseconds", "95%", "RMSE", "stands"];
         let mut table = words(format!("{}: images", self.scene), header, rows.collect());
         table.notes.push(format!(
-            "Reference: the mean of two images of {} samples a pixel; its own error is {}; errors \
+            "Reference: the mean of two images of {} samples per pixel; its own error is {}; errors \
              below ten times that are marked <.",
             self.reference.samples,
             short(self.reference.own_error)

@@ -130,6 +130,27 @@ fn other_peoples_formats_are_of_their_schemas() {
 }
 
 #[test]
+fn series_are_selected_and_each_is_of_its_direction() {
+    let names = |options: &str| -> Vec<String> {
+        let entries = json(&run_stepping(&format!("{RUN} {options}")));
+        let name = |entry: &Value| entry["name"].as_str().unwrap().to_owned();
+        entries.as_array().unwrap().iter().map(name).collect()
+    };
+    let all = names("--export-github-smaller -");
+    assert!(all.iter().any(|name| name.ends_with("/ n_ets")), "{all:?}");
+    for neither in ["saved", "n_ev", "n_eets"] {
+        assert!(!all.iter().any(|name| name.ends_with(&format!("/ {neither}"))), "{neither}");
+    }
+    let select = "--export-select uniform-grid./.(build|trace)$ --export-github-smaller -";
+    let selected = names(select);
+    assert_eq!(selected, ["tetra:2: uniform-grid / build", "tetra:2: uniform-grid / trace"]);
+    let bigger = names("--export-select light-buffer --export-github-bigger -");
+    assert_eq!(bigger, ["tetra:2: light-buffer / mrays-shadow"]);
+    let bad = run_stepping(&format!("{RUN} --export-select ( --export-github-smaller -"));
+    assert!(bad.code == 2 && bad.err.contains("--export-select"), "{}", bad.err);
+}
+
+#[test]
 fn rows_that_are_wrong_are_left_out_of_time_series() {
     let run = "run tetra:2 --size 12 --quick -s dropper,obvhs-cwbvh --export-bencher -";
     let ended = run_stepping(run);

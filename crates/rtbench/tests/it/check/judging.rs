@@ -79,6 +79,10 @@ fn counters_have_no_tolerance() {
     assert_eq!(other_rays, Outcome::NotJudged);
     let saved = after(|r| row(r, ROW).work.as_mut().unwrap().tests_saved += 1, "counters", "saved");
     assert_eq!(saved, Outcome::NotJudged);
+    let empty = after(|r| row(r, ROW).shape.as_mut().unwrap().n_ev += 1, "counters", "n_ev");
+    assert_eq!(empty, Outcome::NotJudged);
+    let cells = after(|r| row(r, ROW).shape.as_mut().unwrap().n_v += 1, "counters", "n_v");
+    assert_eq!(cells, Outcome::Regression);
 }
 
 fn counted(trace: u64) -> Vec<CountedRow> {

@@ -10,7 +10,7 @@ use crate::common::{Folder, PLANTED};
 
 /// The row that faults are planted in.
 pub const ROW: &str = "uniform-grid";
-/// The row that ratios are taken to.
+/// The reference row of ratios.
 pub const REFERENCE: &str = "obvhs-cwbvh";
 
 /// A record of both rows on a small scene, without samples.

@@ -1,4 +1,4 @@
-//! Bundles of rays against samples: an image by cones, by beams, and by so many rays a pixel.
+//! Bundles of rays against samples: an image by cones, by beams, and by so many rays per pixel.
 //!
 //! `rtbench compare-tracers` asks the same of one scene at more sizes and with more samples.
 
@@ -27,7 +27,7 @@ const DEPTH: u32 = 3;
 /// Registry line.
 pub static AXIS: Axis = Axis {
     name: "cone-and-beam",
-    summary: "an image by cones or beams in place of rays, and rays a pixel",
+    summary: "an image by cones or beams in place of rays, and rays per pixel",
     paper: "Amanatides 1984; Heckbert, Hanrahan 1984; Whitted 1980",
     metric: "root mean square difference of colours to the reference",
     reference: "mean of two images of many samples with other seeds; its error is half their \

@@ -19,7 +19,7 @@ const REFERENCE: &str = "mean of two images of many samples with other seeds; it
 
 /// Registry line.
 pub static SOFT_SHADOWS: Axis = Axis {
-    summary: "shadow rays a hit and light",
+    summary: "shadow rays per hit and light",
     scenes: &["teapot", "balls:3", "pavilion"],
     ..sampled("soft-shadows", "render --shadow-samples", |stage| SOFT.measure(stage))
 };
@@ -32,14 +32,14 @@ pub static GLOSS: Axis = Axis {
 
 /// Registry line.
 pub static MOTION: Axis = Axis {
-    summary: "eye rays a pixel for the time the shutter is open",
+    summary: "eye rays per pixel for the time the shutter is open",
     scenes: &["balls:3", "gears:2", "pavilion"],
     ..sampled("motion", "render --temporal-samples", |stage| MOVING.measure(stage))
 };
 
 /// Registry line.
 pub static FOCUS: Axis = Axis {
-    summary: "eye rays a pixel for the area of the lens",
+    summary: "eye rays per pixel for the area of the lens",
     paper: "Potmesil, Chakravarty 1981; Cook, Porter, Carpenter 1984",
     ..sampled("focus", "render --focal-samples", |stage| BLURRED.measure(stage))
 };

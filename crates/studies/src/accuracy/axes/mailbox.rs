@@ -10,7 +10,7 @@ use crate::error::StudyError;
 /// Registry line.
 pub static AXIS: Axis = Axis {
     name: "mailbox",
-    summary: "tests that are spared a primitive in several cells: none, slots of a hash, stamps",
+    summary: "tests saved of a primitive in several cells: none, slots of a hash, stamps",
     paper: "Arnaldi, Priol, Bouatouch 1987; Benthin 2006",
     metric: "answers in 10^6 that differ from those without a mailbox",
     reference: "the same grid without a mailbox, triangles one by one",
@@ -53,8 +53,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             is_reference: name == "none",
             error,
             also: vec![
-                ("tests a ray", per_ray(work.intersection_tests)),
-                ("tests spared a ray", per_ray(work.tests_saved)),
+                ("tests per ray", per_ray(work.intersection_tests)),
+                ("tests saved per ray", per_ray(work.tests_saved)),
             ],
             work: Box::new(replay),
         }

@@ -27,9 +27,9 @@ use crate::verify::parts::integer_walk::IntegerRay;
 /// Registry line.
 pub static AXIS: Axis = Axis {
     name: "voxel-walk",
-    summary: "plane parameters of a walk through voxels: accumulated, recomputed, in f64",
+    summary: "plane parameters of a traversal of voxels: accumulated, recomputed, in f64",
     paper: "Amanatides, Woo 1987; Fujimoto, Tanaka, Iwata 1986",
-    metric: "rays in 10^6 whose walk passes by a cell that they pierce",
+    metric: "rays in 10^6 whose traversal misses a cell that they pierce",
     reference: "exact integers",
     scenes: &["teapot", "tree", "pavilion"],
     setting: "uniform-grid.traversal",

@@ -30,7 +30,7 @@ const T3: Case = case!(
     "T3",
     "whole numbers",
     parts walks::PUBLISHED_RAYS,
-    "two rays that broke other walks, and rays like them"
+    "two rays that broke other traversals, and rays like them"
 );
 const T4: Case = case!(
     "T4",

@@ -3,7 +3,7 @@
 //! The time for n rays is T(n) = build + n * time per ray. Two such lines cross once at most; the
 //! least time over all n is their lower envelope.
 
-use crate::report::costs::{Cost, Profile};
+use crate::run::costs::{Cost, Profile};
 use statistics::estimate::{interval, median};
 use statistics::random::Random;
 
