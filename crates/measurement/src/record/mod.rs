@@ -3,6 +3,7 @@
 mod figures;
 pub mod file;
 pub mod floor;
+pub mod foreign;
 pub mod label;
 pub mod machines;
 #[cfg(any(test, feature = "testing"))]
@@ -31,6 +32,7 @@ use serde::{Deserialize, Serialize};
 use crate::settings::shard::ShardRecord;
 
 pub use floor::FloorRecord;
+pub use foreign::ForeignRecord;
 pub use label::label;
 pub use plugin::PluginRecord;
 pub use row::{Answered, Outliers, RowRecord, Sample};

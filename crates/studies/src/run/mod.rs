@@ -2,6 +2,7 @@
 
 pub mod columns;
 pub mod csv;
+pub mod foreign;
 pub mod kind_tables;
 pub mod machines;
 pub mod markdown;

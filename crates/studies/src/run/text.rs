@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crate::run::tables::GLOSSARY;
-use crate::run::{kind_tables, tables};
+use crate::run::{foreign, kind_tables, tables};
 use measurement::record::{RunRecord, SceneRecord};
 use presentation::text::{write_notes, write_table};
 
@@ -21,7 +21,7 @@ pub fn write_scene(
     if run.settings.by_kind {
         write_table(out, &kind_tables::scene_table(run, scene, true), colors)?;
     }
-    Ok(())
+    foreign::table(scene).map_or(Ok(()), |table| write_table(out, &table, colors))
 }
 
 /// Prints the summary and what the symbols mean.
