@@ -22,11 +22,12 @@ pub mod library;
 #[cfg(unix)]
 mod memory_watch;
 mod plugin;
+#[cfg_attr(not(unix), allow(dead_code))]
 mod process;
 mod registry;
 #[cfg_attr(not(unix), path = "no_remote.rs")]
 mod remote;
-#[cfg_attr(not(unix), allow(dead_code))]
+#[cfg_attr(not(unix), allow(dead_code, unused_imports))]
 mod serve;
 #[cfg_attr(not(unix), allow(dead_code))]
 mod shared;

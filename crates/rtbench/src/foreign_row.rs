@@ -6,7 +6,6 @@ use measurement::rays::order::{distinct, kind_of};
 use measurement::record::file::{self, RecordError};
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use measurement::settings::Lights;
-use measurement::settings::choice::Choice;
 use plugins::files::About;
 use renderer::RayKind;
 

@@ -1,6 +1,7 @@
 //! The plugins of a command line, and their rows among ours.
 
 use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 use accel_core::structures::Entry;
 use measurement::plan::Plan;
@@ -9,6 +10,9 @@ use plugins::{Options, PluginError};
 use scene_loading::source_hash::sha256_of_bytes;
 
 use crate::args::PluginArgs;
+
+/// This program's file on Linux, whatever became of its name.
+const OWN: &str = "/proc/self/exe";
 
 /// The plugins of a command.
 #[derive(Debug, Clone, Default)]
@@ -28,16 +32,20 @@ impl Plugins {
         args: &PluginArgs,
         ours: &[Entry],
         taken: impl Iterator<Item = &'static str> + Clone,
-        program: Option<&std::path::PathBuf>,
+        program: Option<&PathBuf>,
     ) -> Result<(Self, Vec<Entry>), PluginError> {
         let mut registry = ours.to_vec();
+        let program = || match program {
+            Some(program) if program.exists() => Ok(program.clone()),
+            // a copy in memory (`--processes`) has no name; forks of it are it
+            _ if Path::new(OWN).exists() => Ok(OWN.into()),
+            _ => std::env::current_exe(),
+        };
         let mut loaded = Vec::new();
         for file in &args.plugin {
             let read = |source| PluginError::Read { file: file.clone(), source };
             let options = Options {
-                program: program
-                    .map_or_else(std::env::current_exe, |p| Ok(p.clone()))
-                    .map_err(read)?,
+                program: program().map_err(read)?,
                 limit: args.plugin_limit,
                 in_process: args.in_process,
             };

@@ -1,19 +1,8 @@
 //! A program outside, as a row of a scene: `rtbench hits check --into`.
 
-use serde::{Deserialize, Serialize};
 use statistics::estimate::Estimate;
 
-use crate::record::{RowRecord, Verdict};
-
-/// What is known of a row whose times its program told.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct ForeignRecord {
-    /// SHA-256 of the file of its answers.
-    pub hits_sha256: String,
-    /// Rays that were answered otherwise than expected where rounding decides, of the checked ones.
-    pub edge_mismatches: u64,
-}
+use crate::record::{ForeignRecord, RowRecord, Verdict};
 
 /// What a program says of itself.
 #[derive(Debug, Clone, PartialEq)]

@@ -32,9 +32,8 @@ use serde::{Deserialize, Serialize};
 use crate::settings::shard::ShardRecord;
 
 pub use floor::FloorRecord;
-pub use foreign::ForeignRecord;
 pub use label::label;
-pub use plugin::PluginRecord;
+pub use plugin::{ForeignRecord, PluginRecord};
 pub use row::{Answered, Outliers, RowRecord, Sample};
 pub use scale::ScaleRecord;
 pub use scene::{OracleRecord, SceneRecord};

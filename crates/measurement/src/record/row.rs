@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::foreign::ForeignRecord;
 use crate::record::label::{label, with_query};
-use crate::record::plugin::PluginRecord;
+use crate::record::plugin::{ForeignRecord, PluginRecord};
 use crate::record::query::Query;
 use crate::record::verdict::Verdict;
 use crate::record::work::{ShapeRecord, WorkRecord};

@@ -67,7 +67,7 @@ fn hard_cases_are_put_to_plugins() {
     let Some(own) = minimal(&folder) else { return };
     let verify = |plugin: &Path, row: &str| {
         let plugin = plugin.to_str().unwrap();
-        let arguments = ["verify", "--cases", "T1", "--rays", "400", "-j", "2"];
+        let arguments = ["verify", "--cases", "G1", "--rays", "400", "-j", "2"];
         let ended = rtbench(&[&arguments[..], &["-s", row, "--plugin", plugin]].concat());
         let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
         (ended.status.code().unwrap(), said)
