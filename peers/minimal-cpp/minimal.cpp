@@ -32,6 +32,7 @@ struct Bvh {
     std::vector<uint32_t> ids;
     uint32_t leaf;
     std::string fault;
+    std::vector<char> hoard = {};
     bool ignores_t_min = fault == "t-min", drops = fault == "drop";
 
     const float *corners(uint32_t id) const { return scene->positions + 9 * size_t(id); }
@@ -120,6 +121,7 @@ int build(const rtbench_scene *scene, void **built, char *message, size_t size) 
                         uint32_t(std::atoi(scene->settings[0])), scene->settings[1]};
     std::iota(bvh->ids.begin(), bvh->ids.end(), 0u);
     bvh->split(0, 0, uint32_t(scene->triangles));
+    if (bvh->fault == "memory") bvh->hoard.assign(size_t(1) << 30, 1);
     *built = bvh;
     return 0;
 }
@@ -157,7 +159,7 @@ void destroy(void *built) { delete static_cast<Bvh *>(built); }
 const rtbench_setting settings[] = {
     {"leaf", "most triangles of a leaf", "4", RTBENCH_INTEGER, 1, 64, nullptr},
     {"fault", "a planted mistake, for tests", "none", RTBENCH_CHOICE, 0, 0,
-     "none drop id t-min occlusion hang crash wild-write exit"},
+     "none drop id t-min occlusion hang crash wild-write exit memory"},
 };
 
 const rtbench_plugin plugin = {

@@ -31,6 +31,7 @@ extern "C" {
 #define RTBENCH_TRIANGLES_F64 4u /* reserved */
 #define RTBENCH_MIXED 8u         /* reserved: other primitives */
 #define RTBENCH_REFIT 16u        /* reserved: vertices that move */
+#define RTBENCH_INDICES 32u      /* asks for rtbench_scene.vertices and .indices, which else are NULL */
 
 /* How a plugin answers many rays in one call: rtbench_plugin.query. */
 #define RTBENCH_ONE_RAY 0u /* each is traced to its end before the next one begins */
@@ -88,7 +89,16 @@ typedef struct rtbench_scene {
      * returns 1 and writes t where t_min <= t <= t_max, else 0. Any thread may call them. */
     void (*prepare)(const void *host, const rtbench_ray *ray, rtbench_prepared *prepared);
     int (*intersect)(const void *host, const rtbench_prepared *prepared, uint32_t id, float t_max, float *t);
+    /* The same triangles with each vertex once, for a plugin with RTBENCH_INDICES; found outside of the time
+     * of the build. An rtbench from before these fields has a smaller scene: see RTBENCH_HAS_INDICES. */
+    uint64_t vertex_count;
+    const float *vertices;   /* three coordinates for each */
+    const uint32_t *indices; /* three vertices for each triangle */
 } rtbench_scene;
+
+/* Whether a scene has vertices and indices. */
+#define RTBENCH_HAS_INDICES(scene) \
+    ((scene)->size >= offsetof(rtbench_scene, indices) + sizeof(const uint32_t *) && (scene)->indices)
 
 /* What was built. Set what you know; all is zero before. */
 typedef struct rtbench_stats {

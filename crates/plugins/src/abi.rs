@@ -12,6 +12,8 @@ pub const MISS: u32 = u32::MAX;
 pub const TRIANGLES_F32: u32 = 1;
 /// `RTBENCH_OCCLUSION`.
 pub const OCCLUSION: u32 = 2;
+/// `RTBENCH_INDICES`.
+pub const INDICES: u32 = 32;
 /// `RTBENCH_BATCH`.
 pub const BATCH: u32 = 1;
 /// `RTBENCH_HOST_TEST`.
@@ -49,6 +51,16 @@ pub struct Hit {
     pub id: u32,
 }
 
+impl Hit {
+    /// An answer as ours: of a miss nothing but that is read.
+    pub(crate) fn as_ours(&self, ray: &accel_core::Ray<f32>) -> accel_core::Hit<f32> {
+        match self.id {
+            MISS => accel_core::Hit { t: ray.t_max, id: accel_core::MISS },
+            id => accel_core::Hit { t: self.t, id },
+        }
+    }
+}
+
 /// `rtbench_setting`.
 #[repr(C)]
 pub struct Setting {
@@ -80,6 +92,9 @@ pub struct Scene {
     pub(crate) prepare: unsafe extern "C" fn(*const c_void, *const Ray, *mut Prepared),
     pub(crate) intersect:
         unsafe extern "C" fn(*const c_void, *const Prepared, u32, f32, *mut f32) -> c_int,
+    pub(crate) vertex_count: u64,
+    pub(crate) vertices: *const f32,
+    pub(crate) indices: *const u32,
 }
 
 /// `rtbench_stats`.

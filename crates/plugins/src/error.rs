@@ -53,12 +53,17 @@ pub enum PluginError {
         /// How it ended.
         how: String,
     },
+    /// There are no processes of plugins on this system.
+    #[error(
+        "{}: plugins have processes of their own on Unix only: add --in-process", file.display()
+    )]
+    NoProcesses {
+        /// The file.
+        file: PathBuf,
+    },
     /// What its process says of it, the file's name first.
     #[error("{0}")]
     Child(String),
-    /// Asked for where there are none.
-    #[error("--plugin: only `run` has plugins")]
-    OfRunOnly,
     /// There is another row of that name.
     #[error("{}: there is another structure '{name}': give the plugin a name of its own", file.display())]
     NameTaken {

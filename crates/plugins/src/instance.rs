@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::abi;
+use crate::indexed::Indexed;
 use crate::library::Library;
 use crate::stopwatch::Stopwatch;
 
@@ -44,6 +45,7 @@ pub struct Instance<H> {
     transmissive: Vec<u8>,
     // what the scene points to
     _set: H,
+    _indexed: Indexed,
     _texts: Vec<CString>,
     _settings: Vec<*const c_char>,
     _scene: Box<abi::Scene>,
@@ -72,6 +74,12 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
             values.iter().map(|value| CString::new(value.as_str())).collect();
         let texts = texts.map_err(|_| "a setting holds a zero byte".to_owned())?;
         let settings: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+        let asks = library.plugin.answers & abi::INDICES != 0;
+        let indexed = if asks { Indexed::of(set.triangles()) } else { Indexed::default() };
+        let null_or = |is_there: bool, pointer: *const f32| match is_there {
+            true => pointer,
+            false => std::ptr::null(),
+        };
         let scene = Box::new(abi::Scene {
             size: size_of::<abi::Scene>() as u32,
             threads: threads as u32,
@@ -85,6 +93,9 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
             host: std::ptr::from_ref::<TriangleSet<f32>>(&set).cast(),
             prepare,
             intersect,
+            vertex_count: indexed.vertices.len() as u64,
+            vertices: null_or(asks, indexed.vertices.as_flattened().as_ptr()),
+            indices: null_or(asks, indexed.indices.as_flattened().as_ptr().cast()).cast(),
         });
         let Some(build) = library.plugin.build else { return Err("it cannot build".into()) };
         let mut message = [0u8; 512];
@@ -103,9 +114,21 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
                 said => said.to_owned(),
             });
         }
-        let (_set, _texts, _settings, _scene) = (set, texts, settings, scene);
-        let built = Self { library, built, threads, transmissive, _set, _texts, _settings, _scene };
-        Ok((built, seconds))
+        let (_set, _indexed, _texts, _settings, _scene) = (set, indexed, texts, settings, scene);
+        Ok((
+            Self {
+                library,
+                built,
+                threads,
+                transmissive,
+                _set,
+                _indexed,
+                _texts,
+                _settings,
+                _scene,
+            },
+            seconds,
+        ))
     }
 
     /// Writes the closest hits; returns the seconds that took. Slices are of one length.

@@ -16,15 +16,24 @@ pub mod abi;
 pub mod description;
 pub mod error;
 pub mod files;
+mod indexed;
 pub mod instance;
 pub mod library;
+#[cfg(unix)]
+mod memory_watch;
 mod plugin;
+#[cfg_attr(not(unix), allow(dead_code))]
+mod process;
 mod registry;
+#[cfg_attr(not(unix), path = "no_remote.rs")]
 mod remote;
+#[cfg_attr(not(unix), allow(dead_code, unused_imports))]
 mod serve;
+#[cfg_attr(not(unix), allow(dead_code))]
 mod shared;
 mod stopwatch;
 mod tracer;
+#[cfg_attr(not(unix), allow(dead_code))]
 mod wire;
 
 pub use error::PluginError;

@@ -8,7 +8,8 @@ use accel_core::structure::StructureInfo;
 
 use crate::description::Description;
 use crate::library::Library;
-use crate::remote::{Launch, Remote};
+use crate::process::Launch;
+use crate::remote::Remote;
 
 /// A plugin of this process.
 pub(crate) struct Plugin {

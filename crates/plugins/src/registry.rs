@@ -19,7 +19,8 @@ use crate::description::{Description, leak};
 use crate::error::PluginError;
 use crate::library::Library;
 use crate::plugin::Plugin;
-use crate::remote::{Launch, Remote, file_name};
+use crate::process::Launch;
+use crate::remote::Remote;
 use crate::tracer::PluginTracer;
 
 /// How plugins are to be run.
@@ -58,8 +59,10 @@ pub fn entry(
     let (description, library) = if in_process {
         let library = Arc::new(Library::load(file)?);
         (library.description.clone(), Some(library))
-    } else {
+    } else if cfg!(unix) {
         (described(&launch)?, None)
+    } else {
+        return Err(PluginError::NoProcesses { file: file.clone() });
     };
     let name = description.name.as_str();
     if taken.contains(&name) {
@@ -134,8 +137,13 @@ fn built<'a>(
     }
     let settings = plugin.description.settings.iter();
     let values: Vec<String> = settings.map(|s| params.text(&s.name).to_owned()).collect();
-    let tracer = PluginTracer::build(plugin, set, params.to_string(), &values)?;
+    let tracer = PluginTracer::build(plugin, set, params.to_string(), &values, params.memory())?;
     Ok(Box::new(tracer))
+}
+
+/// The name of a file without its folders.
+fn file_name(file: &Path) -> String {
+    file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn refused_f64<'a>(

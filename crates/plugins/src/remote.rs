@@ -4,7 +4,7 @@
 //! ours. A reply that does not come in time, or none at all, ends it: what is asked later is refused.
 
 use std::io::{self, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::os::unix::net::{UnixListener, UnixStream};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -14,51 +14,35 @@ use accel_core::primitives::{PrimSet, TriangleSet};
 use crate::abi;
 use crate::description::Description;
 use crate::instance::{Query, Stats};
+use crate::memory_watch::MemoryWatch;
+use crate::process::{BuiltOr, Launch, Order};
 use crate::shared::{Shared, folder};
 use crate::wire::{Part, Reply, Request, receive, send};
-
-#[cfg(unix)]
-use std::os::unix::net::{UnixListener as Listener, UnixStream as Stream};
 
 /// How long a process may take to start.
 const START: Duration = Duration::from_secs(20);
 /// How often it is looked whether it has started.
 const POLL: Duration = Duration::from_millis(1);
+/// How long a process that was hung up on may take to end by itself.
+const LAST_WORDS: Duration = Duration::from_millis(50);
+/// Bytes of a triangle in the process's own copy: corners, flags and what a list has to spare.
+const COPY: usize = 48;
 /// How much is kept of what a plugin prints, bytes.
 const TAIL: usize = 500;
 
-/// How processes are started.
-#[derive(Debug, Clone)]
-pub struct Launch {
-    /// This program.
-    pub program: PathBuf,
-    /// The plugin.
-    pub file: PathBuf,
-    /// Longest time of a build, and of a call that answers rays.
-    pub limit: Duration,
-}
-
-/// What came of a build.
-pub(crate) enum BuiltOr {
-    /// It took so many seconds.
-    Built(f64),
-    /// The plugin refuses.
-    Refused(String),
-}
-
 /// A running process with a plugin.
-#[cfg(unix)]
 pub(crate) struct Remote {
     process: Child,
-    stream: BufReader<Stream>,
+    stream: BufReader<UnixStream>,
     limit: Duration,
     parts: [Option<Shared>; 3],
     said: Arc<Mutex<Vec<u8>>>,
+    /// Somebody may hang up on it.
+    is_watched: bool,
     /// How it ended.
     failure: Option<String>,
 }
 
-#[cfg(unix)]
 impl Remote {
     /// Starts a process; the words of the error say why there is none.
     pub(crate) fn start(launch: &Launch) -> Result<Self, String> {
@@ -66,7 +50,7 @@ impl Remote {
         let place =
             tempfile::Builder::new().prefix("rtbench-").tempdir_in(folder()).map_err(cannot)?;
         let socket = place.path().join("socket");
-        let listener = Listener::bind(&socket).map_err(cannot)?;
+        let listener = UnixListener::bind(&socket).map_err(cannot)?;
         listener.set_nonblocking(true).map_err(cannot)?;
         let mut process = Command::new(&launch.program)
             .args(["--quiet", "child", "plugin"])
@@ -106,7 +90,7 @@ impl Remote {
         stream.set_read_timeout(Some(launch.limit)).map_err(cannot)?;
         stream.set_write_timeout(Some(launch.limit)).map_err(cannot)?;
         let (stream, limit, parts) = (BufReader::new(stream), launch.limit, [None, None, None]);
-        Ok(Self { process, stream, limit, parts, said, failure: None })
+        Ok(Self { process, stream, limit, parts, said, is_watched: false, failure: None })
     }
 
     /// How it ended, if it has.
@@ -127,18 +111,29 @@ impl Remote {
     pub(crate) fn build(
         &mut self,
         set: &TriangleSet<f32>,
-        values: &[String],
-        threads: usize,
+        order: &Order<'_>,
     ) -> Result<BuiltOr, String> {
-        let (count, values) = (set.len(), values.to_vec());
-        let scene = self.part(Part::Scene, 37 * count)?;
-        let (positions, flags) = scene.split_at_mut(36 * count);
+        let (triangles, values, threads) = (set.len(), order.values.to_vec(), order.threads);
+        let scene = self.part(Part::Scene, 37 * triangles)?;
+        let (positions, flags) = scene.split_at_mut(36 * triangles);
         positions.copy_from_slice(bytemuck::cast_slice(set.triangles()));
-        for (flag, id) in flags.iter_mut().take(count).zip(0..) {
+        for (flag, id) in flags.iter_mut().take(triangles).zip(0..) {
             *flag = u8::from(!set.is_opaque(id));
         }
-        let doing = format!("building over {count} triangles");
-        match self.ask(&Request::Build { triangles: count, values, threads }, &doing)? {
+        let doing = format!("building over {triangles} triangles");
+        // beside the structure it has its own copy of the triangles
+        let most = order.most_bytes.map(|most| most.saturating_add((COPY * triangles) as u64));
+        let watch = most.and_then(|most| {
+            let stream = self.stream.get_ref().try_clone().ok()?;
+            MemoryWatch::begin(self.process.id(), most, stream)
+        });
+        self.is_watched = watch.is_some();
+        let reply = self.ask(&Request::Build { triangles, values, threads }, &doing);
+        self.is_watched = false;
+        if let Some(bytes) = watch.and_then(MemoryWatch::excess) {
+            return Ok(BuiltOr::TooLarge(bytes.saturating_sub((COPY * triangles) as u64)));
+        }
+        match reply? {
             Reply::Done { seconds } => Ok(BuiltOr::Built(seconds)),
             Reply::Refused { message } => Ok(BuiltOr::Refused(message)),
             _ => Err(self.ends("its process gives another answer than it was asked for".into())),
@@ -162,7 +157,7 @@ impl Remote {
         let (answers, _) = answers.split_at(8 * hits.len());
         let answers: &[abi::Hit] = bytemuck::cast_slice(answers);
         for ((hit, answer), ray) in hits.iter_mut().zip(answers).zip(rays) {
-            *hit = own_hit(answer, ray);
+            *hit = answer.as_ours(ray);
         }
         Ok(seconds)
     }
@@ -279,6 +274,11 @@ impl Remote {
                 Err(self.ends(format!("its process says what cannot be read while {doing}: {e}")))
             }
             Ok(None) | Err(_) => {
+                if self.is_watched {
+                    // it does not see that before its build is done
+                    std::thread::sleep(LAST_WORDS);
+                    let _ = self.process.kill();
+                }
                 let how = self.process.wait().map_or_else(|e| e.to_string(), |s| s.to_string());
                 let how = format!("crashes: its process ended with {how} while {doing}");
                 Err(self.ends(how + &tail(&self.said)))
@@ -294,19 +294,10 @@ impl Remote {
     }
 }
 
-#[cfg(unix)]
 impl Drop for Remote {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
-    }
-}
-
-/// An answer as ours: of a miss nothing but that is read.
-pub(crate) fn own_hit(answer: &abi::Hit, ray: &accel_core::Ray<f32>) -> accel_core::Hit<f32> {
-    match answer.id {
-        abi::MISS => accel_core::Hit { t: ray.t_max, id: accel_core::MISS },
-        id => accel_core::Hit { t: answer.t, id },
     }
 }
 
@@ -330,9 +321,4 @@ fn tail(said: &Mutex<Vec<u8>>) -> String {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     let last = lines.get(lines.len().saturating_sub(2)..).unwrap_or_default().join("; ");
     if last.is_empty() { String::new() } else { format!(": {last}") }
-}
-
-/// The name of a file without its folders.
-pub(crate) fn file_name(file: &Path) -> String {
-    file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

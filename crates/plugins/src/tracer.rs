@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use accel_core::memory::{MemoryLimit, OutOfMemory};
 use accel_core::primitives::TriangleSet;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{Foreign, Origin, ShadowCount, ShadowRule, Tracer};
@@ -11,7 +12,8 @@ use accel_core::{Hit, Ray};
 use crate::abi;
 use crate::instance::{Instance, Stats};
 use crate::plugin::Plugin;
-use crate::remote::{BuiltOr, Remote, own_hit};
+use crate::process::{BuiltOr, Order};
+use crate::remote::Remote;
 
 /// Where a structure is.
 enum Place<'a> {
@@ -45,6 +47,7 @@ impl<'a> PluginTracer<'a> {
         set: &'a TriangleSet<f32>,
         row: String,
         values: &[String],
+        memory: MemoryLimit,
     ) -> Result<Self, BuildError> {
         let structure = plugin.info.name;
         let refused = |message: String| BuildError::Library { structure, message };
@@ -57,9 +60,10 @@ impl<'a> PluginTracer<'a> {
         } else {
             let mut remote = plugin.process(&row).map_err(BuildError::Died)?;
             let threads = rayon::current_num_threads();
+            let order = Order { values, threads, most_bytes: memory.bytes() };
             let mut ask = || -> Result<(BuiltOr, Stats), String> {
-                let built = remote.build(set, values, threads)?;
-                if matches!(built, BuiltOr::Refused(_)) {
+                let built = remote.build(set, &order)?;
+                if !matches!(built, BuiltOr::Built(_)) {
                     return Ok((built, Stats::default()));
                 }
                 origin.empty_call_s = remote.empty_call()?;
@@ -72,6 +76,11 @@ impl<'a> PluginTracer<'a> {
                 Ok((BuiltOr::Refused(message), _)) => {
                     plugin.keep(&row, remote);
                     return Err(refused(message));
+                }
+                // another scene may have room: its process is a new one
+                Ok((BuiltOr::TooLarge(bytes), _)) => {
+                    let (needed, limit) = (bytes.into(), memory.bytes());
+                    return Err(OutOfMemory { structure, needed, limit }.into());
                 }
                 Err(how) => {
                     plugin.keep(&row, remote);
@@ -106,7 +115,7 @@ impl State<'_> {
                     hits.iter().map(|hit| abi::Hit { t: hit.t, id: hit.id }).collect();
                 let seconds = instance.closest(&asked, &mut answers);
                 for ((hit, answer), ray) in hits.iter_mut().zip(&answers).zip(rays) {
-                    *hit = own_hit(answer, ray);
+                    *hit = answer.as_ours(ray);
                 }
                 Ok(seconds)
             }

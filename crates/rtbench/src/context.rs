@@ -7,6 +7,7 @@ use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
+use crate::plugin_rows::Plugins;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::Clock;
 use measurement::system::pressure;
@@ -43,6 +44,8 @@ pub struct Context<'a> {
     pub environment: Environment,
     /// What a CI job is told when the command has ended.
     pub annotations: Vec<Annotation>,
+    /// Which of the structures are of plugins.
+    pub plugins: Plugins,
 }
 
 /// What the environment of the process says, beside the terminal.
@@ -146,6 +149,26 @@ pub enum Verbosity {
 }
 
 impl Context<'_> {
+    /// The same with other structures, some of them of plugins.
+    pub fn over<'b>(&'b mut self, registry: &'b [Entry], plugins: Plugins) -> Context<'b> {
+        Context {
+            registry,
+            occluders: self.occluders,
+            scenes: self.scenes,
+            clock: self.clock,
+            world: self.world,
+            out: &mut *self.out,
+            err: &mut *self.err,
+            command_line: self.command_line.clone(),
+            terminal: self.terminal,
+            verbosity: self.verbosity,
+            overwrite: self.overwrite,
+            environment: self.environment.clone(),
+            annotations: Vec::new(),
+            plugins,
+        }
+    }
+
     /// Loads a scene and shows how far that is.
     ///
     /// # Errors

@@ -26,6 +26,7 @@ use crate::config::ConfigError;
 use crate::exit_code::{FAILURE, USAGE};
 use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
+use crate::foreign_row::ForeignRowError;
 use crate::gate::GateError;
 use crate::like::LikeError;
 use crate::report::ReportError;
@@ -58,6 +59,9 @@ pub enum Error {
     /// A file of hits cannot be used.
     #[error(transparent)]
     HitsFile(#[from] FileError),
+    /// Results take no foreign row.
+    #[error(transparent)]
+    ForeignRow(#[from] ForeignRowError),
     /// Only triangles are written to files.
     #[error("scene {scene}: not of triangles at rest alone; scenes named ...-tess are tessellated")]
     NotOfTriangles {
@@ -239,7 +243,7 @@ impl Error {
             | Self::Scale(_)
             | Self::Explain(_)
             | Self::Config(_) => USAGE,
-            Self::Plugin(PluginError::NameTaken { .. } | PluginError::OfRunOnly) => USAGE,
+            Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
             Self::Outputs(OutputError::OneStdout) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)

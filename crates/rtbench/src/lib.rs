@@ -32,9 +32,11 @@ pub mod effect_table;
 pub mod error;
 pub mod exit_code;
 pub mod exports;
+pub mod foreign_row;
 pub mod gate;
 pub mod like;
 mod measure;
+pub mod plugin_rows;
 pub mod profile;
 pub mod program;
 mod recorded_command;
@@ -59,6 +61,7 @@ use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, USAGE};
 use crate::exports::occupied::{self, OccupiedError};
+use crate::plugin_rows::Plugins;
 use measurement::plan::error::PlanError;
 use measurement::scenes::{Installed, LoadError};
 use measurement::settings::suggest;
@@ -125,6 +128,7 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
         overwrite: false,
         environment: Environment::detect(),
         annotations: Vec::new(),
+        plugins: Plugins::default(),
     };
     let folder = std::env::current_dir().ok();
     let ended = panics::caught(|| run_in(&mut context, arguments, folder.as_deref()));
@@ -165,6 +169,7 @@ pub fn run_in(
         verbosity: context.verbosity,
         overwrite: context.overwrite,
         annotations: Vec::new(),
+        plugins: context.plugins.clone(),
     };
     let code = run_guarded(&mut guarded, arguments, folder);
     for annotation in guarded.annotations {
@@ -221,12 +226,13 @@ fn run_guarded(
         },
         overwrite: cli.overwrite,
         annotations: Vec::new(),
+        plugins: outer.plugins.clone(),
     };
     if let Some(config) = &config {
         context.say(format_args!("configuration: {}", config.path().display()));
     }
     let ended = match refuse_files(&cli) {
-        Ok(()) => dispatched(context, &cli, config.as_ref(), &arguments),
+        Ok(()) => with_plugins(context, &cli, config.as_ref(), &arguments),
         Err(error) => Err(error.into()),
     };
     let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
@@ -237,6 +243,26 @@ fn run_guarded(
 /// Refuses to write over what is there, unless that is asked for.
 fn refuse_files(cli: &Cli) -> Result<(), OccupiedError> {
     if cli.overwrite { Ok(()) } else { occupied::refuse_files(named_files(&cli.command)) }
+}
+
+/// Does what the command line says, with the plugins that it names.
+fn with_plugins(
+    context: &mut Context<'_>,
+    cli: &Cli,
+    config: Option<&Config>,
+    arguments: &[OsString],
+) -> Result<u8, Error> {
+    let Some(args) = cli.command.plugins().filter(|args| !args.plugin.is_empty()) else {
+        return dispatched(context, cli, config, arguments);
+    };
+    let occluders = context.occluders.iter().map(|entry| entry.info.name);
+    let program = context.environment.program.as_ref();
+    let (plugins, registry) = Plugins::load(args, context.registry, occluders, program)?;
+    let mut within = context.over(&registry, plugins);
+    let code = dispatched(&mut within, cli, config, arguments);
+    let annotations = std::mem::take(&mut within.annotations);
+    context.annotations = annotations;
+    code
 }
 
 /// Does what the command line says.

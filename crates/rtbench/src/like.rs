@@ -36,6 +36,14 @@ pub enum LikeError {
     /// Nothing was finished in it.
     #[error("the baseline has no finished scene: there is nothing to compare with it")]
     Empty,
+    /// A row is of a plugin that is not loaded.
+    #[error("row {row} is of the plugin {file}: name its file with --plugin")]
+    NoPlugin {
+        /// The structure.
+        row: String,
+        /// The plugin's file, without folders.
+        file: String,
+    },
     /// The settings are none of this program.
     #[error("the settings of the baseline are none of this program: {0}")]
     Settings(String),
@@ -114,13 +122,25 @@ pub fn plan<'r>(
     wanted: &Narrowed<'_>,
     context: &Context<'r>,
 ) -> Result<Plan<'r>, LikeError> {
+    if let Some((row, file)) = missing_plugin(record, context) {
+        return Err(LikeError::NoPlugin { row, file });
+    }
     let settings = settings_of(record, wanted)?;
     let mut plan = Plan::of_run(&settings, context.registry, context.occluders, context.scenes)
         .or_else(|error| by_source(error, record, settings, context))?;
+    context.plugins.judge_nothing(&mut plan);
     plan.strides = FixedStrides::of(record, 1);
     recorded_view::apply(&record.settings, &mut plan)
         .map_err(|error| LikeError::Settings(format!("view: {error}")))?;
     Ok(plan)
+}
+
+/// The first structure of a record that is of a plugin which nobody loaded, and that one's file.
+fn missing_plugin(record: &RunRecord, context: &Context<'_>) -> Option<(String, String)> {
+    let is_there = |name: &str| context.registry.iter().any(|entry| entry.info.name == name);
+    let rows = record.scenes.iter().flat_map(|scene| &scene.rows);
+    rows.filter(|row| !is_there(&row.structure))
+        .find_map(|row| Some((row.structure.clone(), row.plugin.as_ref()?.file.clone())))
 }
 
 /// Scenes that came from files are known by the names of these; their paths are their sources.

@@ -101,6 +101,7 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
         rays: [("primary".to_owned(), 256)].into(),
         oracle: Default::default(),
         rows: rows.iter().enumerate().map(row).collect(),
+        foreign: Vec::new(),
         peak_rss_bytes: None,
         conclusions: Vec::new(),
         least_time: Vec::new(),

@@ -4,6 +4,7 @@ pub mod conclusion;
 mod figures;
 pub mod file;
 pub mod floor;
+pub mod foreign;
 pub mod label;
 pub mod machines;
 #[cfg(any(test, feature = "testing"))]
@@ -34,7 +35,7 @@ use crate::settings::shard::ShardRecord;
 pub use conclusion::{Conclusion, LeastTime, Next, Question};
 pub use floor::FloorRecord;
 pub use label::label;
-pub use plugin::PluginRecord;
+pub use plugin::{ForeignRecord, PluginRecord};
 pub use row::{Answered, Outliers, RowRecord, Sample};
 pub use scale::ScaleRecord;
 pub use scene::{OracleRecord, SceneRecord};

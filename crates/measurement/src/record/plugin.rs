@@ -37,3 +37,13 @@ impl PluginRecord {
         }
     }
 }
+
+/// What is known of a row whose times its program told.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct ForeignRecord {
+    /// SHA-256 of the file of its answers.
+    pub hits_sha256: String,
+    /// Rays that were answered otherwise than expected where rounding decides, of the checked ones.
+    pub edge_mismatches: u64,
+}

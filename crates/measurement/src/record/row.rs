@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::record::label::{label, with_query};
-use crate::record::plugin::PluginRecord;
+use crate::record::plugin::{ForeignRecord, PluginRecord};
 use crate::record::query::Query;
 use crate::record::verdict::Verdict;
 use crate::record::work::{ShapeRecord, WorkRecord};
@@ -143,6 +143,9 @@ pub struct RowRecord {
     /// The plugin that it is of; none for what is of this program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plugin: Option<PluginRecord>,
+    /// What is known of a program that nobody here timed; none for rows of a run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foreign: Option<ForeignRecord>,
 }
 
 /// Samples of a row beyond the fences of [`outliers`], none of them dropped.
@@ -167,6 +170,49 @@ impl Outliers {
 }
 
 impl RowRecord {
+    /// A row of which there is nothing but a verdict.
+    pub fn unmeasured(structure: String, settings: String, verdict: Verdict) -> Self {
+        Self {
+            structure,
+            settings,
+            is_reference: false,
+            answers: Answered::AllRays,
+            query: Query::default(),
+            verdict,
+            known_defect: None,
+            error: None,
+            shape: None,
+            work: None,
+            checked_rays: 0,
+            mismatches: 0,
+            answers_sha256: None,
+            example: None,
+            stride: 1,
+            rays: 0,
+            rays_by_kind: BTreeMap::new(),
+            build_s: None,
+            trace_s: None,
+            mrays: BTreeMap::new(),
+            ratio: None,
+            ratio_by_kind: BTreeMap::new(),
+            levels: None,
+            build_ratio: None,
+            render_s: None,
+            samples: Vec::new(),
+            outliers: Outliers::default(),
+            peak_build_bytes: None,
+            plugin: None,
+            foreign: None,
+        }
+    }
+
+    /// Rays that a triangle test of another's answered otherwise than expected where rounding decides; none
+    /// where answers are compared bit by bit.
+    pub fn edge_mismatches(&self) -> Option<u64> {
+        let of_plugin = self.plugin.as_ref().filter(|p| p.own_test).map(|p| p.edge_mismatches);
+        of_plugin.or(self.foreign.as_ref().map(|foreign| foreign.edge_mismatches))
+    }
+
     /// Structure and settings.
     pub fn label(&self) -> String {
         label(&self.structure, &self.settings)

@@ -37,6 +37,9 @@ pub struct SceneRecord {
     pub oracle: OracleRecord,
     /// One for each structure and setting.
     pub rows: Vec<RowRecord>,
+    /// Programs outside, merged in later: in no ratio, no mean and no comparison.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foreign: Vec<RowRecord>,
     /// Largest resident set while the scene was measured, bytes.
     pub peak_rss_bytes: Option<u64>,
     /// Which rows are the fastest and the smallest. Empty in records from before.

@@ -16,9 +16,8 @@ use crate::answers::reference::{Reference, Stage};
 use crate::plan::Plan;
 use crate::plan::measured_row::MeasuredRow;
 use crate::rays::batches::BatchSet;
-use crate::record::query::Query;
 use crate::record::ratios::{builds_by_round, seconds_of};
-use crate::record::{Answered, Outliers, RowRecord, SceneRecord, Verdict};
+use crate::record::{Answered, RowRecord, SceneRecord, Verdict};
 use crate::rounds::error::MeasureError;
 use crate::rounds::measure::{Timed, measure};
 use crate::rounds::row_log::RowLog;
@@ -142,6 +141,7 @@ pub fn run_scene<S: Buildable>(
         rays: by_kind(&all, |_| true),
         oracle: judged,
         rows,
+        foreign: Vec::new(),
         peak_rss_bytes: equipment.world.peak_rss(),
         conclusions: Vec::new(),
         least_time: Vec::new(),
@@ -246,38 +246,13 @@ impl RowParts<'_, '_> {
 /// The record of a row of which there is nothing but a verdict.
 pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>) -> RowRecord {
     RowRecord {
-        structure: row.structure().into(),
-        settings: row.settings(),
-        is_reference: false,
         answers: match row.is_occluder() {
             true => Answered::ShadowRays,
             false => Answered::AllRays,
         },
-        verdict,
         known_defect: row.known_defect().map(Into::into),
         error,
-        shape: None,
-        work: None,
-        checked_rays: 0,
-        mismatches: 0,
-        answers_sha256: None,
-        example: None,
-        stride: 1,
-        rays: 0,
-        rays_by_kind: BTreeMap::new(),
-        build_s: None,
-        trace_s: None,
-        mrays: BTreeMap::new(),
-        query: Query::default(),
-        ratio: None,
-        ratio_by_kind: BTreeMap::new(),
-        levels: None,
-        build_ratio: None,
-        render_s: None,
-        samples: Vec::new(),
-        outliers: Outliers::default(),
-        peak_build_bytes: None,
-        plugin: None,
+        ..RowRecord::unmeasured(row.structure().into(), row.settings(), verdict)
     }
 }
 

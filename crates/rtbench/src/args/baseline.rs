@@ -63,10 +63,10 @@ pub struct SaveArgs {
     pub name: String,
     /// Take the results of an earlier run: its folder, or its results.json
     #[arg(long, value_name = "DIR|FILE", conflicts_with_all = ["scenes", "structures",
-          "overrides", "rays", "rounds", "processes", "time_budget", "quick", "seed", "reference", "size"])]
+          "overrides", "plugin", "rays", "rounds", "processes", "time_budget", "quick", "seed", "reference", "size"])]
     pub from: Option<PathBuf>,
     /// Count instructions under valgrind, too, so that `check` finds what is 1% slower
-    #[arg(long)]
+    #[arg(long, conflicts_with = "plugin")]
     pub instructions: bool,
     /// Replace a baseline of that name
     #[arg(long)]

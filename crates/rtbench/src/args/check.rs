@@ -8,7 +8,7 @@ use clap::{Args, Subcommand};
 
 use crate::args::baseline::FolderArgs;
 use crate::args::parsers::{choice, scene_name};
-use crate::args::plugins::ServeArgs;
+use crate::args::plugins::{PluginArgs, ServeArgs};
 use crate::args::scale::TrialArgs;
 use crate::gate::thresholds::Thresholds;
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
@@ -25,7 +25,7 @@ pub struct CheckArgs {
     pub baseline: Option<String>,
     /// An older binary of this program, measured in turns with this one; with ARGS, any program that
     /// prints times
-    #[arg(long, value_name = "BINARY")]
+    #[arg(long, value_name = "BINARY", conflicts_with = "plugin")]
     pub against: Option<PathBuf>,
     /// The newer program, where it is not this one: what it and BINARY print when called with ARGS is
     /// compared
@@ -48,7 +48,7 @@ pub struct CheckArgs {
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub time_budget: Option<Duration>,
     /// Count instructions under valgrind [default: where the baseline has counts]
-    #[arg(long, overrides_with = "no_instructions")]
+    #[arg(long, overrides_with = "no_instructions", conflicts_with = "plugin")]
     pub instructions: bool,
     /// Count none
     #[arg(long)]
@@ -68,6 +68,9 @@ pub struct CheckArgs {
     /// How to measure without a baseline.
     #[command(flatten)]
     pub measuring: AgainstArgs,
+    /// Structures of yours that the baseline has.
+    #[command(flatten)]
+    pub plugins: PluginArgs,
     /// Write one CSV row for each thing judged
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
@@ -167,6 +170,9 @@ impl CheckArgs {
 /// What `check` and `scale` start.
 #[derive(Debug, Clone, Args)]
 pub struct ChildArgs {
+    /// Structures of the parent's plugins.
+    #[command(flatten)]
+    pub plugins: PluginArgs,
     /// What to do; the record that says of what comes on standard input, but for `build`.
     #[command(subcommand)]
     pub action: ChildAction,

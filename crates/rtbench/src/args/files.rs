@@ -92,6 +92,24 @@ pub struct CheckHitsArgs {
     pub scene: String,
     /// The answers: the header of the rays with the name of hits, then t and id of each ray
     pub file: PathBuf,
+    /// Keep it as a foreign row in the results of a run with these rays: its folder, from `run -o`
+    #[arg(long, value_name = "DIR", requires = "name", requires = "time_ms")]
+    pub into: Option<PathBuf>,
+    /// The program's name
+    #[arg(long, requires = "into", value_parser = clap::builder::NonEmptyStringValueParser::new())]
+    pub name: Option<String>,
+    /// How long it says that all rays of the file took, milliseconds
+    #[arg(long, value_name = "MS", requires = "into", value_parser = milliseconds)]
+    pub time_ms: Option<f64>,
+    /// How long it says that its build took, milliseconds
+    #[arg(long, value_name = "MS", requires = "into", value_parser = milliseconds)]
+    pub build_ms: Option<f64>,
+}
+
+/// Milliseconds as typed.
+fn milliseconds(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|ms| *ms > 0.0 && *ms < 1e12);
+    number.ok_or_else(|| "expected milliseconds, more than 0: 12.5".into())
 }
 
 /// What a run would be asked for that has these rays.

@@ -187,6 +187,20 @@ pub enum Command {
 }
 
 impl Command {
+    /// The plugins that it names.
+    pub fn plugins(&self) -> Option<&PluginArgs> {
+        Some(match self {
+            Self::Run(args) => &args.plugins,
+            Self::Verify(args) => &args.plugins,
+            Self::Check(args) => &args.plugins,
+            Self::Child(args) => &args.plugins,
+            Self::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. }) => {
+                &args.run.plugins
+            }
+            _ => return None,
+        })
+    }
+
     /// Whether it goes on for long and has rows to lose.
     pub fn measures(&self) -> bool {
         matches!(

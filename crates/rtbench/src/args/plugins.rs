@@ -1,5 +1,6 @@
 //! Structures that come out of shared libraries.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -19,6 +20,20 @@ pub struct PluginArgs {
     #[arg(long, value_name = "TIME", default_value = "60s", requires = "plugin",
           value_parser = measurement::settings::duration::parse)]
     pub plugin_limit: Duration,
+}
+
+impl PluginArgs {
+    /// What names the same to another process of this program; nothing where there are none.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let files = self.plugin.iter().flat_map(|file| ["--plugin".into(), file.clone().into()]);
+        let mut arguments: Vec<OsString> = files.collect();
+        if !arguments.is_empty() {
+            let limit = format!("{}ms", self.plugin_limit.as_millis().max(1));
+            arguments.extend(["--plugin-limit".into(), limit.into()]);
+            arguments.extend(self.in_process.then(|| "--in-process".into()));
+        }
+        arguments
+    }
 }
 
 /// `rtbench child plugin`: what a run starts for each row of a plugin.

@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use clap::Args;
 
+use crate::args::plugins::PluginArgs;
+
 /// `rtbench verify`.
 #[derive(Debug, Clone, Args)]
 pub struct VerifyArgs {
@@ -17,6 +19,9 @@ pub struct VerifyArgs {
     /// Ask these structures with their further settings too, those that else only tests go through
     #[arg(long)]
     pub also_tested: bool,
+    /// Structures of yours.
+    #[command(flatten)]
+    pub plugins: PluginArgs,
     /// Rays a case and precision; the default takes about 5 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000,
           value_parser = measurement::settings::quantity::count(1..=100_000_000))]

@@ -5,13 +5,13 @@ use std::path::Path;
 use crate::args::{BaselineAction, BaselineArgs, Color, SaveArgs};
 use crate::baselines::{Baseline, BaselineError, Store, read};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::commands::run::plan_of;
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::SUCCESS;
 use crate::gate::{GateError, ROUNDS};
 use measurement::callgrind::{self, CallgrindError, Counts};
-use measurement::plan::Plan;
 use measurement::record::{RunRecord, label};
 use measurement::system::pressure::Watch;
 use presentation::table::Table;
@@ -50,9 +50,6 @@ fn gate(error: BaselineError) -> Error {
 fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8, Error> {
     // what makes no sense is said before anything is measured
     store.free(&args.name, args.force).map_err(gate)?;
-    if !args.run.plugins.plugin.is_empty() {
-        return Err(plugins::PluginError::OfRunOnly.into());
-    }
     if args.run.resume.is_some() {
         return Err(gate(BaselineError::Resume));
     }
@@ -92,8 +89,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     if run.measuring.time_budget.is_none() {
         run.measuring.rounds.get_or_insert(ROUNDS);
     }
-    let mut plan =
-        Plan::of_run(&run.settings(), context.registry, context.occluders, context.scenes)?;
+    let mut plan = plan_of(context, &run)?;
     plan.has_copy = true;
     run_outputs::refuse_occupied(context, &run.exports, None)?;
     let mut outputs = run_outputs::of_run(&run.exports)?;

@@ -3,7 +3,9 @@
 use accel_core::primitives::PrimSet;
 use accel_core::{Hit, MISS};
 use measurement::answers::by_files::{check, rays};
+use measurement::answers::judge::Judged;
 use measurement::plan::Plan;
+use measurement::record::foreign::{JudgedKind, Told};
 use measurement::scenes::LoadedScene;
 use measurement::settings::{Lights, RunSettings};
 use measurement::system::files::{self, WriteError};
@@ -14,11 +16,14 @@ use plugins::files::{About, Content, FileError, hits, ray_record, triangle_recor
 use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
 use renderer::{Geometry, RayKind};
+use scene_loading::source_hash::sha256_of_bytes;
 
-use crate::args::{CheckHitsArgs, Color, ExportRaysArgs, RayFormat, settings_of};
+use crate::args::{CheckHitsArgs, Color, ExportArgs, ExportRaysArgs, RayFormat, settings_of};
+use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{SUCCESS, WRONG_HITS};
+use crate::foreign_row::merged;
 
 /// Writes rays and triangles.
 ///
@@ -146,6 +151,26 @@ pub fn check_hits(
     let colors = context.terminal.colors(color);
     write_table(context.out, &Table { title, header, rows, notes }, colors)?;
     context.out.flush()?;
+    if let (Some(folder), Some(name), Some(ms)) = (&args.into, &args.name, args.time_ms) {
+        let of_kind = |(kind, judged): &(RayKind, Judged)| JudgedKind {
+            kind: kind.name().to_owned(),
+            compared: judged.compared as u64,
+            wrong: judged.wrong as u64,
+            edges: judged.edges as u64,
+            example: judged.example.clone(),
+        };
+        let told = Told {
+            name: name.clone(),
+            hits_sha256: sha256_of_bytes(&bytes),
+            trace_s: ms / 1e3,
+            build_s: args.build_ms.map(|ms| ms / 1e3),
+            answers: judged.iter().map(of_kind).collect(),
+        };
+        let scene = (args.scene.as_str(), loaded.sha256.as_str());
+        let record = merged(folder, scene, &about, told.row(), context.overwrite)?;
+        let exports = ExportArgs { output: Some(folder.clone()), ..ExportArgs::default() };
+        run_outputs::of_run(&exports)?.write(&record, true)?;
+    }
     Ok(if judged.iter().any(|(_, judged)| judged.wrong > 0) { WRONG_HITS } else { SUCCESS })
 }
 

@@ -17,7 +17,6 @@ pub mod measuring;
 pub mod merge;
 mod merge_machines;
 pub mod named_files;
-mod plugin_rows;
 pub mod printed;
 mod processes;
 pub mod profile;

@@ -2,6 +2,7 @@
 //! last process ended. Every second one runs a copy of the program's file: what it differs by is the
 //! floor of the run.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
@@ -36,6 +37,8 @@ pub struct Processes {
     program: PathBuf,
     copy: ProgramCopy,
     allow_outside: bool,
+    /// What names the plugins of this process to others.
+    plugins: Vec<OsString>,
     /// How far the copy was from the program, by row, where its samples are not kept.
     unkept: Vec<(String, f64)>,
 }
@@ -53,7 +56,8 @@ impl Processes {
         let program = own_program(program).map_err(GateError::from)?.to_owned();
         let copy = context.environment.copy_of(&program)?;
         let allow_outside = context.scenes.allows_outside();
-        Ok(Some(Self { program, copy, allow_outside, unkept: Vec::new() }))
+        let plugins = context.plugins.arguments().to_vec();
+        Ok(Some(Self { program, copy, allow_outside, plugins, unkept: Vec::new() }))
     }
 
     /// Builds and times the scene in fresh processes and takes what they say for the scene's times; where the
@@ -124,7 +128,8 @@ impl Processes {
         }
         let program = if is_copy(process) { self.copy.path() } else { &self.program };
         let mut command = Command::new(program);
-        command.args(arguments(self.allow_outside)).args(["measure", "--lightly"]);
+        command.args(arguments(self.allow_outside)).args(&self.plugins);
+        command.args(["measure", "--lightly"]);
         command.args(["--rounds", &rounds.to_string()]);
         command.args(["--process", &process.to_string()]);
         command.args(["--first-round", &(rounds * process as usize).to_string()]);

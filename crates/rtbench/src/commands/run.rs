@@ -8,7 +8,6 @@ use scene_loading::source_names::path_of_name;
 
 use crate::args::{Cli, Color, Command, ExportArgs, PluginArgs, RunArgs, TableArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
-use crate::commands::plugin_rows::WithPlugins;
 use crate::commands::resumable::{Begun, go_on, manifest_of, watch};
 use crate::commands::run_outputs;
 use crate::commands::scale;
@@ -37,8 +36,7 @@ pub fn run(
         let resumed = Resumed { folder, exports: &exports, plugins: &args.plugins };
         return resume(context, resumed, &args.tables, color);
     }
-    let with_plugins = WithPlugins::load(context, &args.plugins)?;
-    let plan = plan_of(context, args, &with_plugins)?;
+    let plan = plan_of(context, args)?;
     let record = begin(context.world, &context.command_line, &plan);
     let mut kept = Kept::default();
     let manifest = manifest_of(context, &plan, &record, arguments);
@@ -87,12 +85,11 @@ fn resume(
         let message = format!("{had} plugins, {now} now: name the same again with --plugin");
         return Err(differs(message).into());
     }
-    let with_plugins = WithPlugins::load(context, plugins)?;
-    let mut plan = plan_of(context, &args, &with_plugins)?;
+    let mut plan = plan_of(context, &args)?;
     recorded_view::apply(&begun.found.manifest.settings, &mut plan).map_err(differs)?;
     let record = begin(context.world, &context.command_line, &plan);
     let (kept, record) = go_on(context, begun, &plan, record)?;
-    if let Some(name) = kept.finished.values().find_map(|s| with_plugins.changed_since(s)) {
+    if let Some(name) = kept.finished.values().find_map(|s| context.plugins.changed_since(s)) {
         return Err(differs(format!("plugin {name}: its file is another")).into());
     }
     for path in run_outputs::left_behind(&args.exports, exports) {
@@ -107,16 +104,11 @@ fn resume(
 }
 
 /// What is measured, the rows of plugins among it. No plugin judges answers.
-fn plan_of<'r, 'c: 'r>(
-    context: &Context<'c>,
-    args: &RunArgs,
-    with_plugins: &'r WithPlugins,
-) -> Result<Plan<'r>, Error> {
+pub(super) fn plan_of<'c>(context: &Context<'c>, args: &RunArgs) -> Result<Plan<'c>, Error> {
     let mut settings = args.settings();
-    with_plugins.add_rows(&mut settings);
-    let (registry, occluders) = (&with_plugins.registry, context.occluders);
-    let mut plan = Plan::of_run(&settings, registry, occluders, context.scenes)?;
-    plan.answers.retain(|row| !with_plugins.is_plugin(row.structure()));
+    context.plugins.add_rows(&mut settings.structures);
+    let mut plan = Plan::of_run(&settings, context.registry, context.occluders, context.scenes)?;
+    context.plugins.judge_nothing(&mut plan);
     Ok(plan)
 }
 

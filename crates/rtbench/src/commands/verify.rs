@@ -31,10 +31,12 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     if let Some(line) = &args.replay {
         return repeat(context, &Replay::parse(line)?);
     }
+    let mut structures = args.structures.clone();
+    context.plugins.add_rows(&mut structures);
     let plan = Plan {
         cases: select(&args.cases)?,
         registry: context.registry,
-        subjects: Subject::all(context.registry, &args.structures, args.also_tested)?,
+        subjects: Subject::all(context.registry, &structures, args.also_tested)?,
         rays: args.rays as usize,
         seed: args.seed,
     };

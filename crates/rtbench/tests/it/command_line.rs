@@ -319,6 +319,7 @@ fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
             overwrite: false,
             environment: Environment::default(),
             annotations: Vec::new(),
+            plugins: Default::default(),
         };
         let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
         assert_eq!(rtbench::run(&mut context, arguments), expected);

@@ -224,6 +224,7 @@ pub fn run_in_world(
         overwrite: false,
         environment: Environment::default(),
         annotations: Vec::new(),
+        plugins: Default::default(),
     };
     let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
     let code = rtbench::run(&mut context, arguments);

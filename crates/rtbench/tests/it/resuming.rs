@@ -37,6 +37,7 @@ pub fn run_in(
         overwrite: false,
         environment: Environment::default(),
         annotations: Vec::new(),
+        plugins: Default::default(),
     };
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
     let code = rtbench::run(&mut context, arguments);

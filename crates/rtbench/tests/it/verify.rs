@@ -111,6 +111,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
         overwrite: false,
         environment: Environment::default(),
         annotations: Vec::new(),
+        plugins: Default::default(),
     };
     let code = rtbench::run(&mut context, ["rtbench", "verify", "--replay", line]);
     let text = |bytes| String::from_utf8(bytes).unwrap();

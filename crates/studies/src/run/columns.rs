@@ -52,7 +52,7 @@ fn untimed(of: &RowOf<'_>) -> Option<Cell> {
 /// All columns, in the order of CSV files; behind them come those of each kind of ray, see
 /// [`crate::run::kind_tables`].
 #[rustfmt::skip]
-pub fn columns<'a>() -> [Column<RowOf<'a>>; 32] {
+pub fn columns<'a>() -> [Column<RowOf<'a>>; 34] {
     use Unit::{Bytes, None, PerRay, Ratio, Seconds};
     use Value::{Count, Measured, Real, Text};
     let c = Column::new;
@@ -100,6 +100,14 @@ pub fn columns<'a>() -> [Column<RowOf<'a>>; 32] {
             .or(|of| Some(verdict_cell(of.row, of.all_rays))),
         c(&["build_outliers"], "", None, |of| of.outliers(|outliers| outliers.build)),
         c(&["trace_outliers"], "", None, |of| of.outliers(|outliers| outliers.trace)),
+        c(&["edge_mismatches"], "", None, |of| Value::of(of.row.edge_mismatches(), Count)),
+        c(&["origin"], "", None, |of| {
+            Text(match of.row {
+                RowRecord { foreign: Some(_), .. } => "foreign".to_owned(),
+                RowRecord { plugin: Some(_), .. } => "plugin".to_owned(),
+                _ => String::new(),
+            })
+        }),
     ]
 }
 
@@ -137,7 +145,7 @@ fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
             format!("{}: {} of {}", row.verdict.name(), row.mismatches, row.checked_rays)
         }
     };
-    let at_edges = row.plugin.as_ref().map_or(0, |plugin| plugin.edge_mismatches);
+    let at_edges = row.edge_mismatches().unwrap_or(0);
     let text = match at_edges {
         0 => text,
         n => format!("{text}; edges {}", rate(n, row.checked_rays)),

@@ -20,7 +20,7 @@ pub fn to_string(run: &RunRecord) -> Result<String, FormatError> {
         writer.write_record(keys().map(str::to_owned).chain(more))?;
         for scene in &run.scenes {
             let times = PictureTimes::of(scene);
-            for row in &scene.rows {
+            for row in scene.rows.iter().chain(&scene.foreign) {
                 let more = kind_tables::csv_fields(&kinds, row, &times);
                 writer.write_record(fields(scene, row).into_iter().chain(more))?;
             }

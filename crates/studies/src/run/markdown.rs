@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::run::lines::{self, Line, Lines};
 use crate::run::tables::GLOSSARY;
-use crate::run::{kind_tables, tables};
+use crate::run::{foreign, kind_tables, tables};
 use measurement::rays::order::Orders;
 use measurement::record::{RunRecord, Settings};
 use measurement::settings::Lights;
@@ -27,6 +27,7 @@ pub fn to_string(run: &RunRecord) -> String {
     for scene in &run.scenes {
         all.push(tables::scene_table(run, scene, false));
         all.extend(by_kind.then(|| kind_tables::scene_table(run, scene, false)));
+        all.extend(foreign::table(scene));
     }
     if !run.summary.is_empty() {
         all.push(tables::summary_table(run, false));

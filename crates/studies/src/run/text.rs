@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use crate::run::lines::{self, Line, Lines};
 use crate::run::view::View;
-use crate::run::{kind_tables, tables};
+use crate::run::{foreign, kind_tables, tables};
 use measurement::record::query::{self, Query};
 use measurement::record::{RunRecord, SceneRecord};
 use presentation::fitted::wrapped;
@@ -31,7 +31,7 @@ pub fn write_scene(
         write_lines(out, &lines::of_scene(scene), view)?;
         writeln!(out)?;
     }
-    Ok(())
+    foreign::table(scene).map_or(Ok(()), |table| write(out, &table, view))
 }
 
 /// The table of a scene with what is shown of it; what is the same below all of them stands at the end.

@@ -75,6 +75,7 @@ pub fn without_rows(
         rays: BTreeMap::new(),
         oracle: Default::default(),
         rows: rows.collect(),
+        foreign: Vec::new(),
         peak_rss_bytes: None,
         conclusions: Vec::new(),
         least_time: Vec::new(),

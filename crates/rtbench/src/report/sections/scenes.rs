@@ -4,6 +4,7 @@ use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
 use crate::report::plots;
 use crate::report::tables::{self, Look};
+use studies::run::foreign;
 use studies::run::tables::scene_table;
 
 /// One after another.
@@ -21,6 +22,9 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         page.plot(&format!("bars-{}", scene.name), plots::scene_bars(&material.run, scene));
         let look = Look { is_numbered: true };
         tables::write(&mut page.html, &scene_table(&material.run, scene, false), look);
+        if let Some(table) = foreign::table(scene) {
+            tables::write(&mut page.html, &table, look);
+        }
     }
     Shown::Yes
 }

@@ -42,6 +42,7 @@ pub(crate) fn run_timed(
         overwrite: false,
         environment,
         annotations: Vec::new(),
+        plugins: Default::default(),
     };
     let code = rtbench::run(&mut context, words());
     let text = |bytes| String::from_utf8(bytes).unwrap();

@@ -28,6 +28,26 @@ fn hit(ray: [f64; 8], triangle: [f64; 9]) -> Option<f64> {
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= ray[3] && t <= ray[7]).then_some(t)
 }
 
+/// What a program outside makes of files of rays and triangles: a file of hits.
+pub fn answered(rays: &[u8], triangles: &[u8]) -> Vec<u8> {
+    let numbers = |bytes: &[u8], n: usize| -> Vec<f64> {
+        (0..n).map(|i| f64::from(f32_at(bytes, 4 * i))).collect()
+    };
+    let all: Vec<[f64; 9]> =
+        triangles[HEADER..].chunks(40).map(|c| numbers(c, 9).try_into().unwrap()).collect();
+    let mut hits = rays[..HEADER].to_vec();
+    hits[..8].copy_from_slice(b"RTBHITS\n");
+    hits[12] = 8;
+    for record in rays[HEADER..].chunks(32) {
+        let ray: [f64; 8] = numbers(record, 8).try_into().unwrap();
+        let found = all.iter().zip(0u32..).filter_map(|(tri, id)| Some((hit(ray, *tri)?, id)));
+        let (t, id) = found.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, u32::MAX));
+        hits.extend((t as f32).to_le_bytes());
+        hits.extend(id.to_le_bytes());
+    }
+    hits
+}
+
 #[test]
 fn another_program_answers_and_is_judged() {
     let folder = Folder::new();
@@ -53,21 +73,7 @@ fn another_program_answers_and_is_judged() {
     let [primary, shadow] = [u64_at(&r, 16), u64_at(&r, 24)];
     assert_eq!((primary, u64_at(&t, 56)), (24 * 24, 64));
     assert!(shadow > 0 && t.len() == HEADER + 40 * 64);
-    let numbers = |bytes: &[u8], n: usize| -> Vec<f64> {
-        (0..n).map(|i| f64::from(f32_at(bytes, 4 * i))).collect()
-    };
-    let all: Vec<[f64; 9]> =
-        t[HEADER..].chunks(40).map(|c| numbers(c, 9).try_into().unwrap()).collect();
-    let mut hits = r[..HEADER].to_vec();
-    hits[..8].copy_from_slice(b"RTBHITS\n");
-    hits[12] = 8;
-    for record in r[HEADER..].chunks(32) {
-        let ray: [f64; 8] = numbers(record, 8).try_into().unwrap();
-        let found = all.iter().zip(0u32..).filter_map(|(tri, id)| Some((hit(ray, *tri)?, id)));
-        let (t, id) = found.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, u32::MAX));
-        hits.extend((t as f32).to_le_bytes());
-        hits.extend(id.to_le_bytes());
-    }
+    let hits = answered(&r, &t);
     let check = |hits: &[u8]| {
         fs::write(&answers, hits).unwrap();
         let ended = rtbench(&["hits", "check", "tetra:3", &answers]);

@@ -78,6 +78,7 @@ fn sabotaged(folder: &Path, temporary: &str, act: fn(&Path)) -> Ended {
             ..Environment::default()
         },
         annotations: Vec::new(),
+        plugins: Default::default(),
     };
     let arguments = format!("rtbench {RUN} -o {}", show(&parent.join("out")));
     let code = rtbench::run(&mut context, arguments.split_whitespace());

@@ -1,0 +1,61 @@
+//! A program outside, as a row of a scene: `rtbench hits check --into`.
+
+use statistics::estimate::Estimate;
+
+use crate::record::{ForeignRecord, RowRecord, Verdict};
+
+/// What a program says of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Told {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of the file of its answers.
+    pub hits_sha256: String,
+    /// Seconds for all rays of that file.
+    pub trace_s: f64,
+    /// Seconds of the build.
+    pub build_s: Option<f64>,
+    /// What was said of its answers.
+    pub answers: Vec<JudgedKind>,
+}
+
+/// What was said of the answers to the rays of a kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JudgedKind {
+    /// Kind of ray.
+    pub kind: String,
+    /// Rays compared.
+    pub compared: u64,
+    /// Of those, answered wrongly.
+    pub wrong: u64,
+    /// Of those, answered otherwise than expected at an edge.
+    pub edges: u64,
+    /// The first wrong answer, in words.
+    pub example: Option<String>,
+}
+
+impl Told {
+    /// The row of a program whose answers were judged: times as it says, unless some are wrong. There are no
+    /// samples, no ratio and no interval: it was not in the rounds of the run.
+    pub fn row(self) -> RowRecord {
+        let sum = |of: fn(&JudgedKind) -> u64| self.answers.iter().map(of).sum::<u64>();
+        let mismatches = sum(|judged| judged.wrong);
+        let verdict = if mismatches > 0 { Verdict::Wrong } else { Verdict::Ok };
+        let single = |s: f64| Estimate { median: s, low: s, high: s };
+        let is_timed = |_: &f64| verdict.is_timed();
+        RowRecord {
+            checked_rays: sum(|judged| judged.compared),
+            mismatches,
+            example: self.answers.iter().find_map(|judged| judged.example.clone()),
+            rays: sum(|judged| judged.compared),
+            rays_by_kind: self.answers.iter().map(|j| (j.kind.clone(), j.compared)).collect(),
+            trace_s: Some(self.trace_s).filter(is_timed).map(single),
+            build_s: self.build_s.filter(is_timed).map(single),
+            foreign: Some(ForeignRecord {
+                hits_sha256: self.hits_sha256.clone(),
+                edge_mismatches: sum(|judged| judged.edges),
+            }),
+            ..RowRecord::unmeasured(self.name.clone(), String::new(), verdict)
+        }
+    }
+}
