@@ -222,6 +222,7 @@ mod tests {
             timed_rays: 10_000,
             aims: 20_000,
             quick: true,
+            only_times: false,
         };
         let secondary = SecondaryRays::new(&stage, &prepared.scene, &prepared.geometry).unwrap();
         let lit = Lit::of(&prepared.scene, &secondary);
