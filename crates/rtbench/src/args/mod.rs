@@ -23,6 +23,7 @@ mod reproduce;
 mod run;
 mod scale;
 mod scenes;
+pub mod show;
 mod sweep;
 mod verify;
 mod view;
@@ -51,6 +52,7 @@ pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use run::RunArgs;
 pub use scale::{ScaleArgs, TrialArgs};
 pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
+pub use show::ShowArgs;
 pub use sweep::SweepArgs;
 pub use verify::VerifyArgs;
 pub use view::ViewArgs;
@@ -119,6 +121,8 @@ pub enum Command {
     List(ListArgs),
     /// Render a scene, with the effects it calls for, to a PNG or EXR image
     Render(RenderArgs),
+    /// Draw structures: their cells in a slice or as boxes, levels, one ray's way
+    Show(ShowArgs),
     /// What an image costs by the lecture's product, factor by factor, predicted and measured
     Cost(CostArgs),
     /// One scene by samples, by cones and by beams: time against error
