@@ -25,9 +25,9 @@ show trees.svg teapot:5 -s octree,octree:subdivision=adaptive,kd-tree --size 260
 show volumes.svg teapot:5 -s bounding-volumes:volume=slabs:group=16,kay-kajiya,obvhs-bvh2 --size 260
 show levels.svg teapot:5 -s wide-bvh --depth 2 --project --size 420
 # one ray's way
-show ray.svg teapot:5 -s uniform-grid,kd-tree,obvhs-bvh2 --ray 230,235 --size 360
+show ray.svg teapot:5 -s uniform-grid,kd-tree,obvhs-bvh2 --ray 230,235 --size 300
 # the teapot in the stadium: here it is a hare
-"$RTBENCH" cost stadium -s uniform-grid,wide-bvh --size 160 --heat-maps "$work/maps" > /dev/null
+"$RTBENCH" cost stadium:24 -s uniform-grid,wide-bvh --size 128 --heat-maps "$work/maps" > /dev/null
 mv "$work/maps/tests.png" "$out/stadium-tests.png"
 show stadium.svg stadium:12 -s uniform-grid,recursive-grid --size 360
 for picture in "$out"/*; do
