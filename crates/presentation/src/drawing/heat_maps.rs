@@ -40,7 +40,7 @@ pub fn heat_maps(title: &str, unit: &str, maps: &[HeatMap]) -> Drawing {
         [f64::from(width) * zoom, (map.values.len() as u32 / width) as f64 * zoom]
     };
     let names: Vec<Vec<String>> =
-        maps.iter().map(|map| wrapped(&map.name, size(map)[0], 12.0)).collect();
+        maps.iter().map(|map| wrapped(&named(map), size(map)[0], 12.0)).collect();
     let lines = names.iter().map(Vec::len).max().unwrap_or(0);
     let wide: f64 = maps.iter().map(|map| size(map)[0] + MARGIN).sum::<f64>() - MARGIN;
     let titles = wrapped(title, wide.max(LEAST), 14.0);
@@ -67,6 +67,12 @@ pub fn heat_maps(title: &str, unit: &str, maps: &[HeatMap]) -> Drawing {
     legend(&mut drawing, [MARGIN, y, right], unit, top);
     drawing.size = [right + MARGIN, y + BAR + LINE + MARGIN];
     drawing
+}
+
+/// Its name and the mean of its numbers.
+fn named(map: &HeatMap) -> String {
+    let mean = map.values.iter().sum::<f64>() / map.values.len().max(1) as f64;
+    format!("{}: mean {}", map.name, number(mean))
 }
 
 fn legend(drawing: &mut Drawing, [left, y, right]: [f64; 3], unit: &str, top: f64) {
@@ -147,6 +153,6 @@ mod tests {
                 _ => None,
             })
             .collect();
-        assert_eq!(texts, ["tests per pixel", "a", "b", "0", "tests", ">= 63"]);
+        assert_eq!(texts, ["tests per pixel", "a: mean 4.0", "b: mean 32", "0", "tests", ">= 62"]);
     }
 }

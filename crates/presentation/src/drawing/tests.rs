@@ -73,7 +73,9 @@ fn png_has_what_svg_has_at_the_same_places() {
         assert_eq!(at(x, y), [255; 3], "{x} {y}");
     }
     assert_eq!((at(41.0, 3.0), at(46.0, 3.0)), ([0, 0, 255], [0, 255, 0]));
-    let dark = |pixels: &[Color]| pixels.iter().filter(|p| p[0] < 0x80 && p[0] == p[2]).count();
+    let dark = |pixels: &[Color]| {
+        pixels.iter().filter(|p| p[0] < 0x80 && p[0] == p[1] && p[1] == p[2]).count()
+    };
     assert!(dark(&pixels) > 60, "{}", dark(&pixels));
     // planted fault: without its text
     let mut silent = drawing.clone();
