@@ -28,7 +28,7 @@ use presentation::text::write_table;
 use studies::showing::outline::outline;
 use studies::showing::picture::{Frame, View};
 use studies::showing::{
-    Plane, Projection, Seen, Shown, bodies, path_through, picture, scene_box, sections,
+    Plane, Projection, Seen, Shown, bodies, focus, path_through, picture, scene_box, sections,
 };
 
 /// What can be written.
@@ -99,7 +99,9 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             false => View::Cut(plane, &surfaces),
         };
         let title = title(args, &loaded.name, &plane);
-        let frame = Frame { title, view, scene: bounds, size: f64::from(args.size) };
+        let way = shown.first().and_then(|shown| shown.path.as_ref());
+        let focus = ray.zip(way).and_then(|(ray, way)| focus(&plane, &ray, &bounds, &way.hit));
+        let frame = Frame { title, view, scene: bounds, focus, size: f64::from(args.size) };
         save(&picture(&frame, &shown), path, format)?;
         context.say(format_args!("{}: {}", loaded.name, path.display()));
     }

@@ -55,14 +55,14 @@ fn a_ray_is_listed_step_by_step_as_it_is_counted() {
     let ended = run("show teapot:3 -s uniform-grid,obvhs-bvh2,brute-force --ray 230,235");
     assert_eq!((ended.code, ended.err.as_str()), (0, ""));
     for (name, inner) in
-        [("uniform-grid", "0 inner"), ("obvhs-bvh2", " inner"), ("brute-force", "0 inner")]
+        [("uniform-grid", "inner 0"), ("obvhs-bvh2", "inner "), ("brute-force", "inner 0")]
     {
         let at = ended.out.find(&format!("teapot:3 through {name}")).expect(name);
         let table = &ended.out[at..];
-        let summary = table.lines().find(|line| line.contains(" steps: ")).unwrap();
+        let summary = table.lines().find(|line| line.contains(" steps (")).unwrap();
         assert!(summary.contains(inner) && summary.contains("hits primitive"), "{summary}");
         let steps: usize = summary.split(' ').next().unwrap().parse().unwrap();
-        let listed = table.lines().skip(2).take_while(|line| !line.contains(" steps: "));
+        let listed = table.lines().skip(2).take_while(|line| !line.contains(" steps ("));
         assert_eq!(
             listed.filter(|l| l.trim_start().starts_with(|c: char| c.is_ascii_digit())).count(),
             steps,

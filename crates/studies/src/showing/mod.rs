@@ -14,4 +14,4 @@ pub use picture::{Seen, Shown, picture};
 pub use plane::{Plane, scene_box};
 pub use projection::Projection;
 pub use sections::{Body, Section, bodies, sections};
-pub use way::{PathThrough, path_through};
+pub use way::{PathThrough, focus, path_through};

@@ -39,7 +39,12 @@ pub fn outline_of(scene: &Scene, id: u32, plane: &Plane) -> Option<Line> {
     let corners = corners(scene, shape)?;
     let edges = corners.iter().zip(corners.iter().cycle().skip(1));
     let mut met = edges.filter_map(|(&a, &b)| {
-        let (from, to) = (plane.distance(a), plane.distance(b));
+        // corners that are meant to be one lie on one side
+        let distance = |p: DVec3| {
+            let d = plane.distance(p);
+            if d.abs() < 1e-9 * p.abs().max_element() { 0.0 } else { d }
+        };
+        let (from, to) = (distance(a), distance(b));
         let crosses = (from < 0.0) != (to < 0.0);
         crosses.then(|| plane.coordinates(a.lerp(b, from / (from - to))))
     });

@@ -66,6 +66,8 @@ pub struct Frame<'a> {
     pub view: View<'a>,
     /// The box of the scene.
     pub scene: Aabb<f64>,
+    /// The part that panels show: left, lower, right, upper; all of the scene if it is not said.
+    pub focus: Option<[f64; 4]>,
     /// The longer side of a panel, in pixels.
     pub size: f64,
 }
@@ -79,9 +81,10 @@ struct Placed {
 
 impl Placed {
     fn new(frame: &Frame<'_>) -> Self {
-        let [left, low, right, high] = match frame.view {
-            View::Cut(plane, _) => plane.cut(&frame.scene).unwrap_or([0.0, 0.0, 1.0, 1.0]),
-            View::Boxes(projection) => projection.ends(&frame.scene),
+        let [left, low, right, high] = match (frame.focus, frame.view) {
+            (Some(ends), _) => ends,
+            (None, View::Cut(plane, _)) => plane.cut(&frame.scene).unwrap_or([0.0, 0.0, 1.0, 1.0]),
+            (None, View::Boxes(projection)) => projection.ends(&frame.scene),
         };
         let longest = (right - left).max(high - low).max(f64::MIN_POSITIVE);
         let margin = 0.02 * longest;

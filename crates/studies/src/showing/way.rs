@@ -5,7 +5,7 @@ use accel_core::query::counters::WorkCounters;
 use accel_core::query::entered::{cells_entered, crossed};
 use accel_core::query::tracer::Tracer;
 use accel_core::query::way::{Outcome, WayStep};
-use accel_core::{Hit, Ray, Scalar};
+use accel_core::{Aabb, Hit, Ray, Scalar};
 use scene_loading::Scene;
 
 use super::outline::{Line, outline_of};
@@ -118,6 +118,19 @@ pub fn path_through(
     })
 }
 
+/// A square around what a ray meets of a box until its hit, in the plane that holds it.
+pub fn focus(plane: &Plane, ray: &Ray<f32>, scene: &Aabb<f64>, hit: &Hit<f32>) -> Option<[f64; 4]> {
+    let ray = ray.widened();
+    let (t_in, t_out) = scene.clip(ray.origin, ray.direction, ray.t_min, ray.t_max)?;
+    let last = if hit.is_hit() { hit.t.to_f64().max(t_in) } else { t_out };
+    let ends = [t_in, last].map(|t| plane.coordinates(ray.at(t)));
+    let middle = [0, 1].map(|k| 0.5 * (ends[0][k] + ends[1][k]));
+    let longest = [0, 1].map(|k| (ends[0][k] - ends[1][k]).abs()).into_iter().fold(0.0, f64::max);
+    let half = (0.68 * longest).max(0.03 * scene.size().max_element());
+    let [x, y] = middle;
+    Some([x - half, y - half, x + half, y + half])
+}
+
 impl PathThrough {
     /// In a few words: steps, tests, the hit.
     pub fn summary(&self) -> String {
@@ -132,7 +145,7 @@ impl PathThrough {
             n => format!(" ({n} spared)"),
         };
         format!(
-            "{} steps: {inner} inner, {} leaves, {} empty; {} tests{spared}; {hit}",
+            "{} steps (inner {inner}, leaf {}, empty {}); {} tests{spared}; {hit}",
             c.traversal_steps,
             c.elementary_steps - c.empty_elementary_steps,
             c.empty_elementary_steps,
