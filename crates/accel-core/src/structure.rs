@@ -5,6 +5,7 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::{Counted, OutOfMemory};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
 
 /// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small one in a
@@ -63,6 +64,15 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
 
     /// What was built; a walk over the structure, not part of the build.
     fn shape(&self) -> Shape;
+
+    /// Calls `each` with every cell: as many of each kind, and as many references, as
+    /// [`Structure::shape`] counts.
+    ///
+    /// # Errors
+    /// [`NoCells`].
+    fn cells(&self, _each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        Err(NoCells::UNTOLD)
+    }
 }
 
 /// How a structure answers a batch of rays.

@@ -15,6 +15,7 @@
 
 pub mod column;
 pub mod csv;
+pub mod drawing;
 pub mod fitted;
 pub mod format_error;
 pub mod html;

@@ -22,7 +22,7 @@ mod shading;
 pub mod tracers;
 
 pub use effects::{Effect, EffectPlan, Gating, RayCounts, RenderSettings, Samples};
-pub use film::{Image, ImageError, ImageFormat, heat_map};
+pub use film::{Image, ImageError, ImageFormat};
 pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};
 pub use shading::{ray_offset, refined_hit, surface};

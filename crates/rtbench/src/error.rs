@@ -1,6 +1,10 @@
 //! What ends a command, and with which exit code.
 
 use std::io;
+use std::path::PathBuf;
+
+use accel_core::query::cells::NoCells;
+use presentation::drawing::ImageError;
 
 use measurement::journal::JournalError;
 use measurement::plan::error::PlanError;
@@ -119,6 +123,22 @@ pub enum Error {
     /// The copy of this program that the floor is measured with.
     #[error(transparent)]
     Copy(#[from] CopyError),
+    /// A structure's cells cannot be drawn.
+    #[error("structure {row}: {source}")]
+    NoCells {
+        /// Structure and settings.
+        row: String,
+        /// Why.
+        source: NoCells,
+    },
+    /// A picture cannot be encoded.
+    #[error("cannot draw {}: {source}", path.display())]
+    Undrawn {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ImageError,
+    },
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),

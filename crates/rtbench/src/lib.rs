@@ -280,6 +280,7 @@ fn dispatched(
         Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
+        Command::Show(args) => commands::show::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
         Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),

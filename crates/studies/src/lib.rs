@@ -25,6 +25,8 @@ pub mod reproduce;
 pub mod run;
 pub mod scale;
 #[allow(clippy::indexing_slicing)]
+pub mod showing;
+#[allow(clippy::indexing_slicing)]
 pub mod sweep;
 #[allow(clippy::indexing_slicing)]
 pub mod tracer_comparison;

@@ -18,6 +18,11 @@ impl<S: Scalar> Aabb<S> {
         Self { min: Vec3::<S>::splat(S::INFINITY), max: Vec3::<S>::splat(-S::INFINITY) }
     }
 
+    /// The box that holds everything.
+    pub fn everything() -> Self {
+        Self { min: Vec3::<S>::splat(-S::INFINITY), max: Vec3::<S>::splat(S::INFINITY) }
+    }
+
     /// The smallest box around three points.
     #[inline(always)]
     pub fn of_triangle(v: &[Vec3<S>; 3]) -> Self {
@@ -52,6 +57,11 @@ impl<S: Scalar> Aabb<S> {
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
         self.min.is_finite() && self.max.is_finite()
+    }
+
+    /// The same box in f64.
+    pub fn in_double(&self) -> Aabb<f64> {
+        Aabb { min: self.min.to_dvec3(), max: self.max.to_dvec3() }
     }
 
     /// The largest absolute coordinate.

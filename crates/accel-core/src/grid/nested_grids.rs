@@ -3,6 +3,7 @@
 //! All cells of all grids stand in one array, their ids in two more. The walk is a recursion over
 //! nested grids, as deep as the builder nests them (each builder has a limit).
 
+use std::collections::HashSet;
 use std::ops::ControlFlow;
 
 use crate::geometry::aabb::Aabb;
@@ -14,6 +15,7 @@ use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_walk::{CellPosition, CellWalk};
 use crate::grid::voxel_walk::GridFrame;
 use crate::memory::Counted;
+use crate::query::cells::{Cell, CellKind, CellVisitor};
 use crate::query::sink::Sink;
 use crate::room::Room;
 use crate::structure::BuildError;
@@ -166,6 +168,45 @@ impl<S: Scalar> NestedGrids<S> {
             }
         }
         census
+    }
+
+    /// Calls `each` with the cells of a grid, and with those of the grids within that are not in `seen`: as
+    /// cells within a cell or, where none is in two cells (`are_unique`), with the grids in place of the
+    /// cells that hold them.
+    pub(crate) fn show(
+        &self,
+        grid: u32,
+        depth: u32,
+        are_unique: bool,
+        seen: &mut HashSet<u32>,
+        each: &mut CellVisitor<'_>,
+    ) {
+        let Some(grid) = self.grids.get(grid as usize).filter(|_| seen.insert(grid)) else {
+            return;
+        };
+        for index in 0..grid.frame.cells() {
+            let cell = grid.first_cell as usize + index;
+            let (from, to) = (self.starts[cell], self.starts[cell + 1]);
+            let ids = &self.ids[from.ids as usize..to.ids as usize];
+            let inner = &self.inner[from.grids as usize..to.grids as usize];
+            let elementary = Cell::elementary(grid.frame.cell_bounds(index), depth, ids);
+            match (inner, are_unique) {
+                ([], _) => each(elementary),
+                (_, true) => {}
+                (_, false) => each(Cell { kind: CellKind::Inner, ..elementary }),
+            }
+            for &inner in inner {
+                if are_unique {
+                    each(Cell::inner(self.bounds(inner), depth));
+                }
+                self.show(inner, depth + 1, are_unique, seen, each);
+            }
+        }
+    }
+
+    /// What a grid divides.
+    pub(crate) fn bounds(&self, grid: u32) -> Aabb<S> {
+        self.grids.get(grid as usize).map_or(Aabb::empty(), |grid| grid.frame.bounds())
     }
 
     /// Bytes occupied.

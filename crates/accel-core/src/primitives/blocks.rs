@@ -42,6 +42,17 @@ pub(crate) fn of_lists<S: Scalar, P: PrimSet<S>>(
     all
 }
 
+/// Adds the ids of the list that begins with the first of these blocks.
+pub(crate) fn ids_of_list<S: Scalar>(blocks: &[TriangleBlock<S>], into: &mut Vec<u32>) {
+    for block in blocks {
+        let (ids, n) = block.ids();
+        into.extend_from_slice(&ids[..n]);
+        if !block.has_next() {
+            return;
+        }
+    }
+}
+
 fn write<S: Scalar, P: PrimSet<S>>(prims: &P, lists: &[&[u32]], into: &mut [TriangleBlock<S>]) {
     if lists.len() < 512 {
         let blocks = lists.iter().flat_map(|list| of_list(prims, list));

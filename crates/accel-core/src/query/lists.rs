@@ -52,6 +52,16 @@ impl<S: Scalar> Lists<S> {
         }
     }
 
+    /// The ids of a list.
+    pub(crate) fn ids(&self, number: u32, into: &mut Vec<u32>) {
+        into.clear();
+        let number = number as usize;
+        match self {
+            Self::Ids(ids) => into.extend(ids[number + 1..].iter().take(ids[number] as usize)),
+            Self::Blocks(all) => blocks::ids_of_list(&all[number..], into),
+        }
+    }
+
     /// Bytes of all lists.
     pub(crate) fn bytes(&self) -> usize {
         match self {

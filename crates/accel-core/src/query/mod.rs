@@ -1,6 +1,8 @@
 //! Questions to a structure: closest hit, any hit, what a shaft meets; and what answering costs.
 
+pub mod cells;
 pub mod counters;
+pub mod entered;
 pub(crate) mod in_flight;
 pub mod kernel;
 pub(crate) mod lists;
@@ -8,3 +10,4 @@ pub mod mailbox;
 pub mod region;
 pub mod sink;
 pub mod tracer;
+pub mod way;

@@ -14,7 +14,7 @@
 //! primitives, resolutions rounded as `HISTORICAL_ROUNDING` says, and an axis thinner than 0.01
 //! becomes 0.01.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -26,6 +26,7 @@ use crate::grid::voxel_walk::GridFrame;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -199,18 +200,35 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
     }
 
     /// N_IN is the number of the hierarchy's inner nodes and of all grids; N_V of all cells that
-    /// are not divided again; an orphan that is a leaf is one cell with one reference.
+    /// are not divided again; an orphan that is a leaf is one cell with one reference, but for
+    /// `boxes=historical`.
     fn shape(&self) -> Shape {
         let census = self.grids.census();
+        let mut lone = 0;
+        self.tree.visit(&mut |_, _, item| lone += u64::from(matches!(item, Some(Item::Orphan(_)))));
+        let lone = if self.from_origin { 0 } else { lone };
         Shape {
             inner_cells: self.tree.inner_nodes() + self.grids.len() as u64,
-            cells: census.cells,
+            cells: census.cells + lone,
             empty_cells: census.empty_cells,
-            references: census.references,
+            references: census.references + lone,
             resolution: None,
             bytes: self.grids.bytes() + self.tree.bytes(),
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        let mut seen = HashSet::new();
+        self.tree.visit(&mut |bounds, depth, item| match item {
+            None => each(Cell::inner(bounds, depth)),
+            Some(Item::Orphan(id)) => each(Cell::elementary(bounds, depth, &[id])),
+            Some(Item::Grid(grid)) => {
+                each(Cell::inner(self.grids.bounds(grid), depth));
+                self.grids.show(grid, depth + 1, true, &mut seen, each);
+            }
+        });
+        Ok(())
     }
 }
 

@@ -35,6 +35,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::too_many;
@@ -130,6 +131,18 @@ impl<S: Scalar> Volumes<S> {
         }
     }
 
+    /// A box around one of them.
+    fn bounds(&self, number: usize) -> Aabb<f64> {
+        match self {
+            Self::Boxes(all) => Volume::<S>::bounds(&all[number]),
+            Self::Compared(_, all) => all[number].bounds(),
+            Self::Spheres(all) => Volume::<S>::bounds(&all[number]),
+            Self::Slabs3(all) => all[number].bounds(),
+            Self::Slabs4(all) => all[number].bounds(),
+            Self::Slabs7(all) => all[number].bounds(),
+        }
+    }
+
     fn bytes(&self) -> usize {
         match self {
             Self::Boxes(all) => size_of_val(all.as_slice()),
@@ -205,6 +218,13 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
             bytes: (self.volumes.bytes() + size_of_val(self.ids.as_slice())) as u64,
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        for (number, ids) in self.ids.chunks(self.group).enumerate() {
+            each(Cell::elementary(self.volumes.bounds(number), 0, ids));
+        }
+        Ok(())
     }
 }
 

@@ -2,10 +2,12 @@
 
 use std::ops::ControlFlow;
 
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::region::{Shaft, ShaftWalk};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -54,5 +56,10 @@ impl<S: Scalar> Structure<S> for BruteForce<S> {
             bytes: self.ids.len() as u64 * 4,
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        each(Cell::elementary(Aabb::<S>::everything(), 0, &self.ids));
+        Ok(())
     }
 }

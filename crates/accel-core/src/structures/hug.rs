@@ -13,6 +13,8 @@
 //! may forget. `boxes=historical` is Havran and Sixta's (1999) HUG as far as their counters tell
 //! (see [`HISTORY`]).
 
+use std::collections::HashSet;
+
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
@@ -25,6 +27,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -147,6 +150,12 @@ impl<S: Scalar> Structure<S> for Hug<S> {
             bytes: self.grids.bytes(),
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        each(Cell::inner(self.grids.bounds(0), 0));
+        self.grids.show(0, 1, false, &mut HashSet::new(), each);
+        Ok(())
     }
 }
 

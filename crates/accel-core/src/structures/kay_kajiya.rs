@@ -22,6 +22,7 @@ use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
@@ -113,5 +114,14 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
             ByDirections::Four(hierarchy) => hierarchy.shape(),
             ByDirections::Seven(hierarchy) => hierarchy.shape(),
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        match &self.hierarchy {
+            ByDirections::Three(hierarchy) => hierarchy.show(each),
+            ByDirections::Four(hierarchy) => hierarchy.show(each),
+            ByDirections::Seven(hierarchy) => hierarchy.show(each),
+        }
+        Ok(())
     }
 }

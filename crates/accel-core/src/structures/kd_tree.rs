@@ -20,11 +20,12 @@ mod surface_area;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::Scalar;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -186,5 +187,25 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
             bytes: bytes as u64,
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        let mut waiting = vec![(0, self.bounds, 0)];
+        while let Some((cell, bounds, depth)) = waiting.pop() {
+            let node = self.cells.nodes[cell as usize];
+            let (axis, link) = ((node.link & 3) as usize, node.link >> 2);
+            if axis == Node::<S>::LEAF as usize {
+                let at = [link, link + 1].map(|leaf| self.cells.starts[leaf as usize] as usize);
+                each(Cell::elementary(bounds, depth, &self.cells.ids[at[0]..at[1]]));
+                continue;
+            }
+            each(Cell::inner(bounds, depth));
+            let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
+            (lo[axis], hi[axis]) = (node.plane, node.plane);
+            let upper = Aabb { min: Vec3::<S>::from_array(lo), ..bounds };
+            let lower = Aabb { max: Vec3::<S>::from_array(hi), ..bounds };
+            waiting.extend([(link + 1, upper, depth + 1), (link, lower, depth + 1)]);
+        }
+        Ok(())
     }
 }

@@ -32,12 +32,13 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::tree::ray_planes::RayPlanes;
-use cells::{Cells, DEEPEST};
+use cells::{Cells, Content, DEEPEST};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -216,6 +217,30 @@ impl<S: Scalar> Structure<S> for Octree<S> {
             bytes: bytes as u64,
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        let mut waiting = vec![(0, self.bounds, 0)];
+        while let Some((cell, bounds, depth)) = waiting.pop() {
+            let (planes, first) = match self.cells.content(cell) {
+                Content::Leaf(ids) => {
+                    each(Cell::elementary(bounds, depth, ids));
+                    continue;
+                }
+                Content::Inner(planes, first) => (planes, first),
+            };
+            each(Cell::inner(bounds, depth));
+            for child in (0..8).rev() {
+                let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
+                for k in 0..3 {
+                    let side = if child >> k & 1 == 1 { &mut lo } else { &mut hi };
+                    side[k] = planes[k];
+                }
+                let [min, max] = [lo, hi].map(Vec3::<S>::from_array);
+                waiting.push((first + child, Aabb { min, max }, depth + 1));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -20,6 +20,7 @@ use crate::grid::voxel_walk::{GridFrame, VoxelWalk};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -147,6 +148,13 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
             bytes: self.lists.bytes() + self.distances.len() as u64,
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        for cell in 0..self.frame.cells() {
+            each(Cell::elementary(self.frame.cell_bounds(cell), 0, self.lists.at(cell)));
+        }
+        Ok(())
     }
 }
 

@@ -27,6 +27,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -210,6 +211,11 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         add_grid(&self.root, &mut shape);
         shape
     }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        self.root.show(0, each);
+        Ok(())
+    }
 }
 
 impl<S: Scalar> RecursiveGrid<S> {
@@ -275,7 +281,7 @@ fn add_child<S: Scalar>(child: &Child<S>, shape: &mut Shape) {
         Some(Content::List(ids)) => ids.len(),
         None => {
             *shape.pending_cells.get_or_insert(0) += 1;
-            child.waiting_references()
+            child.waiting().len()
         }
     } as u64;
     shape.cells += 1;

@@ -26,6 +26,7 @@ use crate::grid::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direct
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -142,6 +143,23 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
             bytes: (size_of_val(self.cells.as_slice()) + lists.bytes()) as u64,
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        each(Cell::inner(self.upper.bounds(), 0));
+        for (index, cell) in self.cells.iter().enumerate() {
+            if !cell.is_divided() {
+                let list = self.leaves.only_list(cell);
+                each(Cell::elementary(self.upper.cell_bounds(index), 1, list));
+                continue;
+            }
+            let inner = self.division.grid(self.upper.coords(index), cell.resolution());
+            each(Cell::inner(inner.bounds(), 1));
+            for leaf in 0..inner.cells() {
+                each(Cell::elementary(inner.cell_bounds(leaf), 2, self.leaves.list(cell, leaf)));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -79,6 +79,21 @@ impl<S: Scalar> ClusterBvh<S> {
         self.nodes.iter().filter(|n| matches!(n.content, Content::Inner(_))).count() as u64
     }
 
+    /// Calls `each` with the box, the depth and the item, if any, of every node: a node before those below.
+    pub(crate) fn visit(&self, each: &mut impl FnMut(Aabb<S>, u32, Option<Item>)) {
+        let mut waiting = vec![(0, 0)];
+        while let Some((number, depth)) = waiting.pop() {
+            let Some(node) = self.nodes.get(number) else { continue };
+            match node.content {
+                Content::Leaf(item) => each(node.bounds, depth, Some(item)),
+                Content::Inner(right) => {
+                    each(node.bounds, depth, None);
+                    waiting.extend([(right as usize, depth + 1), (number + 1, depth + 1)]);
+                }
+            }
+        }
+    }
+
     /// Bytes occupied.
     pub(crate) fn bytes(&self) -> u64 {
         size_of_val(self.nodes.as_slice()) as u64

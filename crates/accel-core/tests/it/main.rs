@@ -2,6 +2,7 @@
 
 mod agreement;
 mod caps;
+mod cells;
 mod common;
 mod contributing;
 mod differential;

@@ -6,11 +6,11 @@
 
 mod axis;
 pub mod bars;
-mod document;
+pub(crate) mod document;
 mod flags;
 pub mod palette;
 mod panel;
-mod pen;
+pub(crate) mod pen;
 mod plot;
 pub mod xml;
 

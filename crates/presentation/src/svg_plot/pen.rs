@@ -12,7 +12,7 @@ pub const LETTER: f64 = 6.4;
 pub const BOLD_LETTER: f64 = 7.4;
 
 /// How text stands at its place.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Font {
     /// Height, in pixels.
     pub size: f64,

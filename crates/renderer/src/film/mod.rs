@@ -1,8 +1,7 @@
-//! Images, their files, and images of numbers.
+//! Images and their files.
 
 mod exr;
 mod file;
-pub mod heat_map;
 mod rgb_image;
 
 pub use file::{ImageError, ImageFormat};

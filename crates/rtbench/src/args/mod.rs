@@ -23,6 +23,7 @@ mod reproduce;
 mod run;
 mod scale;
 mod scenes;
+pub mod show;
 mod sweep;
 mod tables;
 mod verify;
@@ -52,6 +53,7 @@ pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use run::RunArgs;
 pub use scale::{ScaleArgs, TrialArgs};
 pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
+pub use show::ShowArgs;
 pub use sweep::SweepArgs;
 pub use tables::TableArgs;
 pub use verify::VerifyArgs;
@@ -139,6 +141,11 @@ pub enum Command {
     /// Render a scene, with the effects it calls for, to a PNG or EXR image
     #[command(after_help = "Examples:\n  rtbench render teapot -o teapot.png --size 256")]
     Render(RenderArgs),
+    /// Draw structures: their cells in a slice or as boxes, levels, one ray's way
+    #[command(
+        after_help = "Examples:\n  rtbench show teapot -s uniform-grid,octree,kd-tree,wide-bvh -o slice.svg"
+    )]
+    Show(ShowArgs),
     /// What an image costs by Zachmann's product, factor by factor, predicted and measured
     #[command(after_help = "Examples:\n  rtbench cost teapot --heat-maps maps")]
     Cost(CostArgs),

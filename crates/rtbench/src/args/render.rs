@@ -46,9 +46,9 @@ pub struct CostArgs {
     /// A scene's name or file
     #[arg(value_parser = scene_name())]
     pub scene: String,
-    /// The structure to trace with [default: obvhs-cwbvh, or the first]
-    #[arg(short, long, value_name = "STRUCTURE")]
-    pub structure: Option<String>,
+    /// The structures to trace with, a table each [default: obvhs-cwbvh, or the first]
+    #[arg(short, long = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 256,
           value_parser = measurement::settings::quantity::count(1..=16384))]
@@ -60,7 +60,8 @@ pub struct CostArgs {
     #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
-    /// Draw tests, steps and time of each pixel: tests.png, steps.png, time.png
+    /// Draw tests, steps and time of each pixel, structures side by side on one scale: tests.png,
+    /// steps.png, time.png
     #[arg(long, value_name = "DIR")]
     pub heat_maps: Option<PathBuf>,
 }

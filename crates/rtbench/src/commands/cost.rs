@@ -1,16 +1,14 @@
 //! `rtbench cost`: the lecture's product with a scene's numbers, predicted and measured; and where
 //! in the image the time goes.
 
-use std::path::Path;
-
 use accel_core::structure::BuildError;
-use renderer::heat_map::heat_map;
 use renderer::work::pixel_work;
 use renderer::{Geometry, RenderSettings};
 use scene_loading::Scene;
 
 use crate::args::{Color, CostArgs};
 use crate::commands::render::{one_scene, settings, structure};
+use crate::commands::show::{Format, save};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::rows::Row;
@@ -18,6 +16,7 @@ use measurement::rounds::error::MeasureError;
 use measurement::system::clock::Clock;
 use measurement::system::created::Created;
 use measurement::system::pools::pool;
+use presentation::drawing::{HeatMap, heat_maps};
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
@@ -25,7 +24,6 @@ use studies::cost::model::{Model, Work};
 use studies::cost::test_time::seconds_a_test;
 use studies::cost::{CostRow, Factor, Traced, counted, factors, is_near, measured, rows, worst};
 use studies::effect_plan::plan_of;
-use studies::error::UnsavedImage;
 
 /// Scenes that the times are taken from: the first two that are not the one in question.
 const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
@@ -38,7 +36,12 @@ pub const MAPS: [&str; 3] = ["tests.png", "steps.png", "time.png"];
 /// # Errors
 /// [`Error`].
 pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
-    let row = structure(context.registry, args.structure.as_deref())?;
+    let named = |text: &String| structure(context.registry, Some(text));
+    let mut structures: Vec<Row<'_>> =
+        args.structures.iter().map(named).collect::<Result<_, _>>()?;
+    if structures.is_empty() {
+        structures.push(structure(context.registry, None)?);
+    }
     let scene = one_scene(context.scenes, &args.scene)?;
     let mut created = Created::default();
     if let Some(folder) = &args.heat_maps {
@@ -48,50 +51,53 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
     let calibration: Vec<&str> =
         CALIBRATION.iter().copied().filter(|name| *name != scene.name()).take(2).collect();
     let pool = pool(usize::from(args.threads))?;
-    let mut points = Vec::new();
-    for name in &calibration {
-        let loaded = one_scene(context.scenes, name)?.load()?.scene;
-        let settings = RenderSettings { max_depth: settings.max_depth, ..calibrating() };
-        let clock = context.clock;
-        let found = pool.install(|| calibrate(&row, &loaded, &settings, clock))?;
-        points.extend(found);
-    }
-    let Some(model) = Model::fitted(&points) else {
-        return Err(Error::NoModel { scenes: calibration.join(", ") });
-    };
     let loaded = context.load(&*scene)?.scene;
     let plan = plan_of(&loaded, &settings)?;
     let geometry = Geometry::<f32>::of(&loaded)?;
-    let clock = context.clock;
-    let build = |source: BuildError| MeasureError::Build { scene: scene.name().to_owned(), source };
-    let rows = pool.install(|| {
-        let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
-        let seconds_a_test = seconds_a_test(geometry.prims(), clock);
-        let traced = Traced { tracer: &*tracer, seconds_a_test };
-        let rows = rows(&loaded, traced, &settings, &model, clock);
-        if let Some(folder) = &args.heat_maps {
-            let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
-            let microseconds: Vec<f64> = work.nanoseconds.iter().map(|t| t / 1e3).collect();
-            let values = [&work.tests, &work.steps, &microseconds];
-            let units = ["tests/pixel", "steps/pixel", "us/pixel"];
-            for ((values, name), unit) in values.into_iter().zip(MAPS).zip(units) {
-                save(&heat_map(values, work.resolution[0], unit), &folder.join(name))?;
-            }
+    let mut maps: [Vec<HeatMap>; 3] = Default::default();
+    for row in &structures {
+        let mut points = Vec::new();
+        for name in &calibration {
+            let loaded = one_scene(context.scenes, name)?.load()?.scene;
+            let settings = RenderSettings { max_depth: settings.max_depth, ..calibrating() };
+            let clock = context.clock;
+            let found = pool.install(|| calibrate(row, &loaded, &settings, clock))?;
+            points.extend(found);
         }
-        Ok::<_, Error>(rows)
-    })?;
+        let Some(model) = Model::fitted(&points) else {
+            return Err(Error::NoModel { scenes: calibration.join(", ") });
+        };
+        let clock = context.clock;
+        let build =
+            |source: BuildError| MeasureError::Build { scene: scene.name().to_owned(), source };
+        let rows = pool.install(|| {
+            let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
+            let seconds_a_test = seconds_a_test(geometry.prims(), clock);
+            let traced = Traced { tracer: &*tracer, seconds_a_test };
+            let rows = rows(&loaded, traced, &settings, &model, clock);
+            if args.heat_maps.is_some() {
+                let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
+                let microseconds = work.nanoseconds.iter().map(|t| t / 1e3).collect();
+                let [width, _] = work.resolution;
+                for (maps, values) in maps.iter_mut().zip([work.tests, work.steps, microseconds]) {
+                    maps.push(HeatMap { name: row.label(), values, width });
+                }
+            }
+            Ok::<_, Error>(rows)
+        })?;
+        let table = table(scene.name(), &row.label(), &rows, &model, &calibration);
+        write_table(context.out, &table, context.terminal.colors(color))?;
+    }
     if let Some(folder) = &args.heat_maps {
+        let units = ["tests", "steps", "microseconds"].map(|what| format!("{what} per pixel"));
+        for ((maps, name), unit) in maps.iter().zip(MAPS).zip(units) {
+            let drawing = heat_maps(&format!("{}: {unit}", scene.name()), &unit, maps);
+            save(&drawing, &folder.join(name), Format::Png)?;
+        }
         context.wrote(folder, format_args!("heat maps {}", MAPS.join(", ")));
     }
-    let table = table(scene.name(), &row.label(), &rows, &model, &calibration);
-    write_table(context.out, &table, context.terminal.colors(color))?;
     context.out.flush()?;
     Ok(())
-}
-
-fn save(image: &renderer::Image, path: &Path) -> Result<(), Error> {
-    let saved = image.save_png(path);
-    Ok(saved.map_err(|source| UnsavedImage { path: path.to_owned(), source })?)
 }
 
 /// Images of calibration: small, all factors at 1.

@@ -29,6 +29,7 @@ pub mod run;
 mod run_outputs;
 pub mod scale;
 pub mod scenes;
+pub mod show;
 pub mod sweep;
 mod trial_build;
 pub mod verify;

@@ -20,6 +20,7 @@ mod results;
 mod resuming;
 mod safety;
 mod scale;
+mod show;
 mod snapshots;
 mod speed;
 mod stand_in;

@@ -18,6 +18,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
 use crate::params::Params;
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure};
@@ -282,6 +283,14 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
             bytes: self.storage.bytes(),
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        for cell in 0..self.frame.cells() {
+            let list = self.list(self.frame.coords(cell));
+            each(Cell::elementary(self.frame.cell_bounds(cell), 0, list));
+        }
+        Ok(())
     }
 }
 

@@ -95,6 +95,11 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P,
         self.best
     }
 
+    /// What it took so far.
+    pub(crate) fn counters(&self) -> C {
+        self.counters
+    }
+
     /// The answer and what it took.
     #[inline(always)]
     pub fn finish(self) -> (Hit<S>, C) {

@@ -12,10 +12,12 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::OutOfMemory;
 use crate::params::Params;
 use crate::primitives::PrimSet;
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
+use crate::query::way::Way;
 use crate::structure::{Batches, Shape, Structure};
 
 /// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
@@ -148,6 +150,14 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         })
     }
 
+    pub(super) fn way_of(&self, ray: &Ray<S>) -> Way<S> {
+        self.counting(|counting| self.mailbox.with(|mailbox| counting.way(ray, mailbox)))
+    }
+
+    pub(super) fn cells_of(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        self.structure.cells(each)
+    }
+
     pub(super) fn whole_shape(&self) -> Shape {
         let shape = self.structure.shape();
         let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
@@ -219,6 +229,14 @@ where
 
     fn shape(&self) -> Shape {
         self.whole_shape()
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        self.cells_of(each)
+    }
+
+    fn way(&self, ray: &Ray<S>) -> Result<Way<S>, NoCells> {
+        Ok(self.way_of(ray))
     }
 
     fn batches(&self) -> Batches {

@@ -10,6 +10,7 @@ use crate::primitives::PrimSet;
 use crate::query::counters::WorkCounters;
 use crate::query::mailbox::{AnyMailbox, MailboxSource};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
+use crate::query::way::{Recorder, Way};
 
 /// A structure's walk with the primitives it was built over.
 pub(super) struct Counting<'a, S: Scalar, P> {
@@ -39,6 +40,27 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
             hit
         });
         total
+    }
+
+    /// The closest hit of a ray, and the way to it.
+    pub fn way<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> Way<S> {
+        let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
+        closest::<S, B>(
+            self.reach,
+            std::slice::from_ref(ray),
+            &mut hits,
+            mailboxes,
+            |ray, mailbox| {
+                let mut recorder = Recorder::new(
+                    ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox),
+                );
+                (self.walk)(ray, ErasedSink::new(&mut recorder));
+                let hit;
+                (steps, hit, total) = recorder.finish();
+                hit
+            },
+        );
+        Way { steps, hit: hits[0], counters: total }
     }
 
     /// What every shadow ray meets.

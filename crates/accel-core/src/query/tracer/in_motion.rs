@@ -6,8 +6,10 @@
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::InMotion;
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
 use crate::query::tracer::{Bound, ShadowCount, ShadowRule, Tracer};
+use crate::query::way::Way;
 use crate::structure::{Shape, Structure};
 
 /// A structure over a set in motion.
@@ -44,5 +46,13 @@ impl<S: Scalar, T: Structure<S>> Tracer<S> for BoundInMotion<'_, S, T> {
 
     fn shape(&self) -> Shape {
         self.0.whole_shape()
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        self.0.cells_of(each)
+    }
+
+    fn way(&self, ray: &Ray<S>) -> Result<Way<S>, NoCells> {
+        Ok(self.0.way_of(ray))
     }
 }

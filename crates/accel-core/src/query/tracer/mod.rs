@@ -13,7 +13,9 @@ pub use in_motion::BoundInMotion;
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
+use crate::query::way::Way;
 use crate::structure::{Batches, Shape};
 
 /// What a shadow ray of the counting pass does; the historical rules are explained in
@@ -57,6 +59,20 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     ) -> WorkCounters;
     /// What was built.
     fn shape(&self) -> Shape;
+    /// The structure's cells: [`crate::structure::Structure::cells`].
+    ///
+    /// # Errors
+    /// [`NoCells`].
+    fn cells(&self, _each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        Err(NoCells::UNTOLD)
+    }
+    /// [`Tracer::count_closest_hits`] of one ray, step by step.
+    ///
+    /// # Errors
+    /// [`NoCells`] for tracers that are not walked with a sink.
+    fn way(&self, _ray: &Ray<S>) -> Result<Way<S>, NoCells> {
+        Err(NoCells::UNTOLD)
+    }
     /// How a batch is answered while nothing is counted. A library's own primitive test differs from
     /// that of the set by its rounding, and by its defects.
     fn batches(&self) -> Batches {

@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::BoundsOf;
@@ -67,6 +68,10 @@ impl<S: Scalar> Volume<S> for Ball {
         let t_in = parameter(along - half).greater(t_min);
         let t_out = parameter(along + half).lesser(t_max);
         (t_in <= t_out && t_in < S::INFINITY).then_some(t_in)
+    }
+
+    fn bounds(&self) -> Aabb<f64> {
+        Aabb { min: self.centre, max: self.centre }.expanded(self.radius)
     }
 }
 

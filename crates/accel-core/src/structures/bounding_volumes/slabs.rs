@@ -7,6 +7,7 @@
 
 use glam::{DVec3, dvec3};
 
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::BoundsOf;
@@ -126,6 +127,25 @@ impl<S: Scalar, const K: usize> Volume<S> for Slabs<S, K> {
             t_out = far.lesser(t_out);
         }
         (t_in <= t_out && t_in < S::INFINITY).then_some(t_in)
+    }
+
+    fn bounds(&self) -> Aabb<f64> {
+        let at = |i: usize| self.intervals[i].map(S::to_f64);
+        // without the axes: half the sum of two diagonals, or their difference, is a coordinate
+        let half = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [(a + c) * 0.5, (b + d) * 0.5];
+        let on_axis = |k: usize| match K {
+            4 => {
+                let all = at(0);
+                let [x, y, z] = [at(3), at(2), at(1)];
+                let others = [half(z, y), half(z, x), half(y, x)][k];
+                let own = [x, y, z][k];
+                let whole = half(all, [-own[1], -own[0]]);
+                [others[0].max(whole[0]), others[1].min(whole[1])]
+            }
+            _ => at(k),
+        };
+        let [x, y, z] = [0, 1, 2].map(on_axis);
+        Aabb { min: dvec3(x[0], y[0], z[0]), max: dvec3(x[1], y[1], z[1]) }
     }
 }
 

@@ -23,6 +23,9 @@ pub(crate) trait Volume<S: Scalar>: Copy + Send + Sync {
     /// The first parameter in `[t_min, t_max]` at which the ray is within the volume, or a smaller
     /// one by the padding; `None` when it is nowhere.
     fn entry(&self, ray: &Self::RaySetup, t_min: S, t_max: S) -> Option<S>;
+
+    /// A box around it.
+    fn bounds(&self) -> Aabb<f64>;
 }
 
 /// The smallest box around the padded boxes of the primitives.
@@ -46,6 +49,10 @@ impl<S: Scalar> Volume<S> for Aabb<S> {
     #[inline(always)]
     fn entry(&self, ray: &Self::RaySetup, t_min: S, t_max: S) -> Option<S> {
         self.clip(ray.0, ray.1, t_min, t_max).map(|(t_in, _)| t_in)
+    }
+
+    fn bounds(&self) -> Aabb<f64> {
+        self.in_double()
     }
 }
 
@@ -88,5 +95,9 @@ impl<S: Scalar> Volume<S> for ComparedBox<S> {
     #[inline(always)]
     fn entry(&self, (test, ray): &Self::RaySetup, t_min: S, t_max: S) -> Option<S> {
         test.entry(&self.0, ray, t_min, t_max)
+    }
+
+    fn bounds(&self) -> Aabb<f64> {
+        self.0.in_double()
     }
 }

@@ -27,6 +27,7 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{Padding, RaySetup, boxes};
@@ -148,6 +149,10 @@ impl<S: Scalar> Structure<S> for Embree<S> {
             (self.0.triangle_ids.len() + self.0.glass_ids.len() + self.0.boxed_ids.len()) as u64;
         let bytes = self.0.library.bytes() + references * 4;
         Shape { references, bytes, ..Shape::default() }
+    }
+
+    fn cells(&self, _: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        Err(NoCells("Embree does not show its nodes"))
     }
 }
 

@@ -90,8 +90,13 @@ impl Division {
 
     /// First lattice cell of part `i`, x fastest.
     pub(super) fn part(&self, i: usize) -> [u32; 3] {
+        let at = self.place(i);
+        std::array::from_fn(|k| self.first[k] + (at[k] << self.shift[k]))
+    }
+
+    /// Where part `i` is among the parts.
+    pub(super) fn place(&self, i: usize) -> [u32; 3] {
         let [x, y, _] = self.parts.map(|n| n as usize);
-        let at = [i % x, i / x % y, i / x / y];
-        std::array::from_fn(|k| self.first[k] + ((at[k] as u32) << self.shift[k]))
+        [i % x, i / x % y, i / x / y].map(|at| at as u32)
     }
 }

@@ -23,6 +23,7 @@ mod lattice;
 mod lists;
 mod overlap;
 mod place;
+mod shown;
 mod subdivide;
 mod voxels;
 
@@ -39,6 +40,7 @@ use crate::memory::Counted;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::mailbox;
@@ -142,6 +144,8 @@ pub struct IrregularGrid<S: Scalar> {
     /// Several rays of a batch are on their way at once.
     is_batch: bool,
     shape: Shape,
+    /// Where cells are, for those who look at them.
+    lattice: Lattice,
 }
 
 impl<S: Scalar> Structure<S> for IrregularGrid<S> {
@@ -210,6 +214,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             place: Place::new(boxes.scene().min, a_length, lattice.resolution()),
             is_batch: params.text("query") == "batch",
             shape,
+            lattice,
         })
     }
 
@@ -247,6 +252,11 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     fn shape(&self) -> Shape {
         self.shape
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        self.show(each);
+        Ok(())
     }
 }
 

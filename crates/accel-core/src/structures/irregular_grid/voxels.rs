@@ -69,6 +69,16 @@ impl Voxel {
         ([a, b, c], [d, e, f])
     }
 
+    /// The parts of a divided one that begins at lattice point `first` and has sides `1 << shift`, and the
+    /// number of the first one's record.
+    pub(super) fn division(&self, first: [u32; 3], shift: [u32; 3]) -> (Division, usize) {
+        let (inner, left) = self.bounds();
+        let start: u32 = (0..3).fold(0, |sum, k| sum.wrapping_add(first[k] >> inner[k] << left[k]));
+        let parts = std::array::from_fn(|k| 1 << (shift[k] - inner[k]));
+        let number = self.word().wrapping_add(start) & !DIVIDED;
+        (Division { first, shift: inner, parts }, number as usize)
+    }
+
     /// For [`Voxel::pick`]: the coordinates after the last, or the first on axes with -1.
     #[inline(always)]
     pub(super) fn far_coordinates(down: i32x4) -> u8x16 {

@@ -5,6 +5,7 @@ use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsOf;
 use crate::params::Params;
 use crate::primitives::PrimSet;
+use crate::query::cells::{Cell, CellVisitor};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Shape};
 use crate::structures::bounding_volumes::check_cells;
@@ -103,6 +104,24 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
             Content::Leaf { first, count } => Some(&self.ids[range(first, count)]),
             Content::Inner { .. } => None,
         })
+    }
+
+    /// Calls `each` with every node.
+    pub(super) fn show(&self, each: &mut CellVisitor<'_>) {
+        let mut waiting = vec![(0, 0)];
+        while let Some((number, depth)) = waiting.pop() {
+            let node = &self.nodes[number];
+            let bounds = node.volume.bounds();
+            match node.content {
+                Content::Inner { first, count } => {
+                    each(Cell::inner(bounds, depth));
+                    waiting.extend(range(first, count).rev().map(|child| (child, depth + 1)));
+                }
+                Content::Leaf { first, count } => {
+                    each(Cell::elementary(bounds, depth, &self.ids[range(first, count)]));
+                }
+            }
+        }
     }
 
     /// What was built.

@@ -315,6 +315,12 @@ impl<S: Scalar> RaySetup<S> {
         }
     }
 
+    /// A box as the tree has it, in world units.
+    pub(crate) fn world(&self, [low, high]: [[f32; 3]; 2]) -> Aabb<f64> {
+        let [min, max] = [low, high].map(|p| Vec3::from_array(p).as_dvec3() / self.unit());
+        Aabb { min, max }
+    }
+
     /// The ray for obvhs.
     #[inline(always)]
     pub(crate) fn ray(&self, ray: &Ray<S>, length: Length) -> BoxRay<S> {

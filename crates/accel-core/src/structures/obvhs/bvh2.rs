@@ -13,7 +13,8 @@ use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
-use crate::primitives::{PrimSet, TriangleBlock};
+use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
@@ -132,6 +133,33 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
                 + self.direct.as_ref().map_or(0, Direct::bytes),
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        let mut ids = Vec::new();
+        let mut waiting = vec![(0, 0)];
+        while let Some((number, depth)) = waiting.pop() {
+            let node: &Bvh2Node = &self.bvh.nodes[number as usize];
+            let b = node.aabb();
+            let bounds = self.setup.world([b.min.to_array(), b.max.to_array()]);
+            let first = node.first_index;
+            if !node.is_leaf() {
+                each(Cell::inner(bounds, depth));
+                waiting.extend([(first + 1, depth + 1), (first, depth + 1)]);
+                continue;
+            }
+            match &self.blocks {
+                Some(all) => blocks::ids_of_list(&all[first as usize..], &mut ids),
+                None => {
+                    let items = &self.bvh.primitive_indices[first as usize..];
+                    let items = items.iter().take(node.prim_count as usize);
+                    ids.extend(items.flat_map(|item| self.groups.ids(item)));
+                }
+            }
+            each(Cell::elementary(bounds, depth, &ids));
+            ids.clear();
+        }
+        Ok(())
     }
 }
 

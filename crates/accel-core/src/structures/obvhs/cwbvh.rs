@@ -8,12 +8,14 @@
 use std::ops::ControlFlow;
 
 use glam::UVec2;
+use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::cwbvh::{CwBvh, Traversal};
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock};
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
@@ -137,6 +139,47 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
                 + self.direct.as_ref().map_or(0, Direct::bytes),
             ..Shape::default()
         }
+    }
+
+    /// Boxes of children are those that their node has compressed.
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        let world = |b: ObvhsAabb| self.setup.world([b.min.to_array(), b.max.to_array()]);
+        let mut ids = Vec::new();
+        // a node, and the leaf that is one of its children
+        let mut waiting = vec![(0, None, world(self.bvh.total_aabb), 0)];
+        while let Some((number, leaf, bounds, depth)) = waiting.pop() {
+            let node = &self.bvh.nodes[number as usize];
+            if let Some(leaf) = leaf {
+                let (first, count) = node.child_primitives(leaf);
+                for at in first..first + count {
+                    match &self.blocks {
+                        Some(blocks) => {
+                            let (block, _) = leaf_blocks::block_of(at, node.primitive_base_idx);
+                            ids.push(
+                                blocks[block].ids().0[at as usize % TriangleBlock::<S>::LANES],
+                            );
+                        }
+                        None => {
+                            let item = &self.bvh.primitive_indices[at as usize];
+                            ids.extend(self.groups.ids(item));
+                        }
+                    }
+                }
+                each(Cell::elementary(bounds, depth, &ids));
+                ids.clear();
+                continue;
+            }
+            each(Cell::inner(bounds, depth));
+            for child in (0..8).rev().filter(|child| !node.is_child_empty(*child)) {
+                let bounds = world(node.child_aabb(child));
+                let (number, leaf) = match node.is_leaf(child) {
+                    true => (number, Some(child)),
+                    false => (node.child_node_index(child), None),
+                };
+                waiting.push((number, leaf, bounds, depth + 1));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -1,7 +1,7 @@
 //! One level of a recursive grid: how many voxels it gets, what goes into them, and which of them
 //! are divided further.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
@@ -9,6 +9,7 @@ use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_walk::GridFrame;
+use crate::query::cells::{Cell, CellVisitor};
 use crate::structures::recursive_grid::budget::{Budget, OverLimit};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
@@ -64,6 +65,23 @@ impl<S: Scalar> Grid<S> {
         }
     }
 
+    /// Calls `each` with this grid, its voxels and all within.
+    pub(super) fn show(&self, depth: u32, each: &mut CellVisitor<'_>) {
+        each(Cell::inner(self.frame.bounds(), depth));
+        for index in 0..self.frame.cells() {
+            let mut leaf =
+                |ids: &[u32]| each(Cell::elementary(self.frame.cell_bounds(index), depth + 1, ids));
+            match self.voxel(index) {
+                Voxel::Ids(ids) => leaf(ids),
+                Voxel::Child(child) => match child.built_content() {
+                    Some(Content::Grid(inner)) => inner.show(depth + 1, each),
+                    Some(Content::List(ids)) => leaf(ids),
+                    None => leaf(&child.waiting()),
+                },
+            }
+        }
+    }
+
     fn visit_mut(&mut self, visit: &mut impl FnMut(&mut Self)) {
         visit(self);
         for child in &mut self.children {
@@ -113,7 +131,7 @@ impl<S: Scalar> Child<S> {
         Self { waiting: Mutex::default(), content: OnceLock::from(Content::Grid(grid)) }
     }
 
-    fn waiting(ids: &[u32]) -> Self {
+    fn later(ids: &[u32]) -> Self {
         Self { waiting: Mutex::new(ids.to_vec()), content: OnceLock::new() }
     }
 
@@ -122,9 +140,9 @@ impl<S: Scalar> Child<S> {
         self.content.get()
     }
 
-    /// How many references wait to be built from.
-    pub(super) fn waiting_references(&self) -> usize {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).len()
+    /// What waits to be built from.
+    pub(super) fn waiting(&self) -> MutexGuard<'_, Vec<u32>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What is there; built now by the first ray that asks, while other threads that need this
@@ -273,7 +291,7 @@ impl<S: Scalar> Division<S> {
             self.budget.give_back([0, list.len() as u64]);
             Child::built(grid)
         } else {
-            Child::waiting(list)
+            Child::later(list)
         };
         let entry = CHILD | children.len() as u32;
         children.push(child);

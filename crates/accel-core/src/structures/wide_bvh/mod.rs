@@ -17,10 +17,12 @@ mod stack;
 
 use std::ops::ControlFlow;
 
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, TriangleBlock};
+use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
@@ -30,7 +32,7 @@ use crate::structures::obvhs::adapter::{
     items_of,
 };
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
-use collapse::{Collapse, Costs};
+use collapse::{Collapse, Costs, WIDTH};
 use node::{LEAF, Node, NodeRay};
 use stack::{LEVELS, Room, Stack};
 
@@ -199,6 +201,31 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     fn shape(&self) -> Shape {
         self.shape
+    }
+
+    /// The root, whose box rays are not tested against, is shown as large as its children.
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        let mut ids = Vec::new();
+        let children = |number: u32| {
+            let node = &self.nodes[number as usize];
+            let child = |k| Some((node.children[k], self.setup.world(node.child_box(k)?)));
+            (0..WIDTH).filter_map(child).collect::<Vec<_>>()
+        };
+        let bounds = match self.root & LEAF {
+            0 => children(self.root).iter().fold(Aabb::empty(), |all, (_, b)| all.union(*b)),
+            _ => Aabb::everything(),
+        };
+        let mut waiting = vec![(self.root, bounds, 0)];
+        while let Some((at, bounds, depth)) = waiting.pop() {
+            if at & LEAF != 0 {
+                self.lists.ids(at & !LEAF, &mut ids);
+                each(Cell::elementary(bounds, depth, &ids));
+                continue;
+            }
+            each(Cell::inner(bounds, depth));
+            waiting.extend(children(at).into_iter().rev().map(|(at, b)| (at, b, depth + 1)));
+        }
+        Ok(())
     }
 }
 

@@ -26,6 +26,13 @@ impl Node {
         Self { planes: [low, low, low, high, high, high], children: [LEAF; WIDTH] }
     }
 
+    /// The box of a child; none where there is none.
+    pub(super) fn child_box(&self, child: usize) -> Option<[[f32; 3]; 2]> {
+        let plane = |side: usize, k: usize| self.planes[3 * side + k].to_array()[child];
+        let [low, high] = [0, 1].map(|side| std::array::from_fn(|k| plane(side, k)));
+        (low[0] <= high[0]).then_some([low, high])
+    }
+
     /// Sets the box of a child.
     pub(super) fn set_box(&mut self, child: usize, low: [f32; 3], high: [f32; 3]) {
         for (plane, x) in self.planes.iter_mut().zip(low.into_iter().chain(high)) {

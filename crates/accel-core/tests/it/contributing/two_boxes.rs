@@ -7,6 +7,7 @@ use accel_core::Aabb;
 use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
 use accel_core::params::{ParamKind, ParamSpec, Params};
 use accel_core::primitives::PrimSet;
+use accel_core::query::cells::{Cell, CellVisitor, NoCells};
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use accel_core::{Ray, Scalar, Vector};
@@ -74,5 +75,12 @@ impl<S: Scalar> Structure<S> for TwoBoxes<S> {
             bytes: size_of::<Self>() as u64 + 4 * lengths.iter().sum::<u64>(),
             ..Shape::default()
         }
+    }
+
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        for (bounds, ids) in &self.halves {
+            each(Cell::elementary(*bounds, 0, ids));
+        }
+        Ok(())
     }
 }

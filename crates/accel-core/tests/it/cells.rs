@@ -1,0 +1,370 @@
+//! Every structure shows its cells: as many as its counts say, all space that primitives fill, and the
+//! way of a ray through them that the counted pass counts.
+
+use crate::common::{Random, Set, all_scenes, rays_for};
+use accel_core::primitives::{Ball, PrimSet, TriangleSet, Watertight};
+use accel_core::query::cells::{CellKind, NoCells};
+use accel_core::query::entered::{cells_entered, crossed};
+use accel_core::query::tracer::Tracer;
+use accel_core::query::way::{Outcome, Way};
+use accel_core::registry::Buildable;
+use accel_core::structure::Shape;
+use accel_core::structures::{Entry, REGISTRY, find};
+use accel_core::{Aabb, Hit, Ray, Scalar, Vector};
+use glam::DVec3;
+
+/// A cell, kept.
+#[derive(Debug, Clone)]
+struct Kept {
+    bounds: Aabb<f64>,
+    depth: u32,
+    kind: CellKind,
+    ids: Vec<u32>,
+}
+
+fn kept<S: Scalar>(tracer: &dyn Tracer<S>) -> Result<Vec<Kept>, NoCells> {
+    let mut all = Vec::new();
+    tracer.cells(&mut |cell| {
+        let ids = cell.ids.to_vec();
+        all.push(Kept { bounds: cell.bounds, depth: cell.depth, kind: cell.kind, ids });
+    })?;
+    Ok(all)
+}
+
+/// The box of a primitive, and points of it.
+struct Solid {
+    bounds: Aabb<f64>,
+    points: Vec<DVec3>,
+}
+
+fn solids<S: Buildable>(set: &Set<S>) -> Vec<Solid> {
+    fn of<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<Solid> {
+        let solid = |id| {
+            let mut balls: Vec<Ball> = Vec::new();
+            prims.hull(id, &mut balls);
+            let mut points: Vec<DVec3> = balls.iter().map(|ball| ball.center).collect();
+            points.push(points.iter().sum::<DVec3>() / points.len() as f64);
+            Solid { bounds: prims.bounds(id).in_double(), points }
+        };
+        (0..prims.len() as u32).map(solid).collect()
+    }
+    match set {
+        Set::Triangles(set) => of(set),
+        Set::Mixed(set) => of(set),
+    }
+}
+
+/// Whether boxes leave nothing of another one.
+fn cover(wanted: Aabb<f64>, boxes: &[Aabb<f64>]) -> bool {
+    let near: Vec<_> = boxes.iter().filter(|b| meet(&wanted, b)).copied().collect();
+    near_cover(wanted, &near)
+}
+
+fn meet(a: &Aabb<f64>, b: &Aabb<f64>) -> bool {
+    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
+}
+
+/// What one of the boxes does not hold is cut up to six ways.
+fn near_cover(wanted: Aabb<f64>, boxes: &[Aabb<f64>]) -> bool {
+    let Some(first) = boxes.iter().position(|b| meet(&wanted, b)) else { return false };
+    let (b, rest) = (boxes[first], &boxes[first + 1..]);
+    let mut left = wanted;
+    for k in 0..3 {
+        if left.min[k] < b.min[k] {
+            let mut part = left;
+            part.max[k] = b.min[k];
+            left.min[k] = b.min[k];
+            if !near_cover(part, rest) {
+                return false;
+            }
+        }
+        if left.max[k] > b.max[k] {
+            let mut part = left;
+            part.min[k] = b.max[k];
+            left.max[k] = b.max[k];
+            if !near_cover(part, rest) {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// What is wrong about the cells of a structure, which may cut primitives up.
+fn faults(shape: &Shape, cells: &[Kept], solids: &[Solid], cuts: bool) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let of_kind = |kind| cells.iter().filter(|cell| cell.kind == kind).count() as u64;
+    let empty = of_kind(CellKind::Empty);
+    for (what, shown, counted) in [
+        ("inner cells", of_kind(CellKind::Inner), shape.inner_cells),
+        ("cells", of_kind(CellKind::Leaf) + empty, shape.cells),
+        ("empty cells", empty, shape.empty_cells),
+        ("references", cells.iter().map(|cell| cell.ids.len() as u64).sum(), shape.references),
+    ] {
+        if shown != counted {
+            wrong.push(format!("{shown} {what} shown, {counted} counted"));
+        }
+    }
+    if cells.iter().any(|cell| {
+        (cell.kind == CellKind::Empty) != cell.ids.is_empty() && cell.kind != CellKind::Inner
+    }) {
+        wrong.push("an empty cell that lists primitives, or a leaf that lists none".into());
+    }
+    let mut deepest = None;
+    for cell in cells {
+        if cell.depth > deepest.map_or(0, |depth| depth + 1) && shape.inner_cells > 0 {
+            wrong.push(format!("a cell of depth {} within one of {deepest:?}", cell.depth));
+        }
+        deepest = Some(cell.depth);
+    }
+    let scene = solids.iter().fold(Aabb::empty(), |all, solid| all.union(solid.bounds));
+    // of the rounding of planes in f32
+    let slack = 16.0 * f64::from(f32::EPSILON) * scene.magnitude();
+    let mut lists = vec![Vec::new(); solids.len()];
+    for cell in cells {
+        cell.ids.iter().for_each(|&id| lists[id as usize].push(cell.bounds.expanded(slack)));
+    }
+    let elementary = cells.iter().filter(|cell| cell.kind != CellKind::Inner);
+    let boxes: Vec<_> = elementary.map(|cell| cell.bounds.expanded(slack)).collect();
+    for (id, solid) in solids.iter().enumerate() {
+        if !cuts && !cover(solid.bounds, &lists[id]) && !cover(solid.bounds, &boxes) {
+            wrong.push(format!("cells do not cover the box of primitive {id}"));
+        }
+        let inside = |b: &Aabb<f64>, p: DVec3| p.cmpge(b.min).all() && p.cmple(b.max).all();
+        if solid.points.iter().any(|&p| !lists[id].iter().any(|b| inside(b, p))) {
+            wrong.push(format!("no cell around a point of primitive {id} lists it"));
+        }
+    }
+    wrong
+}
+
+/// Every setting that tests go through.
+fn settings(entry: &Entry) -> impl Iterator<Item = &'static str> {
+    entry.info.variants.iter().chain(entry.info.also_tested).copied()
+}
+
+fn built<'a, S: Buildable>(
+    entry: &Entry,
+    set: &'a Set<S>,
+    settings: &str,
+) -> Box<dyn Tracer<S> + 'a> {
+    let settings = settings.split_whitespace().map(|s| s.split_once('=').unwrap());
+    entry.build(set.prims(), &entry.params(settings).unwrap()).unwrap()
+}
+
+fn all_cells<S: Buildable>() {
+    for (scene, set, _) in all_scenes::<S>() {
+        let solids = solids(&set);
+        for entry in REGISTRY {
+            for setting in settings(entry) {
+                let tracer = built(entry, &set, setting);
+                let name = format!("{} {setting}, {scene}", entry.info.name);
+                match kept(&*tracer) {
+                    Ok(cells) => {
+                        // the presplit triangles of obvhs have boxes of their parts alone
+                        let cuts = setting == "preset=very-slow adapter=direct";
+                        let wrong = faults(&tracer.shape(), &cells, &solids, cuts);
+                        assert!(wrong.is_empty(), "{name}: {:#?}", &wrong[..wrong.len().min(5)]);
+                    }
+                    Err(error) => assert_eq!(entry.info.name, "embree", "{name}: {error}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn all_structures_show_what_they_count_in_f32() {
+    all_cells::<f32>();
+}
+
+#[test]
+fn all_structures_show_what_they_count_in_f64() {
+    all_cells::<f64>();
+}
+
+#[test]
+fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
+    let scenes = all_scenes::<f32>();
+    let (_, set, _) = scenes.iter().find(|(name, ..)| *name == "soup").unwrap();
+    let solids = solids(set);
+    for entry in REGISTRY.iter().filter(|entry| entry.info.name != "embree") {
+        let name = entry.info.name;
+        let tracer = built(entry, set, settings(entry).next().unwrap());
+        let (shape, cells) = (tracer.shape(), kept(&*tracer).unwrap());
+        for kind in [CellKind::Inner, CellKind::Leaf, CellKind::Empty] {
+            // planted fault: the visitor drops a cell
+            let Some(dropped) = cells.iter().rposition(|cell| cell.kind == kind) else { continue };
+            let mut fewer = cells.clone();
+            let dropped = fewer.remove(dropped);
+            let wrong = faults(&shape, &fewer, &solids, false);
+            assert!(!wrong.is_empty(), "{name}: {kind:?}");
+            if kind == CellKind::Leaf {
+                // planted fault: as the one before, but the counts are said to be right
+                let lies = Shape {
+                    cells: shape.cells - 1,
+                    references: shape.references - dropped.ids.len() as u64,
+                    ..shape
+                };
+                let wrong = faults(&lies, &fewer, &solids, false);
+                assert!(wrong.iter().any(|w| w.contains("primitive")), "{name}: {wrong:?}");
+            }
+        }
+        // planted fault: a reference counted twice
+        let mut more = cells.clone();
+        let leaf = more.iter_mut().find(|cell| cell.kind == CellKind::Leaf).unwrap();
+        leaf.ids.push(leaf.ids[0]);
+        assert!(!faults(&shape, &more, &solids, false).is_empty(), "{name}");
+    }
+}
+
+/// What is wrong about the way of a ray, and its steps that no cell was found for.
+fn faults_of_way<S: Buildable>(tracer: &dyn Tracer<S>, ray: &Ray<S>, way: &Way<S>) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let mut hits = [Hit::NONE];
+    let counters = tracer.count_closest_hits(&[*ray], &mut hits);
+    if way.counted() != counters || way.counters != counters {
+        wrong.push(format!("{:?} recorded, {counters:?} counted", way.counted()));
+    }
+    if way.hit != hits[0] {
+        wrong.push(format!("{:?} recorded, {:?} answered", way.hit, hits[0]));
+    }
+    let last_hit = way.steps.iter().flat_map(|step| &step.tests).rfind(|t| t.1 == Outcome::Hit);
+    if last_hit.map(|test| test.0) != way.hit.is_hit().then_some(way.hit.id) {
+        wrong.push(format!("the last hit is {last_hit:?}, the answer {:?}", way.hit));
+    }
+    let crossed = crossed(tracer, ray).unwrap();
+    let entered = cells_entered(tracer, ray, way, &crossed);
+    for (number, (step, cells)) in way.steps.iter().zip(&entered).enumerate() {
+        let ids: Vec<u32> = step.tests.iter().map(|test| test.0).collect();
+        let [first, ..] = cells.as_slice() else {
+            if step.kind != CellKind::Inner {
+                wrong.push(format!("no cell for step {number}"));
+            }
+            continue;
+        };
+        let listed = || cells.iter().flat_map(|&cell| &crossed[cell].ids);
+        let is_whole = crossed[*first].ids == ids;
+        // a block of triangles may be of several leaves of a node, not all of which the ray meets
+        let is_listed = |id: &u32| listed().any(|listed| listed == id);
+        let is_of_blocks = tracer.code().contains("ObvhsCwBvh") && ids.iter().any(is_listed);
+        if !is_whole && !is_of_blocks && !ids.iter().all(is_listed) {
+            wrong.push(format!("step {number} tests other primitives than its cell lists"));
+        }
+        if is_whole && step.kind != CellKind::Inner && crossed[*first].kind != step.kind {
+            wrong.push(format!("step {number} is one into another kind of cell"));
+        }
+    }
+    wrong
+}
+
+fn all_ways<S: Buildable>() {
+    for (scene, set, bounds) in all_scenes::<S>() {
+        let rays: Vec<Ray<S>> = rays_for::<S>(bounds, &mut Random::new(11));
+        let mut rays: Vec<_> = rays.into_iter().step_by(97).filter(Ray::is_traceable).collect();
+        // a moved ray has other parameters, and cells are those at all times
+        let reach = 4.0 * (bounds.1 - bounds.0).length();
+        rays.retain(|ray| {
+            (ray.origin.to_dvec3() - bounds.0).length() < reach && ray.t_min >= S::ZERO
+        });
+        for entry in REGISTRY.iter().filter(|entry| entry.info.name != "embree") {
+            for setting in settings(entry) {
+                let tracer = built(entry, &set, setting);
+                for ray in &rays {
+                    let way = tracer.way(ray).unwrap();
+                    let wrong = faults_of_way(&*tracer, ray, &way);
+                    let name = format!("{} {setting}, {scene}, {ray:?}", entry.info.name);
+                    assert!(wrong.is_empty(), "{name}: {wrong:#?}\n{way:#?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn ways_are_what_is_counted_in_f32() {
+    all_ways::<f32>();
+}
+
+#[test]
+fn ways_are_what_is_counted_in_f64() {
+    all_ways::<f64>();
+}
+
+#[test]
+fn ways_with_a_step_or_a_test_less_are_found_out() {
+    let scenes = all_scenes::<f32>();
+    let (_, set, bounds) = scenes.iter().find(|(name, ..)| *name == "soup").unwrap();
+    let from = bounds.0 - DVec3::new(0.3, 0.1, 0.2);
+    let ray = Ray::<f32>::new(from.as_vec3(), (bounds.1 - from).as_vec3());
+    for entry in REGISTRY.iter().filter(|entry| entry.info.name != "embree") {
+        let tracer = built(entry, set, settings(entry).next().unwrap());
+        let way = tracer.way(&ray).unwrap();
+        let found = |planted: &Way<f32>| !faults_of_way(&*tracer, &ray, planted).is_empty();
+        assert!(!found(&way), "{}", entry.info.name);
+        let mut shorter = way.clone();
+        shorter.steps.pop();
+        assert!(found(&shorter), "{}", entry.info.name);
+        let mut forgetful = way.clone();
+        let tested = forgetful.steps.iter_mut().find(|step| !step.tests.is_empty()).unwrap();
+        tested.tests.pop();
+        assert!(found(&forgetful), "{}", entry.info.name);
+    }
+}
+
+#[test]
+fn empty_voxels_are_told_by_where_the_ray_is() {
+    // two small triangles in opposite corners, all empty between: which voxels a ray enters is known
+    // without any walk
+    let at = |x: f32| [[x, x, x], [x + 0.1, x, x], [x, x + 0.1, x]];
+    let triangles = TriangleSet::<f32, Watertight>::new(vec![at(0.0), at(9.9)], |_| false);
+    let set = Set::Triangles(triangles.unwrap());
+    let ray = Ray::<f32>::new([-1.0, 5.1, 5.3].into(), [1.0, 0.0, 0.0].into());
+    let entered = |name: &str| {
+        let tracer = built(find(name).unwrap(), &set, "density=4000");
+        let way = tracer.way(&ray).unwrap();
+        let crossed = crossed(&*tracer, &ray).unwrap();
+        let entered = cells_entered(&*tracer, &ray, &way, &crossed);
+        let start = |cell: &usize| crossed[*cell].bounds.min.x;
+        let starts: Vec<f64> = entered.iter().map(|cells| start(&cells[0])).collect();
+        let mut row: Vec<f64> = (0..crossed.len()).map(|cell| start(&cell)).collect();
+        row.sort_by(f64::total_cmp);
+        row.dedup();
+        (starts, row)
+    };
+    let (starts, row) = entered("uniform-grid");
+    assert!(row.len() > 15 && starts == row, "each voxel, one after the other: {starts:?} {row:?}");
+    let (starts, row) = entered("proximity-clouds");
+    assert!(starts.len() * 2 < row.len(), "voxels are passed: {starts:?} {row:?}");
+    assert!(starts[0] == row[0] && starts.windows(2).all(|w| w[0] < w[1]), "{starts:?}");
+}
+
+#[test]
+fn what_shows_no_cells_says_so() {
+    struct Silent;
+    impl Tracer<f32> for Silent {
+        fn closest_hits(&self, _: &[Ray<f32>], _: &mut [Hit<f32>]) {}
+        fn occlusions(&self, _: &[Ray<f32>], _: &mut [bool]) {}
+        fn count_closest_hits(
+            &self,
+            _: &[Ray<f32>],
+            _: &mut [Hit<f32>],
+        ) -> accel_core::query::counters::WorkCounters {
+            Default::default()
+        }
+        fn count_occlusions(
+            &self,
+            _: &[Ray<f32>],
+            _: accel_core::query::tracer::ShadowRule,
+            _: &mut [accel_core::query::tracer::ShadowCount],
+        ) -> accel_core::query::counters::WorkCounters {
+            Default::default()
+        }
+        fn shape(&self) -> Shape {
+            Shape::default()
+        }
+    }
+    assert_eq!(kept(&Silent).unwrap_err(), NoCells::UNTOLD);
+    let ray = Ray::<f32>::new([0.0; 3].into(), [1.0; 3].into());
+    assert_eq!(Silent.way(&ray).unwrap_err(), NoCells::UNTOLD);
+}

@@ -1,0 +1,158 @@
+//! Heat maps side by side: a number for each pixel as a colour, on one scale for all, with its legend.
+//!
+//! The scale is linear and ends at the 99.5th percentile of all maps together: a single pixel that the
+//! system interrupted must not darken all others.
+
+use super::item::{Drawing, Item, Paint, color, wrapped};
+use super::scale::ramp;
+use crate::svg_plot::palette::GREY;
+use crate::svg_plot::pen::{Font, PLAIN};
+
+/// Room around and between.
+const MARGIN: f64 = 16.0;
+/// Height of a line of text.
+const LINE: f64 = 16.0;
+/// Height of the legend's bar.
+const BAR: f64 = 12.0;
+/// The legend is no narrower.
+const LEAST: f64 = 160.0;
+/// Images of more pixels are drawn half as large, one pixel of the PNG for each.
+const LARGE: u32 = 512;
+
+/// A map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatMap {
+    /// What it shows, above it.
+    pub name: String,
+    /// Numbers, row by row from above.
+    pub values: Vec<f64>,
+    /// Numbers in a row.
+    pub width: u32,
+}
+
+/// The maps, from left to right, under a title.
+pub fn heat_maps(title: &str, unit: &str, maps: &[HeatMap]) -> Drawing {
+    let top = scale_end(maps.iter().flat_map(|map| map.values.iter().copied()));
+    let mut drawing = Drawing { alternative: title.to_owned(), ..Drawing::default() };
+    let size = |map: &HeatMap| {
+        let width = map.width.max(1);
+        let zoom = if width >= LARGE { 0.5 } else { (LEAST / f64::from(width)).ceil().max(1.0) };
+        [f64::from(width) * zoom, (map.values.len() as u32 / width) as f64 * zoom]
+    };
+    let names: Vec<Vec<String>> =
+        maps.iter().map(|map| wrapped(&named(map), size(map)[0], 12.0)).collect();
+    let lines = names.iter().map(Vec::len).max().unwrap_or(0);
+    let wide: f64 = maps.iter().map(|map| size(map)[0] + MARGIN).sum::<f64>() - MARGIN;
+    let titles = wrapped(title, wide.max(LEAST), 14.0);
+    let mut y = MARGIN;
+    for line in &titles {
+        y += LINE;
+        drawing.text([MARGIN, y - 3.0], Font { size: 14.0, is_bold: true, ..PLAIN }, line.as_str());
+    }
+    let tops = y + 4.0;
+    y = tops + LINE * lines as f64 + 4.0;
+    let (mut x, mut lowest) = (MARGIN, y);
+    for (map, names) in maps.iter().zip(names) {
+        for (i, name) in names.into_iter().enumerate() {
+            drawing.text([x, tops + LINE * (i + 1) as f64 - 3.0], PLAIN, name);
+        }
+        let [width, height] = size(map);
+        let pixels = map.values.iter().map(|value| ramp(value / top)).collect();
+        drawing.items.push(Item::Image([x, y, width, height], map.width.max(1), pixels));
+        x += width + MARGIN;
+        lowest = f64::max(lowest, y + height);
+    }
+    let right = (x - MARGIN).max(MARGIN + LEAST);
+    y = lowest + 10.0;
+    legend(&mut drawing, [MARGIN, y, right], unit, top);
+    drawing.size = [right + MARGIN, y + BAR + LINE + MARGIN];
+    drawing
+}
+
+/// Its name and the mean of its numbers.
+fn named(map: &HeatMap) -> String {
+    let mean = map.values.iter().sum::<f64>() / map.values.len().max(1) as f64;
+    format!("{}: mean {}", map.name, number(mean))
+}
+
+fn legend(drawing: &mut Drawing, [left, y, right]: [f64; 3], unit: &str, top: f64) {
+    const PARTS: usize = 64;
+    let width = (right - left) / PARTS as f64;
+    for part in 0..PARTS {
+        let fill = Some((ramp(part as f64 / (PARTS - 1) as f64), 1.0));
+        let at = [left + width * part as f64, y, width + 0.2, BAR];
+        drawing.items.push(Item::Boxes(vec![at], Paint { fill, stroke: None }));
+    }
+    let frame = Paint { fill: None, stroke: Some((color(GREY), 0.5)) };
+    drawing.items.push(Item::Boxes(vec![[left, y, right - left, BAR]], frame));
+    let base = y + BAR + LINE - 3.0;
+    drawing.text([left, base], PLAIN, "0");
+    let font = Font { anchor: "middle", ..PLAIN };
+    drawing.text([0.5 * (left + right), base], font, unit);
+    drawing.text([right, base], Font { anchor: "end", ..PLAIN }, format!(">= {}", number(top)));
+}
+
+/// The 99.5th percentile, above 0.
+fn scale_end(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.filter(|x| x.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let end = sorted.get(sorted.len().saturating_sub(1) * 199 / 200).copied().unwrap_or(0.0);
+    if end > 0.0 { end } else { sorted.last().copied().filter(|x| *x > 0.0).unwrap_or(1.0) }
+}
+
+fn number(x: f64) -> String {
+    match x {
+        x if x >= 1e6 => format!("{:.1}M", x / 1e6),
+        x if x >= 1e4 => format!("{:.0}k", x / 1e3),
+        x if x >= 10.0 => format!("{x:.0}"),
+        x => format!("{x:.1}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_ends_where_all_maps_together_do() {
+        let numbers = |x: f64| number(x);
+        assert_eq!([3.25, 999.6, 12_345.0].map(numbers), ["3.2", "1000", "12k"]);
+        assert_eq!(scale_end([0.0; 10].into_iter()), 1.0);
+        let mut values = vec![2.0; 1000];
+        values[0] = 1e9;
+        assert_eq!(scale_end(values.into_iter()), 2.0);
+    }
+
+    #[test]
+    fn equal_numbers_have_one_colour_in_all_maps() {
+        let map = |name: &str, values: Vec<f64>| HeatMap { name: name.into(), values, width: 8 };
+        let maps = [map("a", vec![4.0; 64]), map("b", (0..64).map(f64::from).collect())];
+        let drawn = heat_maps("tests per pixel", "tests", &maps);
+        let images: Vec<_> = drawn
+            .items
+            .iter()
+            .filter_map(|item| match item {
+                Item::Image(_, width, pixels) => Some((*width, pixels.clone())),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(images.len(), 2);
+        assert_eq!(images[0], (8, vec![images[1].1[4]; 64]));
+        // planted fault: each on a scale of its own
+        let alone = heat_maps("tests per pixel", "tests", &maps[..1]);
+        let image = alone.items.iter().find_map(|item| match item {
+            Item::Image(_, _, pixels) => Some(pixels.clone()),
+            _ => None,
+        });
+        assert_ne!(image.unwrap(), images[0].1);
+        let texts: Vec<_> = drawn
+            .items
+            .iter()
+            .filter_map(|item| match item {
+                Item::Text(_, _, text) => Some(text.as_str()),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(texts, ["tests per pixel", "a: mean 4.0", "b: mean 32", "0", "tests", ">= 62"]);
+    }
+}

@@ -1,0 +1,44 @@
+//! Drawings: boxes, lines, text and images at places, the same as SVG and as PNG.
+//!
+//! Places are in pixels from the upper left corner, to the right and down. As SVG, text is readable on light
+//! and dark grounds alike: what is drawn in a colour of [`palette`](crate::svg_plot::palette) follows the
+//! reader's choice. As PNG, it is drawn twice as large, on a light ground.
+
+mod canvas;
+mod heat_maps;
+mod item;
+mod letters;
+mod png;
+mod raster;
+mod scale;
+mod svg;
+
+pub use image::ImageError;
+
+pub use heat_maps::{HeatMap, heat_maps};
+pub use item::{Color, Drawing, Item, Paint, color, wrapped};
+pub use scale::{Classes, ramp};
+
+pub use crate::svg_plot::pen::{Font, PLAIN};
+
+impl Drawing {
+    /// As SVG.
+    ///
+    /// # Errors
+    /// [`image::ImageError`] for an image that cannot be encoded.
+    pub fn svg(&self) -> Result<String, image::ImageError> {
+        svg::written(self)
+    }
+
+    /// As PNG, two pixels for one.
+    ///
+    /// # Errors
+    /// [`image::ImageError`] for a drawing that is too large.
+    pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
+        let (width, pixels) = raster::drawn(self, 2.0);
+        png::encoded(width, &pixels)
+    }
+}
+
+#[cfg(test)]
+mod tests;

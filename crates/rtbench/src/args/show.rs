@@ -1,0 +1,130 @@
+//! `rtbench show`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+use crate::args::parsers::scene_name;
+
+/// `rtbench show`.
+#[derive(Debug, Clone, Args)]
+pub struct ShowArgs {
+    /// A scene's name or file
+    #[arg(value_parser = scene_name())]
+    pub scene: String,
+    /// Structures, side by side on one scale: uniform-grid,kd-tree or uniform-grid:density=8
+    #[arg(
+        short,
+        long = "structure",
+        value_name = "STRUCTURE",
+        value_delimiter = ',',
+        required = true
+    )]
+    pub structures: Vec<String>,
+    /// The picture to write: .svg or .png
+    #[arg(short, long, value_name = "FILE", required_unless_present = "ray")]
+    pub output: Option<PathBuf>,
+    /// The plane that cells are cut by [default: across the view, through the middle of the scene]
+    #[arg(long, value_name = "x|y|z[=POSITION]", conflicts_with_all = ["project", "ray"])]
+    pub slice: Option<Slice>,
+    /// All cells that hold primitives, as boxes seen in the camera's direction
+    #[arg(long, conflicts_with = "ray")]
+    pub project: bool,
+    /// Cells at this depth of a hierarchy, and leaves above [default: all leaves]
+    #[arg(long, value_name = "N")]
+    pub depth: Option<u32>,
+    /// One ray's way, in the plane that holds it: a pixel of the image that `render` makes by default, or
+    /// a point and another one that the ray runs towards
+    #[arg(long, value_name = "X,Y|X,Y,Z:X,Y,Z", allow_hyphen_values = true)]
+    pub ray: Option<RayAt>,
+    /// Longer side of a panel
+    #[arg(long, value_name = "PIXELS", default_value_t = 360,
+          value_parser = clap::value_parser!(u32).range(64..=4096))]
+    pub size: u32,
+}
+
+/// `--slice`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slice {
+    /// The axis that the plane is across.
+    pub axis: usize,
+    /// Where, in world units; in the middle of the scene if it is not said.
+    pub position: Option<f64>,
+}
+
+impl FromStr for Slice {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        const FORM: &str = "expected x, y or z, or a position like y=0.25";
+        let (name, position) = match text.split_once('=') {
+            None => (text, None),
+            Some((name, position)) => (name, Some(number(position).ok_or(FORM)?)),
+        };
+        let axis = ["x", "y", "z"].iter().position(|axis| *axis == name).ok_or(FORM)?;
+        Ok(Self { axis, position })
+    }
+}
+
+/// `--ray`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RayAt {
+    /// Through the middle of a pixel.
+    Pixel([u32; 2]),
+    /// From a point towards another.
+    Points([[f64; 3]; 2]),
+}
+
+/// Width and height of the image that `--ray X,Y` counts pixels of.
+pub const IMAGE: u32 = 512;
+
+impl FromStr for RayAt {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        const FORM: &str =
+            "expected a pixel of 512 x 512 like 256,200, or two points like 0,0,5:0.5,1,0";
+        if let Some((from, towards)) = text.split_once(':') {
+            let points = [point(from).ok_or(FORM)?, point(towards).ok_or(FORM)?];
+            return if points[0] == points[1] {
+                Err("the points are one")
+            } else {
+                Ok(Self::Points(points))
+            };
+        }
+        let (x, y) = text.split_once(',').ok_or(FORM)?;
+        let pixel = |text: &str| text.trim().parse().ok().filter(|n| *n < IMAGE);
+        Ok(Self::Pixel([pixel(x).ok_or(FORM)?, pixel(y).ok_or(FORM)?]))
+    }
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+fn point(text: &str) -> Option<[f64; 3]> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
+    numbers?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slices_and_rays_are_read() {
+        assert_eq!("y".parse(), Ok(Slice { axis: 1, position: None }));
+        assert_eq!("z=-0.5".parse(), Ok(Slice { axis: 2, position: Some(-0.5) }));
+        for wrong in ["", "w", "x=", "x=nan", "x=1e999", "xy"] {
+            assert!(wrong.parse::<Slice>().is_err(), "{wrong}");
+        }
+        assert_eq!("511,0".parse(), Ok(RayAt::Pixel([511, 0])));
+        let points = RayAt::Points([[0.0, 1.0, -2.0], [1e3, 0.0, 0.5]]);
+        assert_eq!("0,1,-2:1e3,0,.5".parse(), Ok(points));
+        for wrong in ["", "1", "512,0", "-1,0", "1,2,3", "1,2:3,4", "0,0,0:0,0,0", "0,0,0:0,0,inf"]
+        {
+            assert!(wrong.parse::<RayAt>().is_err(), "{wrong}");
+        }
+    }
+}

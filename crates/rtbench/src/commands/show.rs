@@ -1,0 +1,195 @@
+//! `rtbench show`: pictures of structures, and one ray's way through them.
+
+use std::path::Path;
+
+use accel_core::query::cells::NoCells;
+use accel_core::structure::BuildError;
+use accel_core::{Ray, Vector};
+use glam::{DVec2, DVec3};
+use renderer::Geometry;
+use renderer::camera::{EyeRays, Sampling};
+use scene_loading::Scene;
+
+use crate::args::show::{IMAGE, RayAt};
+use crate::args::{Color, ShowArgs};
+use crate::commands::render::one_scene;
+use crate::context::Context;
+use crate::error::Error;
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::Row;
+use measurement::rounds::error::MeasureError;
+use measurement::system::created::Created;
+use measurement::system::machine;
+use measurement::system::pools::pool;
+use measurement::system::write_error::WriteError;
+use presentation::drawing::Drawing;
+use presentation::table::{Cell, Style, Table};
+use presentation::text::write_table;
+use studies::showing::outline::outline;
+use studies::showing::picture::{Frame, View};
+use studies::showing::{
+    Plane, Projection, Seen, Shown, bodies, focus, path_through, picture, scene_box, sections,
+};
+
+/// What can be written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Format {
+    /// Text.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+/// Draws the picture, and lists the steps of a ray.
+///
+/// # Errors
+/// [`Error`].
+pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(), Error> {
+    let rows: Vec<Row<'_>> =
+        args.structures.iter().map(|text| row(context, text)).collect::<Result<_, _>>()?;
+    let scene = one_scene(context.scenes, &args.scene)?;
+    let output = match &args.output {
+        Some(path) => Some((path.as_path(), format_of(path)?)),
+        None => None,
+    };
+    let mut created = Created::default();
+    if let Some((path, _)) = output {
+        created.file(path)?;
+    }
+    let loaded = context.load(&*scene)?.scene;
+    for warning in &loaded.warnings {
+        context.warn(format_args!("{}: {warning}", loaded.name));
+    }
+    let geometry = Geometry::<f32>::of(&loaded)?;
+    let ray = args.ray.map(|at| ray_at(at, &loaded));
+    let bounds = scene_box(&loaded);
+    let camera = &loaded.camera;
+    let plane = match (&ray, args.slice) {
+        (Some(ray), _) => Plane::through(&ray.widened(), camera),
+        (None, slice) => {
+            let axis = slice.map_or_else(|| Plane::usual_axis(camera), |slice| slice.axis);
+            let middle = (0.5 * (bounds.min + bounds.max)).to_array();
+            let middle = middle.get(axis).copied().unwrap_or_default();
+            let at = slice.and_then(|slice| slice.position).unwrap_or(middle);
+            Plane::at(axis, at, camera)
+        }
+    };
+    let pool = pool(machine::threads())?;
+    let mut shown = Vec::with_capacity(rows.len());
+    for row in &rows {
+        let build = |source: BuildError| MeasureError::Build { scene: loaded.name.clone(), source };
+        let no_cells = |source: NoCells| Error::NoCells { row: row.label(), source };
+        let one = || {
+            let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
+            let path = ray.as_ref().map(|ray| path_through(&*tracer, ray, &plane, &loaded));
+            let path = path.transpose().map_err(no_cells)?;
+            let seen = match args.project {
+                true => bodies(&*tracer, args.depth).map(Seen::Bodies),
+                false => sections(&*tracer, &plane, args.depth).map(Seen::Sections),
+            };
+            let seen = seen.map_err(no_cells)?;
+            Ok::<_, Error>(Shown { label: row.label(), shape: tracer.shape(), seen, path })
+        };
+        shown.push(pool.install(one)?);
+    }
+    if let Some((path, format)) = output {
+        let surfaces = if args.project { Vec::new() } else { outline(&loaded, &plane) };
+        let view = match args.project {
+            true => View::Boxes(Projection::of(camera)),
+            false => View::Cut(plane, &surfaces),
+        };
+        let title = title(args, &loaded.name, &plane);
+        let way = shown.first().and_then(|shown| shown.path.as_ref());
+        let focus = ray.zip(way).and_then(|(ray, way)| focus(&plane, &ray, &bounds, &way.hit));
+        let frame = Frame { title, view, scene: bounds, focus, size: f64::from(args.size) };
+        save(&picture(&frame, &shown), path, format)?;
+        context.say(format_args!("{}: {}", loaded.name, path.display()));
+    }
+    for shown in shown.iter().filter(|_| args.ray.is_some()) {
+        write_table(context.out, &steps(&loaded.name, shown), context.terminal.colors(color))?;
+    }
+    context.out.flush()?;
+    Ok(())
+}
+
+/// A structure with settings; occluders are told apart.
+fn row<'r>(context: &Context<'r>, text: &str) -> Result<Row<'r>, PlanError> {
+    let name = text.split([':', ' ']).next().unwrap_or_default();
+    if context.occluders.iter().any(|occluder| occluder.info.name == name) {
+        return Err(PlanError::Malformed {
+            text: text.to_owned(),
+            expected: "a structure: cells of an occluder are of directions from a light, not of space",
+        });
+    }
+    Row::parse(context.registry, text)
+}
+
+fn format_of(path: &Path) -> Result<Format, PlanError> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("svg") => Ok(Format::Svg),
+        Some("png") => Ok(Format::Png),
+        _ => Err(PlanError::Malformed {
+            text: path.display().to_string(),
+            expected: "a file name that ends in .svg or .png",
+        }),
+    }
+}
+
+/// The ray that was asked for.
+fn ray_at(at: RayAt, scene: &Scene) -> Ray<f32> {
+    let (origin, direction) = match at {
+        RayAt::Pixel([x, y]) => {
+            let eye = EyeRays::new(&scene.camera, [IMAGE; 2], Sampling::PixelCentres);
+            (eye.origin(), eye.direction_within(x, y, DVec2::splat(0.5)))
+        }
+        RayAt::Points(points) => {
+            let [from, towards] = points.map(DVec3::from_array);
+            (from, (towards - from).normalize_or(DVec3::X))
+        }
+    };
+    Ray::new(origin.as_vec3(), direction.as_vec3())
+}
+
+fn title(args: &ShowArgs, scene: &str, plane: &Plane) -> String {
+    let cells = match args.depth {
+        None => "cells".to_owned(),
+        Some(depth) => format!("cells of depth {depth}, and leaves above,"),
+    };
+    match (args.ray, args.project) {
+        (Some(_), _) => format!("{scene}: one ray's way; {cells} cut by {}", plane.name()),
+        (None, true) => format!("{scene}: {cells} that hold primitives"),
+        (None, false) => format!("{scene}: {cells} cut by {}", plane.name()),
+    }
+}
+
+/// Writes a drawing.
+pub fn save(drawing: &Drawing, path: &Path, format: Format) -> Result<(), Error> {
+    let bytes = match format {
+        Format::Svg => drawing.svg().map(String::into_bytes),
+        Format::Png => drawing.png(),
+    };
+    let bytes = bytes.map_err(|source| Error::Undrawn { path: path.to_owned(), source })?;
+    let failed = |source| WriteError { path: path.to_owned(), source };
+    std::fs::write(path, bytes).map_err(failed)?;
+    Ok(())
+}
+
+/// The steps of a ray, one line each.
+fn steps(scene: &str, shown: &Shown) -> Table {
+    let mut table = Table {
+        title: format!("{scene} through {}", shown.label),
+        header: vec!["step", "into", "depth", "tested"],
+        ..Table::default()
+    };
+    let Some(path) = &shown.path else { return table };
+    let cell = |text: String| Cell { text, style: Style::Plain };
+    table.rows = path.listed().into_iter().map(|row| row.map(cell).to_vec()).collect();
+    table.notes.push(path.summary());
+    if path.hit.is_hit() {
+        table
+            .notes
+            .push(format!("the ray's parameter there is {}; * nearest hit so far", path.hit.t));
+    }
+    table
+}

@@ -1,0 +1,139 @@
+//! `rtbench show`: pictures of structures, and one ray's way.
+
+use accel_core::query::cells::NoCells;
+use accel_core::structures::REGISTRY;
+
+use crate::common::{Folder, run};
+
+/// The texts of an SVG file, which must be well-formed.
+fn texts(path: &str) -> Vec<String> {
+    let svg = std::fs::read_to_string(path).unwrap();
+    let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
+    let texts = tree.descendants().filter(|n| n.has_tag_name("text"));
+    texts.map(|n| n.text().unwrap_or_default().to_owned()).collect()
+}
+
+#[test]
+fn every_structure_of_the_registry_is_drawn() {
+    let folder = Folder::new();
+    for entry in REGISTRY {
+        let name = entry.info.name;
+        let path = format!("{}/{name}.svg", folder.path());
+        for options in ["", "--project", "--depth 1", "--ray 200,200", "--slice x=0.3"] {
+            let ended = run(&format!("show teapot:2 -s {name} {options} -o {path} --overwrite"));
+            if name == "embree" {
+                assert_eq!(ended.code, 1);
+                assert!(ended.err.contains("structure embree: its cells cannot be looked at"));
+                continue;
+            }
+            assert_eq!((ended.code, ended.err.as_str()), (0, ""), "{name} {options}");
+            let texts = texts(&path);
+            assert!(texts.iter().any(|t| t == name), "{name} {options}: {texts:?}");
+            assert!(texts.iter().any(|t| t.contains("references to primitives in a cell")));
+        }
+    }
+}
+
+#[test]
+fn several_structures_have_one_scale_that_is_named() {
+    let folder = Folder::new();
+    let of = |structures: &str| {
+        let path = format!("{}/one.svg", folder.path());
+        let ended = run(&format!("show teapot:3 -s {structures} -o {path} --overwrite"));
+        assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+        texts(&path)
+    };
+    // the longest list of brute force is in the legend of both, and in none of the other alone
+    let both = of("uniform-grid,brute-force");
+    assert!(both.iter().any(|t| t == "513-1024"), "{both:?}");
+    assert!(both.iter().any(|t| t == "1 cell, 0 empty, 561 references"), "{both:?}");
+    assert!(!of("uniform-grid").iter().any(|t| t == "513-1024"));
+}
+
+#[test]
+fn a_ray_is_listed_step_by_step_as_it_is_counted() {
+    let ended = run("show teapot:3 -s uniform-grid,obvhs-bvh2,brute-force --ray 230,235");
+    assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+    for (name, inner) in
+        [("uniform-grid", "inner 0"), ("obvhs-bvh2", "inner "), ("brute-force", "inner 0")]
+    {
+        let at = ended.out.find(&format!("teapot:3 through {name}")).expect(name);
+        let table = &ended.out[at..];
+        let summary = table.lines().find(|line| line.contains(" steps (")).unwrap();
+        assert!(summary.contains(inner) && summary.contains("hits primitive"), "{summary}");
+        let steps: usize = summary.split(' ').next().unwrap().parse().unwrap();
+        let listed = table.lines().skip(2).take_while(|line| !line.contains(" steps ("));
+        assert_eq!(
+            listed.filter(|l| l.trim_start().starts_with(|c: char| c.is_ascii_digit())).count(),
+            steps,
+            "{name}"
+        );
+    }
+    // all agree
+    let hits: Vec<&str> =
+        ended.out.lines().filter_map(|line| line.split("hits primitive ").nth(1)).collect();
+    assert!(hits.len() == 3 && hits.iter().all(|hit| *hit == hits[0]), "{hits:?}");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_said() {
+    let folder = Folder::new();
+    let path = folder.path();
+    for (command, said) in [
+        ("show teapot:2 -s uniform-grid".to_owned(), "--output"),
+        (format!("show teapot:2 -o {path}/a.svg"), "--structure"),
+        (format!("show teapot:2 -s uniform-grid -o {path}/a.jpg"), ".svg or .png"),
+        (format!("show teapot:2 -s unifrom-grid -o {path}/a.svg"), "did you mean `uniform-grid`?"),
+        (format!("show teapot:2 -s light-buffer -o {path}/a.svg"), "not of space"),
+        (format!("show teapot:2 -s uniform-grid --slice w -o {path}/a.svg"), "expected x, y or z"),
+        (
+            format!("show teapot:2 -s uniform-grid --slice x --project -o {path}/a.svg"),
+            "cannot be used",
+        ),
+        (format!("show teapot:2 -s uniform-grid --ray 512,0 -o {path}/a.svg"), "512 x 512"),
+        (format!("show spd -s uniform-grid -o {path}/a.svg"), "one scene"),
+    ] {
+        let ended = run(&command);
+        assert_eq!(ended.code, 2, "{command}: {}", ended.err);
+        assert!(ended.err.contains(said), "{command}: {}", ended.err);
+    }
+    assert!(!std::path::Path::new(&format!("{path}/a.svg")).exists());
+    // a structure of another program may show nothing
+    let error = rtbench::error::Error::NoCells { row: "mine x=1".into(), source: NoCells::UNTOLD };
+    assert_eq!(
+        error.to_string(),
+        "structure mine x=1: its cells cannot be looked at: it does not say what they are"
+    );
+}
+
+#[test]
+fn pngs_are_drawn_and_files_kept() {
+    let folder = Folder::new();
+    let path = format!("{}/a.png", folder.path());
+    let command = format!("show balls:2 -s kd-tree,wide-bvh --size 100 -o {path}");
+    assert_eq!(run(&command).code, 0);
+    let png = std::fs::read(&path).unwrap();
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{}", png.len());
+    let again = run(&command);
+    assert!(again.code == 1 && again.err.contains("is there already"), "{}", again.err);
+}
+
+#[test]
+fn cost_draws_several_structures_side_by_side() {
+    let folder = Folder::new();
+    let width = |structures: &str| {
+        let maps = format!("{}/maps", folder.path());
+        let command = format!(
+            "cost effect-hard-shadows --size 32 {structures} --heat-maps {maps} --overwrite"
+        );
+        let ended = crate::common::run_stepping(&command);
+        assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+        let png = std::fs::read(format!("{maps}/tests.png")).unwrap();
+        let tables =
+            ended.out.lines().filter(|line| line.contains("the lecture's product")).count();
+        (u32::from_be_bytes(png[16..20].try_into().unwrap()), tables)
+    };
+    let ((one, table), (two, tables)) = (width("-s kd-tree"), width("-s kd-tree,uniform-grid"));
+    assert!(two > one * 3 / 2, "{one} {two}");
+    assert_eq!((table, tables), (1, 2));
+}

@@ -1,0 +1,17 @@
+//! Pictures of structures: their cells where a plane cuts them or as boxes, and one ray's way through them.
+//!
+//! The way: [`plane`] or [`projection`] says where what is seen, [`sections`] what cells there are, one
+//! structure at a time; [`picture`] draws them side by side on one scale. [`way`] puts a ray into it.
+
+pub mod outline;
+pub mod picture;
+pub mod plane;
+pub mod projection;
+pub mod sections;
+pub mod way;
+
+pub use picture::{Seen, Shown, picture};
+pub use plane::{Plane, scene_box};
+pub use projection::Projection;
+pub use sections::{Body, Section, bodies, sections};
+pub use way::{PathThrough, focus, path_through};

@@ -1,0 +1,182 @@
+//! The plane that cuts a scene: it holds one of the axes, so that of boxes it cuts rectangles.
+
+use accel_core::{Aabb, Ray};
+use glam::DVec3;
+use scene_loading::{Camera, Scene};
+
+/// A plane with coordinates: along a horizontal direction, and along an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// A point of it, where the first coordinate is 0.
+    origin: DVec3,
+    /// A unit vector without a part along the axis.
+    across: DVec3,
+    /// The axis of the second coordinate.
+    up: usize,
+}
+
+/// Axes by their letters.
+pub const LETTERS: [char; 3] = ['x', 'y', 'z'];
+
+impl Plane {
+    /// Where the coordinate of an axis has a value; the camera decides what is to the right, and what is up.
+    pub fn at(axis: usize, position: f64, camera: &Camera) -> Self {
+        let forward = camera.at - camera.from;
+        let mut up = up_axis(camera);
+        if up == axis {
+            // seen from above: what is farther away is higher
+            let mut others = forward;
+            others[axis] = 0.0;
+            up = match largest(others) {
+                k if k == axis => (axis + 1) % 3,
+                k => k,
+            };
+        }
+        let side = 3 - axis - up;
+        let right = forward.cross(camera.up);
+        let mut across = DVec3::ZERO;
+        across[side] = if right[side] < 0.0 { -1.0 } else { 1.0 };
+        let mut origin = DVec3::ZERO;
+        origin[axis] = position;
+        Self { origin, across, up }
+    }
+
+    /// The axis that a view's direction is nearest to, but not what is up: what slices are across unless
+    /// another one is asked for.
+    pub fn usual_axis(camera: &Camera) -> usize {
+        let mut forward = camera.at - camera.from;
+        forward[up_axis(camera)] = 0.0;
+        match largest(forward) {
+            k if k == up_axis(camera) => (k + 1) % 3,
+            k => k,
+        }
+    }
+
+    /// The plane through a ray that is upright, or nearly: it holds the axis that is up unless the ray is
+    /// along that.
+    pub fn through(ray: &Ray<f64>, camera: &Camera) -> Self {
+        let direction = ray.direction.normalize_or(DVec3::X);
+        let mut up = up_axis(camera);
+        let level = |up: usize| {
+            let mut level = direction;
+            level[up] = 0.0;
+            level
+        };
+        if level(up).length() < 0.1 {
+            up = (up + 1) % 3;
+        }
+        let mut across = level(up).normalize_or(DVec3::X);
+        // to the right where the camera sees it run there
+        if across.dot((camera.at - camera.from).cross(camera.up)) < 0.0 {
+            across = -across;
+        }
+        let mut origin = ray.origin;
+        origin -= across * origin.dot(across);
+        origin[up] = 0.0;
+        Self { origin, across, up }
+    }
+
+    /// The coordinates of a point of it, or of the nearest one.
+    pub fn coordinates(&self, p: DVec3) -> [f64; 2] {
+        [(p - self.origin).dot(self.across), p[self.up]]
+    }
+
+    /// How far a point is from it, with a sign.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        let mut axis = DVec3::ZERO;
+        axis[self.up] = 1.0;
+        (p - self.origin).dot(self.across.cross(axis))
+    }
+
+    /// What it cuts of a box: left, lower, right and upper coordinates. Of two boxes that touch in it, one
+    /// is cut.
+    pub fn cut(&self, b: &Aabb<f64>) -> Option<[f64; 4]> {
+        let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+        for k in (0..3).filter(|k| *k != self.up) {
+            let (lo, hi) = (b.min[k] - self.origin[k], b.max[k] - self.origin[k]);
+            if self.across[k] == 0.0 {
+                if !(lo <= 0.0 && 0.0 < hi) {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [lo / self.across[k], hi / self.across[k]];
+            from = from.max(ends[0].min(ends[1]));
+            to = to.min(ends[0].max(ends[1]));
+        }
+        (from < to).then_some([from, b.min[self.up], to, b.max[self.up]])
+    }
+
+    /// What it is, in words: `z = 1.5`, or upright through a ray.
+    pub fn name(&self) -> String {
+        let on_axis = (0..3).find(|&k| k != self.up && self.across[k] == 0.0);
+        match on_axis {
+            Some(k) => format!("{} = {}", LETTERS[k], presentation::numbers::short(self.origin[k])),
+            None => format!("the plane through the ray and along {}", LETTERS[self.up]),
+        }
+    }
+}
+
+/// Which axis is up in pictures of a scene: the one nearest to the camera's.
+pub fn up_axis(camera: &Camera) -> usize {
+    largest(camera.up)
+}
+
+/// The axis nearest to a direction.
+fn largest(direction: DVec3) -> usize {
+    let size = direction.abs().to_array();
+    (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best })
+}
+
+/// The box of all that a scene shows.
+pub fn scene_box(scene: &Scene) -> Aabb<f64> {
+    let bounds = scene.bounds();
+    Aabb { min: bounds.min, max: bounds.max }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(from: DVec3, up: DVec3) -> Camera {
+        Camera { from, at: DVec3::ZERO, up, ..Camera::default() }
+    }
+
+    #[test]
+    fn slices_are_seen_from_the_camera() {
+        // from the front, z up: x is to the right
+        let front = camera(DVec3::new(0.5, -9.0, 1.0), DVec3::Z);
+        assert_eq!((Plane::usual_axis(&front), up_axis(&front)), (1, 2));
+        let plane = Plane::at(1, 2.0, &front);
+        let unit = Aabb { min: DVec3::ZERO, max: DVec3::new(4.0, 3.0, 2.0) };
+        assert_eq!(plane.cut(&unit), Some([0.0, 0.0, 4.0, 2.0]));
+        assert_eq!(plane.name(), "y = 2.00");
+        assert_eq!(plane.coordinates(DVec3::new(3.0, 2.0, 1.0)), [3.0, 1.0]);
+        // boxes that touch in the plane: one of them
+        assert_eq!(Plane::at(1, 3.0, &front).cut(&unit), None);
+        assert!(Plane::at(1, 0.0, &front).cut(&unit).is_some());
+        // from behind, x is to the left
+        let behind = camera(DVec3::new(0.5, 9.0, 1.0), DVec3::Z);
+        assert_eq!(Plane::at(1, 2.0, &behind).cut(&unit), Some([-4.0, 0.0, 0.0, 2.0]));
+        // from above, what is far is high
+        assert_eq!(Plane::at(2, 1.0, &front).cut(&unit), Some([0.0, 0.0, 4.0, 3.0]));
+    }
+
+    #[test]
+    fn the_plane_of_a_ray_holds_it() {
+        let front = camera(DVec3::new(0.5, -9.0, 1.0), DVec3::Z);
+        for direction in [DVec3::new(1.0, 2.0, 0.5), DVec3::new(0.0, 0.0, -1.0), DVec3::NEG_X] {
+            let ray = Ray::<f64>::new(DVec3::new(0.1, 0.7, 0.2), direction);
+            let plane = Plane::through(&ray, &front);
+            for t in [0.0, 1.0, 7.5] {
+                assert!(plane.distance(ray.at(t)).abs() < 1e-12, "{direction}");
+            }
+            // a box around a point of the ray is cut, and its section holds the point
+            let p = ray.at(2.0);
+            let around = Aabb { min: p - 0.5, max: p + 0.5 };
+            let [x, y] = plane.coordinates(p);
+            let [left, low, right, high] = plane.cut(&around).unwrap();
+            assert!(left < x && x < right && low < y && y < high);
+        }
+    }
+}
