@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(
             comparison.sentence(),
             "tree: then recursive won, 50.0 times as fast as uniform D=1; now hug wins, 40.0 times \
-             (not told apart from recursive); ours is 2.00 times faster still."
+             (not significantly different from recursive); ours is 2.00 times faster still."
         );
         assert_eq!(comparison.correlation(|l| l.run), Some(0.5));
         lines[2].run.now = None;
