@@ -12,7 +12,7 @@ const NARROWEST: [usize; 2] = [24, 12];
 /// The first column stays in any case; the others are taken in the order of `first`, then in their own.
 pub fn fitted(table: &Table, width: usize, first: &[&str]) -> (Table, Vec<&'static str>) {
     let natural = natural(table);
-    let [names, last] = limits(&natural, width);
+    let [names, last] = limits(table, &natural, width);
     let needed = |column: usize| match column {
         0 => names,
         c if c + 1 == natural.len() => GAP + last,
@@ -53,7 +53,7 @@ pub fn widths(table: &Table, width: usize) -> Vec<usize> {
     if all <= width || widths.len() < 2 {
         return widths;
     }
-    let [names, last] = limits(&widths, width);
+    let [names, last] = limits(table, &widths, width);
     if let Some(end) = widths.last_mut() {
         *end = last;
     }
@@ -65,9 +65,18 @@ pub fn widths(table: &Table, width: usize) -> Vec<usize> {
     widths
 }
 
-fn limits(natural: &[usize], width: usize) -> [usize; 2] {
+/// How wide the first column and the last are made at most; figures are not broken.
+fn limits(table: &Table, natural: &[usize], width: usize) -> [usize; 2] {
     let [name, last] = [natural.first(), natural.last()].map(|w| w.copied().unwrap_or(0));
-    [name.min((width * 2 / 5).max(NARROWEST[0])), last.min((width / 5).max(NARROWEST[1]))]
+    let cut = if ends_in_words(table) { (width / 5).max(NARROWEST[1]) } else { last };
+    [name.min((width * 2 / 5).max(NARROWEST[0])), last.min(cut)]
+}
+
+/// Whether most cells of the last column begin with a letter.
+fn ends_in_words(table: &Table) -> bool {
+    let is_words = |cell: &&Cell| cell.text.starts_with(char::is_alphabetic);
+    let last = || table.rows.iter().filter_map(|row| row.last());
+    2 * last().filter(is_words).count() > last().count()
 }
 
 fn natural(table: &Table) -> Vec<usize> {
@@ -152,6 +161,14 @@ mod tests {
         let widths = widths(&table(), 70);
         assert_eq!(widths.iter().sum::<usize>() + 3 * GAP, 70);
         assert_eq!(widths[3], 14);
+    }
+
+    #[test]
+    fn figures_at_the_end_are_not_broken() {
+        let (some, _) = fitted(&table(), 50, &["wide", "small"]);
+        assert_eq!(some.header, ["structure", "wide", "small"]);
+        assert_eq!(widths(&some, 40)[1..], [10, 5]);
+        assert_eq!(widths(&some, 10)[1..], [10, 5]);
     }
 
     #[test]

@@ -80,7 +80,8 @@ mod tests {
                 && property.get("const").is_none()
         };
         let none = found.into_iter().filter(|(place, property)| {
-            let is_variant = ["Source.", "ShapeEntry."].iter().any(|of| place.starts_with(of));
+            let is_variant =
+                ["Source.", "ShapeEntry.", "Question."].iter().any(|of| place.starts_with(of));
             has_none(property) && !is_variant
         });
         none.map(|(place, _)| place).collect()

@@ -54,40 +54,27 @@ fn solids<S: Buildable>(set: &Set<S>) -> Vec<Solid> {
     }
 }
 
-/// Whether boxes leave nothing of another one.
-fn cover(wanted: Aabb<f64>, boxes: &[Aabb<f64>]) -> bool {
-    let near: Vec<_> = boxes.iter().filter(|b| meet(&wanted, b)).copied().collect();
-    near_cover(wanted, &near)
+/// Points of a box, along each axis.
+const POINTS: u32 = 4;
+
+/// Whether boxes hold a lattice of points of another one, its corners among them.
+fn cover(wanted: &Aabb<f64>, boxes: &[Aabb<f64>]) -> bool {
+    let near: Vec<_> = boxes.iter().filter(|b| meet(wanted, b)).collect();
+    let place = |n: u32| f64::from(n) / f64::from(POINTS - 1);
+    (0..POINTS.pow(3)).all(|n| {
+        let at =
+            DVec3::new(place(n % POINTS), place(n / POINTS % POINTS), place(n / POINTS / POINTS));
+        let point = wanted.min + (wanted.max - wanted.min) * at;
+        near.iter().any(|b| inside(b, point))
+    })
 }
 
 fn meet(a: &Aabb<f64>, b: &Aabb<f64>) -> bool {
     a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
 }
 
-/// What one of the boxes does not hold is cut up to six ways.
-fn near_cover(wanted: Aabb<f64>, boxes: &[Aabb<f64>]) -> bool {
-    let Some(first) = boxes.iter().position(|b| meet(&wanted, b)) else { return false };
-    let (b, rest) = (boxes[first], &boxes[first + 1..]);
-    let mut left = wanted;
-    for k in 0..3 {
-        if left.min[k] < b.min[k] {
-            let mut part = left;
-            part.max[k] = b.min[k];
-            left.min[k] = b.min[k];
-            if !near_cover(part, rest) {
-                return false;
-            }
-        }
-        if left.max[k] > b.max[k] {
-            let mut part = left;
-            part.min[k] = b.max[k];
-            left.max[k] = b.max[k];
-            if !near_cover(part, rest) {
-                return false;
-            }
-        }
-    }
-    true
+fn inside(b: &Aabb<f64>, p: DVec3) -> bool {
+    p.cmpge(b.min).all() && p.cmple(b.max).all()
 }
 
 /// What is wrong about the cells of a structure, which may cut primitives up.
@@ -127,10 +114,9 @@ fn faults(shape: &Shape, cells: &[Kept], solids: &[Solid], cuts: bool) -> Vec<St
     let elementary = cells.iter().filter(|cell| cell.kind != CellKind::Inner);
     let boxes: Vec<_> = elementary.map(|cell| cell.bounds.expanded(slack)).collect();
     for (id, solid) in solids.iter().enumerate() {
-        if !cuts && !cover(solid.bounds, &lists[id]) && !cover(solid.bounds, &boxes) {
+        if !cuts && !cover(&solid.bounds, &lists[id]) && !cover(&solid.bounds, &boxes) {
             wrong.push(format!("cells do not cover the box of primitive {id}"));
         }
-        let inside = |b: &Aabb<f64>, p: DVec3| p.cmpge(b.min).all() && p.cmple(b.max).all();
         if solid.points.iter().any(|&p| !lists[id].iter().any(|b| inside(b, p))) {
             wrong.push(format!("no cell around a point of primitive {id} lists it"));
         }
