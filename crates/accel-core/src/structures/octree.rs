@@ -232,9 +232,9 @@ impl<S: Scalar> Structure<S> for Octree<S> {
             each(Cell::inner(bounds, depth));
             for child in (0..8).rev() {
                 let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
-                for k in 0..3 {
+                for (k, plane) in planes.iter().enumerate() {
                     let side = if child >> k & 1 == 1 { &mut lo } else { &mut hi };
-                    side[k] = planes[k];
+                    side[k] = *plane;
                 }
                 let [min, max] = [lo, hi].map(Vec3::<S>::from_array);
                 waiting.push((first + child, Aabb { min, max }, depth + 1));
