@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::accuracy::processes::Unlike;
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
 use presentation::format_error::FormatError;
@@ -37,6 +36,20 @@ pub enum StudyError {
     /// Results could not be turned into text.
     #[error(transparent)]
     Format(#[from] FormatError),
+}
+
+/// What another process measured is something else.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{axis} on {place}: process {process} has {found}, not what was judged")]
+pub struct Unlike {
+    /// The axis of accuracy.
+    pub axis: String,
+    /// Scene and subject.
+    pub place: String,
+    /// The process, from 1.
+    pub process: u32,
+    /// What it has.
+    pub found: String,
 }
 
 /// An image cannot be written.

@@ -247,7 +247,7 @@ fn faults_of_way<S: Buildable>(tracer: &dyn Tracer<S>, ray: &Ray<S>, way: &Way<S
 fn all_ways<S: Buildable>() {
     for (scene, set, bounds) in all_scenes::<S>() {
         let rays: Vec<Ray<S>> = rays_for::<S>(bounds, &mut Random::new(11));
-        let mut rays: Vec<_> = rays.into_iter().step_by(97).filter(Ray::is_traceable).collect();
+        let mut rays: Vec<_> = rays.into_iter().step_by(389).filter(Ray::is_traceable).collect();
         // a moved ray has other parameters, and cells are those at all times
         let reach = 4.0 * (bounds.1 - bounds.0).length();
         rays.retain(|ray| {

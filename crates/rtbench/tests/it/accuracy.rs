@@ -65,7 +65,8 @@ fn errors_are_real_and_references_have_none() {
     }
     for row in &rows {
         let is_by_kind = row["parts"].starts_with("primary=");
-        assert_eq!(is_by_kind, row["axis"] == "triangle-test", "{row:?}");
+        // these rays are made anew in each pass
+        assert_eq!(is_by_kind, row["axis"] != "ray-offset", "{row:?}");
     }
     assert!(ended.out.contains("time over that of moeller-trumbore, by kind of ray"));
     let is_compiled = cfg!(feature = "compiled-tests");

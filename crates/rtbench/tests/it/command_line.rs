@@ -189,10 +189,14 @@ fn hints_name_the_list_that_has_it() {
 #[test]
 fn lists_have_what_is_named() {
     let all = run("list structures").out;
-    let one = run("list structures kd-tree hug");
+    let one = run("list structures obvhs-bvh2 brute-force");
     assert_eq!((one.code, one.err.as_str()), (0, ""));
-    assert!(one.out.starts_with("hug: ") && one.out.contains("\nkd-tree: "), "{}", one.out);
-    assert!(!one.out.contains("octree: ") && all.contains("octree: "));
+    assert!(
+        one.out.starts_with("brute-force: ") && one.out.contains("\nobvhs-bvh2: "),
+        "{}",
+        one.out
+    );
+    assert!(!one.out.contains("uniform-grid: ") && all.contains("uniform-grid: "));
     let scene = run("list scenes teapot");
     assert_eq!(scene.out.lines().count(), 1, "{}", scene.out);
     let json: serde_json::Value =
@@ -250,7 +254,7 @@ fn tables_fit_and_are_sorted_by_what_was_asked() {
 fn a_run_ends_with_its_answers_and_files_have_them() {
     let folder = Folder::new();
     let arguments = format!(
-        "run tetra:2 tetra:1 --size 16 --rounds 6 -s dropper,uniform-grid,hug,obvhs-cwbvh:adapter=direct -o {}",
+        "run tetra:2 tetra:1 --size 16 --rounds 6 -s dropper,uniform-grid,obvhs-bvh2,obvhs-cwbvh:adapter=direct -o {}",
         folder.path()
     );
     let ended = run(&arguments);

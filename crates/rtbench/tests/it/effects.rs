@@ -70,7 +70,8 @@ fn cost_switches_on_one_factor_after_the_other_and_draws_maps() {
     let maps = format!("{}/maps", folder.path());
     // a clock on which every image takes a millisecond
     let ended = run_stepping(&format!("cost effect-all --size 16 --heat-maps {maps}"));
-    assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+    let wrote = format!("wrote {maps}: heat maps tests.png, steps.png, time.png\n");
+    assert_eq!((ended.code, ended.err), (0, wrote));
     let mut rows = ended.out.lines().skip(2);
     for factor in [
         "pixels x primitives  256 x 13",

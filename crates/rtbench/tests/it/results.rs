@@ -14,7 +14,7 @@ use measurement::system::clock::{Clock, SteppingClock, SystemClock};
 const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
     n_ts,n_ets,n_eets,saved_part,answers,rays,memory_bytes,pending_cells,build_s,build_s_low,build_s_high,\
     trace_s,trace_s_low,trace_s_high,render_s,first_image_s,ratio_to_reference,ratio_low,\
-    ratio_high,reference,primary_mrays,shadow_mrays,secondary_mrays,diffuse_mrays,mismatches,verdict,build_outliers,trace_outliers,\
+    ratio_high,reference,primary_mrays,shadow_mrays,secondary_mrays,diffuse_mrays,mismatches,verdict,build_outliers,trace_outliers,edge_mismatches,origin,\
     query,ratio_primary,ratio_primary_low,ratio_primary_high,ratio_shadow,ratio_shadow_low,\
     ratio_shadow_high,ratio_reflected,ratio_reflected_low,ratio_reflected_high,ratio_diffuse,\
     ratio_diffuse_low,ratio_diffuse_high,picture_s,picture_to_obvhs";
@@ -65,7 +65,7 @@ fn mailboxes_and_building_on_demand_are_reported() {
     assert_eq!(rows[0]["pending_cells"], "");
     assert!(number(1, "pending_cells").is_ok() && number(1, "first_image_s").is_ok());
     assert_eq!(rows[1]["saved_part"], "");
-    assert!(ended.out.contains("uniform-grid density=8 mailbox=hash: the mailbox spared"));
+    assert!(ended.out.contains("uniform-grid density=8 mailbox=hash: the mailbox saved"));
     assert!(ended.out.contains("recursive-grid build=lazy:") && ended.out.contains("first image"));
 }
 

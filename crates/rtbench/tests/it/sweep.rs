@@ -58,7 +58,7 @@ fn density_is_swept_with_the_rules_of_thumb_beside_it() {
     }
     let cells = |r: &Row| r["cells_per_primitive"].parse::<f64>().unwrap();
     assert!(cells(&tetra[0]) < cells(&tetra[1]) && cells(&tetra[1]) < cells(&tetra[2]));
-    assert!(ended.out.contains("Best: density=0.5; no difference was measured to 2, 8."));
+    assert!(ended.out.contains("Best: density=0.5; not significantly different: 2, 8."));
     assert!(ended.out.contains("at an end of those measured"), "{}", ended.out);
     assert!(folder.text("sweep.md").contains("rule: woo"));
     let texts = svg_texts(&folder);

@@ -3,20 +3,7 @@
 
 use crate::accuracy::record::{AxisRecord, SceneOutcome};
 use crate::accuracy::timing::figure;
-
-/// What another process measured is something else.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{axis} on {place}: process {process} has {found}, not what was judged")]
-pub struct Unlike {
-    /// The axis.
-    axis: String,
-    /// Scene and subject.
-    place: String,
-    /// The process, from 1.
-    process: u32,
-    /// What it has.
-    found: String,
-}
+use crate::error::Unlike;
 
 /// Takes the times of the axis that process number `process` (from 0) measured: those of the first one in place
 /// of the axis' own, those of others beside them, of as many rounds each. Errors stay; faults are added.

@@ -9,8 +9,8 @@ fn completions_and_pages_have_the_commands() {
         assert_eq!((ended.code, ended.err.as_str()), (0, ""), "{shell}");
         // the library has no values of arguments for the others
         let names: &[&str] = match shell {
-            "bash" => &["teapot", "kd-tree", "uniform-grid:traversal=driving-axis"],
-            "zsh" | "fish" => &["kd-tree", "octree"],
+            "bash" => &["teapot", "obvhs-bvh2", "uniform-grid:traversal=driving-axis"],
+            "zsh" | "fish" => &["obvhs-bvh2", "uniform-grid"],
             _ => &[],
         };
         for part in ["rtbench", "merge", "shard"].iter().chain(names) {
