@@ -5,9 +5,7 @@ use clap::builder::TypedValueParser;
 use measurement::settings::choice::Choice;
 use studies::run::view::{Columns, Sort, TableColumn, View};
 
-use crate::args::Color;
 use crate::args::parsers::choice;
-use crate::context::Terminal;
 
 /// How tables of a run are printed; files have all columns and the order of the registry.
 #[derive(Debug, Clone, Args)]
@@ -30,13 +28,13 @@ fn column() -> impl TypedValueParser<Value = TableColumn> {
 }
 
 impl TableArgs {
-    /// How tables look on a terminal.
-    pub fn view(&self, terminal: Terminal, color: Color) -> View {
+    /// How tables look within so many characters.
+    pub fn view(&self, width: usize, colors: bool) -> View {
         let columns = match &self.columns[..] {
             [] if self.wide => Columns::All,
-            [] => Columns::Within(terminal.width()),
+            [] => Columns::Within(width),
             named => Columns::Named(named.to_vec()),
         };
-        View { sort: self.sort, columns, colors: terminal.colors(color) }
+        View { sort: self.sort, columns, colors }
     }
 }

@@ -30,7 +30,12 @@ pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Resu
         BaselineAction::Save(args) => return save(context, args, &store),
         BaselineAction::List => list(context, &store, colors)?,
         BaselineAction::Show { name, tables } => {
-            show(context, &store, name, &tables.view(context.terminal, color))?;
+            show(
+                context,
+                &store,
+                name,
+                &tables.view(context.terminal.width(), context.terminal.colors(color)),
+            )?;
         }
         BaselineAction::Promote { name, to } => {
             let baseline = read(&store.existing(name).map_err(gate)?).map_err(gate)?;

@@ -40,7 +40,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     let mut outputs = run_outputs::of_run(&args.exports)?;
     outputs.write(&record, true)?;
     outputs.print(&record, context.out)?;
-    let view = args.tables.view(context.terminal, color);
+    let view = args.tables.view(context.terminal.width(), context.terminal.colors(color));
     for scene in &record.scenes {
         warn_of(context, scene);
         if !outputs.are_printed() {

@@ -47,7 +47,7 @@ pub fn run(
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
     watch(context, &kept, args.exports.output.as_deref(), plan.scenes.len())?;
-    let view = args.tables.view(context.terminal, color);
+    let view = args.tables.view(context.terminal.width(), context.terminal.colors(color));
     measure(context, &view, &plan, outputs, kept, record)
 }
 
@@ -100,7 +100,14 @@ fn resume(
     }
     let outputs = run_outputs::of_run(exports)?;
     watch(context, &kept, Some(folder), plan.scenes.len())?;
-    measure(context, &tables.view(context.terminal, color), &plan, outputs, kept, record)
+    measure(
+        context,
+        &tables.view(context.terminal.width(), context.terminal.colors(color)),
+        &plan,
+        outputs,
+        kept,
+        record,
+    )
 }
 
 /// What is measured, the rows of plugins among it. No plugin judges answers.
