@@ -78,20 +78,25 @@ impl Series {
         self.processes.windows(2).any(|pair| pair[0] != pair[1])
     }
 
-    /// The figure and its 95% interval: of one process the median, as [`estimate`] says; of several whose
-    /// values have no logarithm (differences) the mean of their medians.
+    /// The figure and its 95% interval: of one process the median, as [`estimate`] says.
     pub fn estimate(&self, seed: u64) -> Option<Estimate> {
         match self.levels() {
             Some(levels) => Some(levels.estimate()),
-            None if self.has_levels() => {
-                let medians = self.by_process().into_iter().map(|rounds| median(&rounds));
-                let Levels { log: mean, variance, degrees } =
-                    Levels::of(&medians.collect::<Option<Vec<_>>>()?)?;
-                let reach = student_95(degrees) * variance.sqrt();
-                Some(Estimate { median: mean, low: mean - reach, high: mean + reach })
-            }
             None => estimate(&self.values, seed),
         }
+    }
+
+    /// The same of differences, of any sign, which have no logarithms: of several processes the mean of their
+    /// medians.
+    pub fn estimate_of_differences(&self, seed: u64) -> Option<Estimate> {
+        if !self.has_levels() {
+            return estimate(&self.values, seed);
+        }
+        let medians = self.by_process().into_iter().map(|rounds| median(&rounds));
+        let of_medians = Levels::of(&medians.collect::<Option<Vec<_>>>()?)?;
+        let Levels { log: mean, variance, degrees } = of_medians;
+        let reach = student_95(degrees) * variance.sqrt();
+        Some(Estimate { median: mean, low: mean - reach, high: mean + reach })
     }
 
     /// The figure alone.
@@ -306,7 +311,7 @@ mod tests {
             // half of them are negative
             let logs = drawn(&mut random, 1.0, 3, 0.3, 0.1);
             let pairs = logs.processes.iter().zip(&logs.values).map(|(p, x)| (*p, x.ln()));
-            u32::from(pairs.collect::<Series>().estimate(1).unwrap().holds(0.0))
+            u32::from(pairs.collect::<Series>().estimate_of_differences(1).unwrap().holds(0.0))
         };
         let n: u32 = (0..2000).map(trial).sum();
         assert!((1860..=1940).contains(&n), "{n} of 2000");

@@ -41,7 +41,7 @@ pub fn price(
     row: &VariantRecord,
     seed: u64,
 ) -> Option<Price> {
-    let added = scene.differences(&row.seconds, &without.seconds).estimate(seed)?;
+    let added = scene.differences(&row.seconds, &without.seconds).estimate_of_differences(seed)?;
     let each = |s: f64| s / f64::from(scene.pixels);
     let Estimate { median, low, high } = added;
     let added_s = Estimate { median: each(median), low: each(low), high: each(high) };
