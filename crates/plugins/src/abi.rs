@@ -1,4 +1,7 @@
 //! `include/rtbench.h` in Rust: the same names, without their prefix, and the same layout.
+//!
+//! Nothing of this repository is needed here, so that plugins in Rust can take this file as it is:
+//! `peers/rust/peer` does.
 
 use std::ffi::{c_char, c_int, c_void};
 
@@ -14,8 +17,12 @@ pub const TRIANGLES_F32: u32 = 1;
 pub const OCCLUSION: u32 = 2;
 /// `RTBENCH_INDICES`.
 pub const INDICES: u32 = 32;
+/// `RTBENCH_ONE_RAY`.
+pub const ONE_RAY: u32 = 0;
 /// `RTBENCH_BATCH`.
 pub const BATCH: u32 = 1;
+/// `RTBENCH_OWN_TEST`.
+pub const OWN_TEST: u32 = 0;
 /// `RTBENCH_HOST_TEST`.
 pub const HOST_TEST: u32 = 1;
 /// `RTBENCH_INTEGER`.
@@ -51,116 +58,129 @@ pub struct Hit {
     pub id: u32,
 }
 
-impl Hit {
-    /// An answer as ours: of a miss nothing but that is read.
-    pub(crate) fn as_ours(&self, ray: &accel_core::Ray<f32>) -> accel_core::Hit<f32> {
-        match self.id {
-            MISS => accel_core::Hit { t: ray.t_max, id: accel_core::MISS },
-            id => accel_core::Hit { t: self.t, id },
-        }
-    }
-}
-
 /// `rtbench_setting`.
 #[repr(C)]
 pub struct Setting {
-    pub(crate) name: *const c_char,
-    pub(crate) summary: *const c_char,
-    pub(crate) initial: *const c_char,
-    pub(crate) kind: u32,
-    pub(crate) min: f64,
-    pub(crate) max: f64,
-    pub(crate) words: *const c_char,
+    /// `a-z`, digits and hyphens.
+    pub name: *const c_char,
+    /// One line.
+    pub summary: *const c_char,
+    /// The default, as a user would type it.
+    pub initial: *const c_char,
+    /// [`INTEGER`], [`REAL`] or [`CHOICE`].
+    pub kind: u32,
+    /// Least of a number.
+    pub min: f64,
+    /// Largest of a number.
+    pub max: f64,
+    /// Of a choice: its words with blanks between; else null.
+    pub words: *const c_char,
 }
 
 /// `rtbench_prepared`.
 #[repr(C)]
 pub struct Prepared {
-    pub(crate) words: [u64; 16],
+    /// Room, which the host knows how to use.
+    pub words: [u64; 16],
 }
 
 /// `rtbench_scene`.
 #[repr(C)]
 pub struct Scene {
-    pub(crate) size: u32,
-    pub(crate) threads: u32,
-    pub(crate) triangles: u64,
-    pub(crate) positions: *const f32,
-    pub(crate) transmissive: *const u8,
-    pub(crate) settings: *const *const c_char,
-    pub(crate) host: *const c_void,
-    pub(crate) prepare: unsafe extern "C" fn(*const c_void, *const Ray, *mut Prepared),
-    pub(crate) intersect:
+    /// Bytes of this struct.
+    pub size: u32,
+    /// How many threads the build may use.
+    pub threads: u32,
+    /// How many.
+    pub triangles: u64,
+    /// Nine coordinates for each.
+    pub positions: *const f32,
+    /// A byte for each, not 0 where shadow rays pass; null where none does.
+    pub transmissive: *const u8,
+    /// The value of each setting as text, in the order described.
+    pub settings: *const *const c_char,
+    /// For the two functions below.
+    pub host: *const c_void,
+    /// Makes a ray ready for `intersect`.
+    pub prepare: unsafe extern "C" fn(*const c_void, *const Ray, *mut Prepared),
+    /// rtbench's triangle test.
+    pub intersect:
         unsafe extern "C" fn(*const c_void, *const Prepared, u32, f32, *mut f32) -> c_int,
-    pub(crate) vertex_count: u64,
-    pub(crate) vertices: *const f32,
-    pub(crate) indices: *const u32,
+    /// With [`INDICES`]: how many vertices.
+    pub vertex_count: u64,
+    /// Three coordinates for each; null without [`INDICES`].
+    pub vertices: *const f32,
+    /// Three vertices for each triangle, likewise.
+    pub indices: *const u32,
 }
 
 /// `rtbench_stats`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Stats {
-    pub(crate) size: u32,
-    pub(crate) has_counters: u32,
-    pub(crate) bytes: u64,
-    pub(crate) inner_nodes: u64,
-    pub(crate) leaves: u64,
-    pub(crate) empty_leaves: u64,
-    pub(crate) references: u64,
-    pub(crate) intersection_tests: u64,
-    pub(crate) traversal_steps: u64,
+    /// Bytes of this struct.
+    pub size: u32,
+    /// Not 0 where the last two fields are counted.
+    pub has_counters: u32,
+    /// Bytes of the structure.
+    pub bytes: u64,
+    /// N_IN.
+    pub inner_nodes: u64,
+    /// N_V.
+    pub leaves: u64,
+    /// N_EV.
+    pub empty_leaves: u64,
+    /// N_OIV.
+    pub references: u64,
+    /// N_IT since the build.
+    pub intersection_tests: u64,
+    /// N_TS likewise.
+    pub traversal_steps: u64,
 }
 
 /// Builds: `rtbench_plugin.build`.
-pub(crate) type Build =
-    unsafe extern "C" fn(*const Scene, *mut *mut c_void, *mut c_char, usize) -> c_int;
+pub type Build = unsafe extern "C" fn(*const Scene, *mut *mut c_void, *mut c_char, usize) -> c_int;
 /// `rtbench_plugin.closest`.
-pub(crate) type Closest = unsafe extern "C" fn(*mut c_void, *const Ray, *mut Hit, usize);
+pub type Closest = unsafe extern "C" fn(*mut c_void, *const Ray, *mut Hit, usize);
 /// `rtbench_plugin.occluded`.
-pub(crate) type Occluded = unsafe extern "C" fn(*mut c_void, *const Ray, *mut u8, usize);
+pub type Occluded = unsafe extern "C" fn(*mut c_void, *const Ray, *mut u8, usize);
 
 /// `rtbench_plugin`.
 #[repr(C)]
 pub struct Plugin {
-    pub(crate) abi_version: u32,
-    pub(crate) size: u32,
-    pub(crate) name: *const c_char,
-    pub(crate) version: *const c_char,
-    pub(crate) summary: *const c_char,
-    pub(crate) answers: u32,
-    pub(crate) query: u32,
-    pub(crate) test: u32,
-    pub(crate) settings_count: u32,
-    pub(crate) settings: *const Setting,
-    pub(crate) build: Option<Build>,
-    pub(crate) closest: Option<Closest>,
-    pub(crate) occluded: Option<Occluded>,
-    pub(crate) stats: Option<unsafe extern "C" fn(*mut c_void, *mut Stats)>,
-    pub(crate) count: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    pub(crate) destroy: Option<unsafe extern "C" fn(*mut c_void)>,
+    /// [`VERSION`].
+    pub abi_version: u32,
+    /// Bytes of this struct.
+    pub size: u32,
+    /// Of its row.
+    pub name: *const c_char,
+    /// Of the structure.
+    pub version: *const c_char,
+    /// One line.
+    pub summary: *const c_char,
+    /// [`TRIANGLES_F32`] and other bits.
+    pub answers: u32,
+    /// [`ONE_RAY`] or [`BATCH`].
+    pub query: u32,
+    /// [`OWN_TEST`] or [`HOST_TEST`].
+    pub test: u32,
+    /// How many settings.
+    pub settings_count: u32,
+    /// That many.
+    pub settings: *const Setting,
+    /// Builds, or writes why not.
+    pub build: Option<Build>,
+    /// Writes closest hits.
+    pub closest: Option<Closest>,
+    /// Writes which rays are blocked; none without [`OCCLUSION`].
+    pub occluded: Option<Occluded>,
+    /// Says what was built.
+    pub stats: Option<unsafe extern "C" fn(*mut c_void, *mut Stats)>,
+    /// Turns counting on or off.
+    pub count: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    /// Frees what was built.
+    pub destroy: Option<unsafe extern "C" fn(*mut c_void)>,
 }
 
 /// `rtbench_plugin_describe`.
-pub(crate) type Describe = unsafe extern "C" fn() -> *const Plugin;
-
-impl From<&accel_core::Ray<f32>> for Ray {
-    fn from(ray: &accel_core::Ray<f32>) -> Self {
-        Self {
-            origin: ray.origin.to_array(),
-            t_min: ray.t_min,
-            direction: ray.direction.to_array(),
-            t_max: ray.t_max,
-        }
-    }
-}
-
-impl From<&Ray> for accel_core::Ray<f32> {
-    fn from(ray: &Ray) -> Self {
-        Self {
-            t_min: ray.t_min,
-            t_max: ray.t_max,
-            ..Self::new(ray.origin.into(), ray.direction.into())
-        }
-    }
-}
+pub type Describe = unsafe extern "C" fn() -> *const Plugin;

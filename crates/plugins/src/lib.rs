@@ -13,6 +13,7 @@
 )]
 
 pub mod abi;
+mod conversions;
 pub mod description;
 pub mod error;
 pub mod files;
