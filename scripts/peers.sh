@@ -3,6 +3,7 @@
 # usage: scripts/peers.sh [NAME...]: all where none is named. Fails where one that has all it needs does not
 # compile. TINYBVH, BVH_V2 and NANORT are folders with the sources of these; EMBREE4_LIBRARY and EMBREE3_LIBRARY
 # are needed when those two run, if the system does not find them. CXX, CC, CXXFLAGS and CFLAGS are passed on.
+# cargo fetches the crates that `rust` needs.
 set -uo pipefail
 for variable in TINYBVH BVH_V2 NANORT; do
     [ -z "${!variable:-}" ] || export "$variable=$(realpath "${!variable}")"
@@ -19,6 +20,17 @@ needs() {
     return 1
 }
 
+# needs_crates: cargo is there, and has what Cargo.lock names or can fetch it
+needs_crates() {
+    if ! command -v cargo > /dev/null; then
+        echo "$name: not built: cargo is missing"
+        return 1
+    fi
+    (cd "$name" && cargo fetch --locked --quiet --target "$(rustc -vV | sed -n 's/^host: //p')") && return
+    echo "$name: not built: cargo cannot get the crates of peers/$name/Cargo.lock (offline?)"
+    return 1
+}
+
 for name in "${names[@]}"; do
     name=${name%/Makefile}
     name=${name%/}
@@ -32,6 +44,7 @@ for name in "${names[@]}"; do
     tinybvh) needs TINYBVH tiny_bvh.h || continue ;;
     bvh-v2) needs BVH_V2 src/bvh/v2/bvh.h || continue ;;
     nanort) needs NANORT nanort.h || continue ;;
+    rust) needs_crates || continue ;;
     esac
     if make -s -C "$name"; then
         for library in "$name"/*.so; do echo "$name: peers/$library"; done

@@ -1,0 +1,156 @@
+//! The functions of a plugin.
+
+use std::ffi::{c_char, c_int, c_void};
+
+use crate::abi::{self, Hit, Ray};
+use crate::scene::{Scene, Triangle};
+use crate::{Peer, Shadows, Stats, memory, panics, threads};
+
+/// What a peer built.
+struct Built<P> {
+    all: P,
+    /// Without triangles that let shadow rays pass, with [`Shadows::All`] where there are such.
+    opaque: Option<P>,
+    bytes: u64,
+}
+
+impl<P: Peer> Built<P> {
+    fn new(scene: &Scene<'_>) -> Result<Self, String> {
+        if !P::USES_RAYON {
+            return Self::counted(scene);
+        }
+        // before bytes are counted: its threads are not of the structure
+        threads::pool(scene.threads)?.install(|| Self::counted(scene))
+    }
+
+    fn counted(scene: &Scene<'_>) -> Result<Self, String> {
+        let before = memory::allocated();
+        let all = P::build(scene)?;
+        let others = opaque_triangles::<P>(scene);
+        let only_them =
+            |triangles| Scene { triangles, transmissive: None, indexed: None, ..*scene };
+        let opaque =
+            others.as_ref().map(|triangles| P::build(&only_them(triangles))).transpose()?;
+        drop(others);
+        let bytes = memory::allocated().saturating_sub(before);
+        Ok(Self { all, opaque, bytes })
+    }
+}
+
+/// The triangles that shadow rays do not pass, for a peer that needs them apart.
+fn opaque_triangles<P: Peer>(scene: &Scene<'_>) -> Option<Vec<Triangle>> {
+    let are_some = (0..scene.triangles.len()).any(|id| scene.is_transmissive(id));
+    if P::SHADOWS != Shadows::All || !are_some {
+        return None;
+    }
+    let opaque =
+        |(id, triangle): (usize, &Triangle)| (!scene.is_transmissive(id)).then_some(*triangle);
+    let mut others: Vec<Triangle> = scene.triangles.iter().enumerate().filter_map(opaque).collect();
+    if others.is_empty() {
+        // there is nothing to build over: a point that nothing hits
+        others.push([[0.0; 3]; 3]);
+    }
+    Some(others)
+}
+
+/// `rtbench_plugin.build`.
+///
+/// # Safety
+/// As rtbench.h says.
+pub(crate) unsafe extern "C" fn build<P: Peer>(
+    scene: *const abi::Scene,
+    built: *mut *mut c_void,
+    message: *mut c_char,
+    message_size: usize,
+) -> c_int {
+    // SAFETY: by the contract
+    let attempt = || unsafe { Scene::read::<P, _>(&*scene, Built::<P>::new) };
+    let reason = match panics::as_reason(attempt) {
+        Ok(whole) => {
+            // SAFETY: by the contract
+            unsafe { *built = Box::into_raw(Box::new(whole)).cast() };
+            return 0;
+        }
+        Err(reason) => reason,
+    };
+    if message_size > 0 {
+        let length = reason.floor_char_boundary(message_size - 1);
+        // SAFETY: there is room for that many and a zero
+        unsafe {
+            std::ptr::copy_nonoverlapping(reason.as_ptr(), message.cast(), length);
+            *message.add(length) = 0;
+        }
+    }
+    1
+}
+
+/// `rtbench_plugin.closest`. A panic ends the process.
+///
+/// # Safety
+/// As rtbench.h says.
+pub(crate) unsafe extern "C" fn closest<P: Peer>(
+    built: *mut c_void,
+    rays: *const Ray,
+    hits: *mut Hit,
+    count: usize,
+) {
+    // SAFETY: by the contract
+    let (all, rays) = unsafe { (&(*built.cast::<Built<P>>()).all, rays_of(rays, count)) };
+    for (i, ray) in rays.iter().enumerate() {
+        let hit = all.closest(ray).unwrap_or(Hit { t: ray.t_max, id: abi::MISS });
+        // SAFETY: there are as many hits; nothing is read of them
+        unsafe { hits.add(i).write(hit) };
+    }
+}
+
+/// `rtbench_plugin.occluded`. A panic ends the process.
+///
+/// # Safety
+/// As rtbench.h says.
+pub(crate) unsafe extern "C" fn occluded<P: Peer>(
+    built: *mut c_void,
+    rays: *const Ray,
+    blocked: *mut u8,
+    count: usize,
+) {
+    // SAFETY: by the contract
+    let (built, rays) = unsafe { (&*built.cast::<Built<P>>(), rays_of(rays, count)) };
+    let asked = built.opaque.as_ref().unwrap_or(&built.all);
+    for (i, ray) in rays.iter().enumerate() {
+        let is_blocked = u8::from(asked.occluded(ray));
+        // SAFETY: there are as many answers
+        unsafe { blocked.add(i).write(is_blocked) };
+    }
+}
+
+/// # Safety
+/// There are that many.
+unsafe fn rays_of<'a>(rays: *const Ray, count: usize) -> &'a [Ray] {
+    match count {
+        0 => &[],
+        // SAFETY: by the contract
+        _ => unsafe { std::slice::from_raw_parts(rays, count) },
+    }
+}
+
+/// `rtbench_plugin.stats`.
+///
+/// # Safety
+/// As rtbench.h says.
+pub(crate) unsafe extern "C" fn stats<P: Peer>(built: *mut c_void, stats: *mut Stats) {
+    // SAFETY: by the contract
+    let (built, stats) = unsafe { (&*built.cast::<Built<P>>(), &mut *stats) };
+    stats.bytes = built.bytes;
+    for part in std::iter::once(&built.all).chain(&built.opaque) {
+        part.stats(stats);
+    }
+}
+
+/// `rtbench_plugin.destroy`.
+///
+/// # Safety
+/// As rtbench.h says.
+pub(crate) unsafe extern "C" fn destroy<P: Peer>(built: *mut c_void) {
+    // SAFETY: by the contract: it is of `build`, and nobody asks it any more
+    drop(unsafe { Box::from_raw(built.cast::<Built<P>>()) });
+}

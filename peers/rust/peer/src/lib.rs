@@ -1,0 +1,74 @@
+//! What the peers in Rust share: `rtbench.h` over a type, as `peers/common/peer.h` is for C++.
+//!
+//! A plugin is a `cdylib` with a type that is a [`Peer`], and a line `peer::export!(ThatType);`. It answers one ray
+//! after the other, with a triangle test of its own. A panic in its build is the reason why it is not built;
+//! one in a query ends the process, as nothing may unwind through the interface.
+
+#[path = "../../../../crates/plugins/src/abi.rs"]
+pub mod abi;
+mod built;
+mod description;
+mod memory;
+mod panics;
+mod scene;
+mod threads;
+pub mod trial;
+pub mod triangle;
+
+pub use abi::{Hit, Ray, Stats};
+pub use description::{Described, Description, Kind, Setting, describe, locked_version};
+pub use scene::{Indexed, Scene, Settings, Triangle};
+
+/// What a library does with shadow rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shadows {
+    /// It has no query for them: rtbench asks for closest hits.
+    None,
+    /// Its query passes by triangles that let light pass.
+    Filtered,
+    /// Its query stops at every triangle: where some let light pass, it is asked of a second structure, over the
+    /// others alone, which is built and counted with the first.
+    All,
+}
+
+/// A structure of a library, over triangles.
+pub trait Peer: Sized + Send + Sync + 'static {
+    /// The row and its settings.
+    const DESCRIPTION: Description;
+    /// Its query for shadow rays.
+    const SHADOWS: Shadows;
+    /// Whether it wants [`Scene::indexed`].
+    const ASKS_INDICES: bool = false;
+    /// Whether it builds with rayon: then in a pool of as many threads as it may use.
+    const USES_RAYON: bool;
+
+    /// Builds.
+    ///
+    /// # Errors
+    /// The reason why it is not built; a panic is one, too.
+    fn build(scene: &Scene<'_>) -> Result<Self, String>;
+
+    /// The closest hit of a ray, if there is one.
+    fn closest(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether something is in the way. Not asked with [`Shadows::None`].
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.closest(ray).is_some()
+    }
+
+    /// Adds nodes and references.
+    fn stats(&self, stats: &mut Stats);
+}
+
+/// Exports the one symbol of a plugin, for a [`Peer`].
+#[macro_export]
+macro_rules! export {
+    ($peer:ty) => {
+        /// `rtbench_plugin_describe` of rtbench.h.
+        #[unsafe(no_mangle)]
+        pub extern "C" fn rtbench_plugin_describe() -> *const $crate::abi::Plugin {
+            static PLUGIN: std::sync::OnceLock<$crate::Described> = std::sync::OnceLock::new();
+            PLUGIN.get_or_init($crate::describe::<$peer>).as_ptr()
+        }
+    };
+}

@@ -1,0 +1,274 @@
+//! For tests: builds a plugin as rtbench does, and compares its answers with every triangle in f64.
+
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+
+use crate::abi::{self, Hit, Plugin, Prepared, Ray};
+use crate::scene::Triangle;
+
+/// Nearer to an edge than this, in parts of a triangle, or so near to an end of its interval, a ray may hit or not.
+const EDGE: f64 = 1e-4;
+/// Likewise where it meets the plane at a smaller sine than this, not far from the triangle.
+const GRAZING: f64 = 0.03;
+const NEAR: f64 = -0.1;
+/// By so much, relatively, a parameter may differ.
+const ROUNDING: f64 = 1e-4;
+
+/// What a plugin built.
+pub struct Trial<'a> {
+    plugin: &'static Plugin,
+    built: *mut c_void,
+    triangles: &'a [Triangle],
+    transmissive: &'a [u8],
+}
+
+/// Answers that are wrong, of how many.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Faults {
+    /// Rays whose hit is certain.
+    pub certain: usize,
+    /// A hit that is not found.
+    pub lost: usize,
+    /// A hit where there is none.
+    pub invented: usize,
+    /// Another triangle, or another parameter.
+    pub elsewhere: usize,
+    /// Of shadow rays.
+    pub occlusion: usize,
+}
+
+impl Faults {
+    /// All of them.
+    pub fn sum(&self) -> usize {
+        self.lost + self.invented + self.elsewhere + self.occlusion
+    }
+}
+
+impl<'a> Trial<'a> {
+    /// Builds over triangles; a byte for each says whether shadow rays pass (none: nowhere). `settings` is as
+    /// behind `-s NAME:`, other settings have their defaults.
+    ///
+    /// # Errors
+    /// The reason of the plugin.
+    ///
+    /// # Panics
+    /// If there is no such setting.
+    pub fn build(
+        plugin: *const Plugin,
+        triangles: &'a [Triangle],
+        transmissive: &'a [u8],
+        settings: &str,
+        threads: u32,
+    ) -> Result<Self, String> {
+        // SAFETY: what a plugin describes lives as long as the process
+        let plugin = unsafe { &*plugin };
+        let values = values(plugin, settings);
+        let pointers: Vec<*const c_char> = values.iter().map(|value| value.as_ptr()).collect();
+        let vertices = triangles.as_flattened();
+        let indices: Vec<u32> = (0..vertices.len() as u32).collect();
+        let scene = abi::Scene {
+            size: size_of::<abi::Scene>() as u32,
+            threads,
+            triangles: triangles.len() as u64,
+            positions: vertices.as_flattened().as_ptr(),
+            transmissive: if transmissive.is_empty() {
+                std::ptr::null()
+            } else {
+                transmissive.as_ptr()
+            },
+            settings: pointers.as_ptr(),
+            host: std::ptr::null(),
+            prepare,
+            intersect,
+            vertex_count: vertices.len() as u64,
+            vertices: vertices.as_flattened().as_ptr(),
+            indices: indices.as_ptr(),
+        };
+        let (mut built, mut message) = (std::ptr::null_mut(), [0u8; 64]);
+        let build = plugin.build.expect("every plugin builds");
+        // SAFETY: as rtbench.h says
+        let code = unsafe {
+            build(&raw const scene, &raw mut built, message.as_mut_ptr().cast(), message.len())
+        };
+        if code != 0 {
+            let said = CStr::from_bytes_until_nul(&message).expect("messages end with a zero");
+            return Err(said.to_str().expect("messages are UTF-8").to_owned());
+        }
+        Ok(Self { plugin, built, triangles, transmissive })
+    }
+
+    /// The closest hits.
+    pub fn closest(&self, rays: &[Ray]) -> Vec<Hit> {
+        let mut hits = vec![Hit { t: f32::NAN, id: 0x7fff_ffff }; rays.len()];
+        let closest = self.plugin.closest.expect("every plugin answers");
+        // SAFETY: as rtbench.h says
+        unsafe { closest(self.built, rays.as_ptr(), hits.as_mut_ptr(), rays.len()) };
+        hits
+    }
+
+    /// Which rays are blocked; none if the plugin has no query for it.
+    pub fn occluded(&self, rays: &[Ray]) -> Option<Vec<u8>> {
+        let mut blocked = vec![7; rays.len()];
+        // SAFETY: as rtbench.h says
+        unsafe {
+            self.plugin.occluded?(self.built, rays.as_ptr(), blocked.as_mut_ptr(), rays.len())
+        };
+        Some(blocked)
+    }
+
+    /// What was built.
+    pub fn stats(&self) -> abi::Stats {
+        let mut stats =
+            abi::Stats { size: size_of::<abi::Stats>() as u32, ..abi::Stats::default() };
+        // SAFETY: as rtbench.h says
+        unsafe { self.plugin.stats.expect("every peer has these")(self.built, &raw mut stats) };
+        stats
+    }
+
+    /// Asks for everything, and compares it.
+    pub fn faults(&self, rays: &[Ray]) -> Faults {
+        let mut faults = Faults::default();
+        let hits = self.closest(rays);
+        let blocked = self.occluded(rays);
+        for (i, ray) in rays.iter().enumerate() {
+            let (nearest, first_doubt) = self.nearest(ray, |_| true);
+            if nearest.map_or(f64::MAX, |(_, t)| t) < first_doubt {
+                faults.certain += 1;
+                match (nearest, hits[i].id) {
+                    (None, abi::MISS) => {}
+                    (None, _) => faults.invented += 1,
+                    (Some(_), abi::MISS) => faults.lost += 1,
+                    (Some((id, t)), found) => {
+                        let is_near = (f64::from(hits[i].t) - t).abs() <= ROUNDING * t.abs();
+                        faults.elsewhere += usize::from(found as usize != id || !is_near);
+                    }
+                }
+            }
+            let is_opaque = |id: usize| self.transmissive.get(id).is_none_or(|flag| *flag == 0);
+            let (nearest, first_doubt) = self.nearest(ray, is_opaque);
+            let is_certain = nearest.is_some() || first_doubt.is_infinite();
+            if let (Some(blocked), true) = (&blocked, is_certain) {
+                faults.occlusion += usize::from(blocked[i] != u8::from(nearest.is_some()));
+            }
+        }
+        faults
+    }
+
+    /// The nearest hit of the triangles chosen, if there is one; and where the first one lies that may be one.
+    fn nearest(&self, ray: &Ray, of: impl Fn(usize) -> bool) -> (Option<(usize, f64)>, f64) {
+        let mut nearest: Option<(usize, f64)> = None;
+        let mut first_doubt = f64::INFINITY;
+        let (low, high) = (f64::from(ray.t_min), f64::from(ray.t_max));
+        let length = ray.direction.map(|x| f64::from(x).powi(2)).iter().sum::<f64>().sqrt();
+        for (id, triangle) in self.triangles.iter().enumerate().filter(|(id, _)| of(*id)) {
+            let (inside, t, sine) = hit(triangle, ray);
+            let is_grazing = sine < GRAZING && inside > NEAR;
+            let is_at_an_end = [low, high].iter().any(|end| (t - end).abs() * length < EDGE);
+            if is_at_an_end && inside > -EDGE || (is_grazing || inside.abs() <= EDGE) && t > 0.0 {
+                first_doubt = first_doubt.min(t);
+            } else if inside > 0.0
+                && t >= low
+                && t <= high
+                && nearest.is_none_or(|(_, best)| t < best)
+            {
+                nearest = Some((id, t));
+            }
+        }
+        (nearest, first_doubt * (1.0 - EDGE))
+    }
+}
+
+impl Drop for Trial<'_> {
+    fn drop(&mut self) {
+        // SAFETY: as rtbench.h says
+        unsafe { self.plugin.destroy.expect("every plugin has this")(self.built) };
+    }
+}
+
+fn values(plugin: &Plugin, settings: &str) -> Vec<CString> {
+    // SAFETY: as rtbench.h says
+    let described =
+        unsafe { std::slice::from_raw_parts(plugin.settings, plugin.settings_count as usize) };
+    // SAFETY: likewise
+    let text = |text| unsafe { CStr::from_ptr(text) };
+    let mut values: Vec<CString> = described.iter().map(|s| text(s.initial).to_owned()).collect();
+    for (name, value) in settings.split_whitespace().filter_map(|part| part.split_once('=')) {
+        let at = described.iter().position(|setting| text(setting.name).to_str() == Ok(name));
+        values[at.unwrap_or_else(|| panic!("no setting {name}"))] =
+            CString::new(value).expect("no zeros");
+    }
+    values
+}
+
+/// How far inside a triangle a ray's line goes, in parts of it (negative: outside), its parameter there, and the
+/// sine of its angle with the plane.
+fn hit(triangle: &Triangle, ray: &Ray) -> (f64, f64, f64) {
+    let [a, b, c] = triangle.map(|corner| corner.map(f64::from));
+    let (origin, direction) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
+    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    // the volumes that the line makes with each edge
+    let [oa, ob, oc] = [a, b, c].map(|corner| minus(corner, origin));
+    let volumes = [(ob, oc), (oc, oa), (oa, ob)].map(|(p, q)| dot(direction, cross(p, q)));
+    let sum: f64 = volumes.iter().sum();
+    let inside = volumes.map(|volume| volume / sum).into_iter().fold(f64::INFINITY, f64::min);
+    let normal = cross(minus(b, a), minus(c, a));
+    let towards = dot(direction, normal);
+    let sine = towards.abs() / (dot(direction, direction) * dot(normal, normal)).sqrt();
+    (inside, dot(oa, normal) / towards, sine)
+}
+
+/// So many triangles of all directions and both windings, in a unit cube and a little around; none is a sliver.
+pub fn triangles(count: usize) -> Vec<Triangle> {
+    (0..count)
+        .map(|i| {
+            let (from, turn) = (point(i), point(count + i));
+            let size = if i.is_multiple_of(10) { 0.5 } else { 0.15 };
+            // two directions that are nearly at right angles
+            let [x, y, z] = turn.map(|part| part - 0.5);
+            let (u, v) = ([x, y, z + 0.6], [z + 0.6, 0.5 * y, -x]);
+            let along = |d: [f32; 3]| std::array::from_fn(|k| from[k] + size * d[k]);
+            [from, along(u), along(v)]
+        })
+        .collect()
+}
+
+/// So many rays through the cube: from outside and inside, of all lengths and with all kinds of intervals.
+pub fn rays(count: usize) -> Vec<Ray> {
+    (0..count)
+        .map(|i| {
+            // none begins at a corner of a triangle
+            let (from, to) = (point(2 * i + 1_000_003), point(2 * i + 1_000_004));
+            let length = [1.0, 0.01, 300.0][i % 3];
+            let outside = if i.is_multiple_of(2) { 4.0 } else { 1.0 };
+            let origin: [f32; 3] = std::array::from_fn(|k| 0.5 + outside * (from[k] - 0.5));
+            let direction = std::array::from_fn(|k| length * (to[k] - origin[k]));
+            let t_min = [0.0, 0.4 / length, 0.0, 1e-3 / length][i / 6 % 4];
+            let t_max = [f32::INFINITY, f32::INFINITY, 0.9 / length][i / 24 % 3];
+            Ray { origin, t_min, direction, t_max }
+        })
+        .collect()
+}
+
+/// The points of a sequence that fills the unit cube evenly.
+fn point(i: usize) -> [f32; 3] {
+    [0.819_172_513, 0.671_043_607, 0.549_700_478].map(|by: f64| (i as f64 * by).fract() as f32)
+}
+
+/// # Safety
+/// Never called: peers have their own test.
+unsafe extern "C" fn prepare(_: *const c_void, _: *const Ray, _: *mut Prepared) {}
+
+/// # Safety
+/// Likewise.
+unsafe extern "C" fn intersect(
+    _: *const c_void,
+    _: *const Prepared,
+    _: u32,
+    _: f32,
+    _: *mut f32,
+) -> c_int {
+    0
+}
