@@ -139,11 +139,13 @@ impl Peer for BvhPeer {
         let (ray, shapes) = (&asked.ray, &self.shapes[..]);
         match &self.tree {
             Tree::Nodes(tree) => match self.way {
-                Way::Nearest => self.any(&asked, tree.nearest_traverse_iterator(ray, shapes)),
                 Way::NearestChild => {
                     self.any(&asked, tree.nearest_child_traverse_iterator(ray, shapes))
                 }
-                Way::Iterator => self.any(&asked, tree.traverse_iterator(ray, shapes)),
+                // order is of no use here
+                Way::Nearest | Way::Iterator => {
+                    self.any(&asked, tree.traverse_iterator(ray, shapes))
+                }
                 Way::List => self.any(&asked, tree.traverse(ray, shapes)),
             },
             Tree::Flat(tree) => self.any(&asked, tree.traverse(ray, shapes)),

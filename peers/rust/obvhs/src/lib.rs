@@ -63,7 +63,8 @@ impl Peer for Obvhs {
             Setting {
                 name: "layout",
                 summary: "Bvh2, or CwBvh: eight-wide, compressed",
-                initial: "cwbvh",
+                // small nodes are those of the binary tree
+                initial: if cfg!(feature = "small-nodes") { "bvh2" } else { "cwbvh" },
                 kind: Kind::Choice("bvh2 cwbvh"),
             },
             Setting {

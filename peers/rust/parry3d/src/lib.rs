@@ -60,6 +60,8 @@ impl Peer for Parry {
             Self::Mesh(mesh) => mesh.bvh(),
             Self::Tree { tree, .. } => tree,
         };
+        // the root has no box, and is not shown
+        stats.inner_nodes += u64::from(tree.leaf_count() > 1);
         tree.traverse(|node| {
             if node.is_leaf() {
                 stats.leaves += 1;
@@ -103,7 +105,7 @@ mod tests {
             let settings = format!("build={build}");
             let trial = Trial::build(plugin, &triangles, &[], &settings, 1).unwrap();
             let stats = trial.stats();
-            assert_eq!([stats.leaves, stats.references], [3000; 2]);
+            assert_eq!([stats.inner_nodes, stats.leaves, stats.references], [2999, 3000, 3000]);
             let faults = trial.faults(&rays);
             assert!(faults.sum() == 0 && faults.certain > 500, "{build} {faults:?}");
         }
