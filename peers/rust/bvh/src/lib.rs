@@ -243,7 +243,7 @@ mod tests {
         for way in ["nearest", "nearest-child", "iterator", "list", "flat"] {
             for test in ["library", "plain"] {
                 let settings = format!("traverse={way} test={test}");
-                let plugin = rtbench_plugin_describe();
+                let plugin = rtbench_plugin_describe;
                 let trial = Trial::build(plugin, &triangles, &glass, &settings, 2).unwrap();
                 let stats = trial.stats();
                 assert_eq!([stats.leaves, stats.references], [3000; 2]);
@@ -264,7 +264,7 @@ mod tests {
         };
         let found = |size: f32, test: &str| {
             let triangles = [[[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]]];
-            let plugin = rtbench_plugin_describe();
+            let plugin = rtbench_plugin_describe;
             let trial = Trial::build(plugin, &triangles, &[], test, 1).unwrap();
             trial.closest(&[ray(size)])[0].id == 0
         };

@@ -197,7 +197,7 @@ mod tests {
             .copied()
             .collect();
         let of = |settings: &str, transmissive: &[u8]| {
-            let plugin = super::rtbench_plugin_describe();
+            let plugin = super::rtbench_plugin_describe;
             let trial = Trial::build(plugin, &triangles, transmissive, settings, 2).unwrap();
             let stats = trial.stats();
             assert!(stats.inner_nodes > 100 && stats.references >= 3000 && stats.leaves > 500);
@@ -216,5 +216,15 @@ mod tests {
             let faults = of(&format!("layout={layout} triangles=compressed"), &[]);
             assert!(faults.elsewhere > 0 && faults.lost < 20 && faults.invented < 20, "{faults:?}");
         }
+    }
+
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn what_intersect_embree_returns() {
+        use super::*;
+        // at t = 3; the determinant is 4
+        let triangle = RtTriangle::new(Vec3A::ZERO, Vec3A::X * 2.0, Vec3A::Y * 2.0);
+        let ray = OwnRay::new_inf(Vec3A::new(0.5, 0.5, 3.0), -Vec3A::Z);
+        assert_eq!([triangle.intersect(&ray), triangle.intersect_embree(&ray)], [3.0, 12.0]);
     }
 }

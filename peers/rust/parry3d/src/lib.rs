@@ -101,7 +101,7 @@ mod tests {
         let triangles = triangles(3000);
         let rays = rays(1000);
         for build in ["binned", "ploc"] {
-            let plugin = super::rtbench_plugin_describe();
+            let plugin = super::rtbench_plugin_describe;
             let settings = format!("build={build}");
             let trial = Trial::build(plugin, &triangles, &[], &settings, 1).unwrap();
             let stats = trial.stats();

@@ -74,7 +74,13 @@ pub(crate) unsafe extern "C" fn build<P: Peer>(
         Err(reason) => reason,
     };
     if message_size > 0 {
-        let length = reason.floor_char_boundary(message_size - 1);
+        // no letter is cut
+        let room = message_size - 1;
+        let length = if reason.len() <= room {
+            reason.len()
+        } else {
+            (0..=room).rev().find(|at| reason.is_char_boundary(*at)).unwrap_or(0)
+        };
         // SAFETY: there is room for that many and a zero
         unsafe {
             std::ptr::copy_nonoverlapping(reason.as_ptr(), message.cast(), length);

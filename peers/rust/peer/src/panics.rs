@@ -1,7 +1,7 @@
 //! Panics of a build, as a reason why it is not built.
 
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook, take_hook};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 /// The first panic since a build began: others follow from it, where threads are joined.
 static FIRST: Mutex<Option<String>> = Mutex::new(None);
@@ -16,6 +16,9 @@ pub(crate) fn as_reason<R>(f: impl FnOnce() -> Result<R, String>) -> Result<R, S
             others(panic);
         }));
     });
+    // one build after the other, or a panic could be that of another
+    static BUILDS: Mutex<()> = Mutex::new(());
+    let _alone = BUILDS.lock().unwrap_or_else(PoisonError::into_inner);
     *first() = None;
     catch_unwind(AssertUnwindSafe(f)).unwrap_or_else(|_| {
         let told = first().take().unwrap_or_else(|| "without a word".to_owned());
@@ -23,12 +26,15 @@ pub(crate) fn as_reason<R>(f: impl FnOnce() -> Result<R, String>) -> Result<R, S
     })
 }
 
-fn first() -> std::sync::MutexGuard<'static, Option<String>> {
+fn first() -> MutexGuard<'static, Option<String>> {
     FIRST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn told(panic: &PanicHookInfo<'_>) -> String {
-    let said = panic.payload_as_str().unwrap_or("without a word");
+    let payload = panic.payload();
+    let owned = payload.downcast_ref::<String>().map(String::as_str);
+    let said = owned.or_else(|| payload.downcast_ref::<&str>().copied());
+    let said = said.unwrap_or("without a word");
     match panic.location() {
         Some(at) => format!("{said} ({}:{})", in_crate(at.file()), at.line()),
         None => said.to_owned(),

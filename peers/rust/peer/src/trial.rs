@@ -53,14 +53,14 @@ impl<'a> Trial<'a> {
     /// # Panics
     /// If there is no such setting.
     pub fn build(
-        plugin: *const Plugin,
+        describe: extern "C" fn() -> *const Plugin,
         triangles: &'a [Triangle],
         transmissive: &'a [u8],
         settings: &str,
         threads: u32,
     ) -> Result<Self, String> {
         // SAFETY: what a plugin describes lives as long as the process
-        let plugin = unsafe { &*plugin };
+        let plugin = unsafe { &*describe() };
         let values = values(plugin, settings);
         let pointers: Vec<*const c_char> = values.iter().map(|value| value.as_ptr()).collect();
         let vertices = triangles.as_flattened();

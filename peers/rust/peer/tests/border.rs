@@ -10,6 +10,8 @@ struct Brute<const SHADOWS: u8> {
     fault: String,
 }
 
+type Describe = extern "C" fn() -> *const peer::abi::Plugin;
+
 const NONE: u8 = 0;
 const FILTERED: u8 = 1;
 const ALL: u8 = 2;
@@ -81,7 +83,7 @@ impl<const SHADOWS: u8> Peer for Brute<SHADOWS> {
     }
 }
 
-fn plugin<const SHADOWS: u8>() -> *const peer::abi::Plugin {
+extern "C" fn plugin<const SHADOWS: u8>() -> *const peer::abi::Plugin {
     peer::describe::<Brute<SHADOWS>>().as_ptr()
 }
 
@@ -93,7 +95,7 @@ fn some_glass(count: usize) -> Vec<u8> {
 fn right_answers_come_through() {
     let (triangles, rays) = (triangles(200), rays(600));
     let glass = some_glass(200);
-    for plugin in [plugin::<NONE>(), plugin::<FILTERED>(), plugin::<ALL>()] {
+    for plugin in [plugin::<NONE> as Describe, plugin::<FILTERED>, plugin::<ALL>] {
         for (transmissive, threads) in [(&[][..], 1), (&glass, 2)] {
             let trial = Trial::build(plugin, &triangles, transmissive, "", threads).unwrap();
             let faults = trial.faults(&rays);
@@ -104,16 +106,14 @@ fn right_answers_come_through() {
         }
     }
     // without rays there are no answers
-    assert!(
-        Trial::build(plugin::<NONE>(), &triangles, &[], "", 1).unwrap().closest(&[]).is_empty()
-    );
+    assert!(Trial::build(plugin::<NONE>, &triangles, &[], "", 1).unwrap().closest(&[]).is_empty());
 }
 
 #[test]
 fn planted_mistakes_are_seen() {
     let (triangles, rays) = (triangles(200), rays(600));
     let glass = some_glass(200);
-    for plugin in [plugin::<NONE>(), plugin::<FILTERED>()] {
+    for plugin in [plugin::<NONE> as Describe, plugin::<FILTERED>] {
         let faults = |fault: &str| {
             let settings = format!("fault={fault}");
             Trial::build(plugin, &triangles, &glass, &settings, 1).unwrap().faults(&rays)
@@ -124,7 +124,7 @@ fn planted_mistakes_are_seen() {
         assert!(early.elsewhere + early.invented > 20, "{early:?}");
     }
     let shadows = |fault| {
-        let trial = Trial::build(plugin::<FILTERED>(), &triangles, &glass, fault, 1).unwrap();
+        let trial = Trial::build(plugin::<FILTERED>, &triangles, &glass, fault, 1).unwrap();
         trial.faults(&rays).occlusion
     };
     assert_eq!(shadows("fault=none"), 0);
@@ -134,7 +134,7 @@ fn planted_mistakes_are_seen() {
 #[test]
 fn a_panic_in_a_build_is_a_reason() {
     let triangles = triangles(3);
-    for plugin in [plugin::<NONE>(), plugin::<FILTERED>(), plugin::<ALL>()] {
+    for plugin in [plugin::<NONE> as Describe, plugin::<FILTERED>, plugin::<ALL>] {
         let refused = |fault| Trial::build(plugin, &triangles, &[], fault, 1).err().unwrap();
         assert_eq!(refused("fault=refuses"), "it does not want to");
         // cut where a letter ends: the message has room for 63 bytes
@@ -148,17 +148,17 @@ fn a_panic_in_a_build_is_a_reason() {
 #[test]
 fn a_second_structure_stands_for_what_is_opaque() {
     let triangles = triangles(90);
-    let stats = |plugin, transmissive: &[u8]| {
+    let stats = |plugin: Describe, transmissive: &[u8]| {
         Trial::build(plugin, &triangles, transmissive, "", 1).unwrap().stats()
     };
     let glass = some_glass(90);
-    assert_eq!(stats(plugin::<ALL>(), &glass).references, 90 + 60);
-    assert_eq!(stats(plugin::<ALL>(), &[]).references, 90);
-    assert_eq!(stats(plugin::<ALL>(), &[0; 90]).references, 90);
-    assert_eq!(stats(plugin::<FILTERED>(), &glass).references, 90);
+    assert_eq!(stats(plugin::<ALL>, &glass).references, 90 + 60);
+    assert_eq!(stats(plugin::<ALL>, &[]).references, 90);
+    assert_eq!(stats(plugin::<ALL>, &[0; 90]).references, 90);
+    assert_eq!(stats(plugin::<FILTERED>, &glass).references, 90);
     // of glass alone nothing is opaque: a point stands for it, and blocks nothing
     let all_glass = [1; 90];
-    let trial = Trial::build(plugin::<ALL>(), &triangles, &all_glass, "", 1).unwrap();
+    let trial = Trial::build(plugin::<ALL>, &triangles, &all_glass, "", 1).unwrap();
     assert_eq!(trial.stats().references, 91);
     assert_eq!(trial.faults(&rays(300)).sum(), 0);
 }
@@ -166,8 +166,8 @@ fn a_second_structure_stands_for_what_is_opaque() {
 #[test]
 fn a_plugin_is_described() {
     // SAFETY: it lives as long as the process
-    let of = |plugin: *const peer::abi::Plugin| unsafe { &*plugin };
-    let (none, filtered) = (of(plugin::<NONE>()), of(plugin::<FILTERED>()));
+    let of = |plugin: Describe| unsafe { &*plugin() };
+    let (none, filtered) = (of(plugin::<NONE>), of(plugin::<FILTERED>));
     assert!(none.occluded.is_none() && filtered.occluded.is_some());
     assert_eq!([none.answers, filtered.answers], [1, 3]);
     assert_eq!((none.query, none.test, none.settings_count), (0, 0, 2));
@@ -180,5 +180,6 @@ fn a_plugin_is_described() {
 #[test]
 #[cfg(target_arch = "x86_64")]
 fn target_features_are_those_of_rtbench() {
-    assert!(cfg!(target_feature = "avx2") && cfg!(target_feature = "fma"));
+    let enabled = [cfg!(target_feature = "avx2"), cfg!(target_feature = "fma")];
+    assert_eq!(enabled, [true; 2]);
 }

@@ -220,7 +220,7 @@ mod tests {
         let glass: Vec<u8> = (0..3000).map(|id| u8::from(id % 3 == 0)).collect();
         let rays = rays(1000);
         let of = |settings: &str| {
-            let plugin = rtbench_plugin_describe();
+            let plugin = rtbench_plugin_describe;
             let trial = Trial::build(plugin, &triangles, &glass, settings, 2).unwrap();
             let stats = trial.stats();
             assert!(stats.inner_nodes > 500 && stats.leaves > 1000 && stats.references >= 3000);
