@@ -27,12 +27,12 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_counted() {
-        // other tests allocate and free meanwhile, but not so much
+        // other tests allocate and free meanwhile, but not so much; zeros are not written
         let before = allocated();
-        let kept = std::hint::black_box(vec![1u8; 200 << 20]);
+        let kept = std::hint::black_box(vec![0u8; 1 << 30]);
         let with = allocated().saturating_sub(before);
-        assert!(with.abs_diff(kept.len() as u64) < 20 << 20, "{with}");
+        assert!(with.abs_diff(kept.len() as u64) < 200 << 20, "{with}");
         drop(kept);
-        assert!(allocated().abs_diff(before) < 20 << 20);
+        assert!(allocated().abs_diff(before) < 200 << 20);
     }
 }
