@@ -27,7 +27,7 @@ impl<const SHADOWS: u8> Peer for Brute<SHADOWS> {
                 summary: "a planted mistake",
                 initial: "none",
                 kind: Kind::Choice(
-                    "none drops-hits wrong-id ignores-t-min glass-blocks panics refuses",
+                    "none drops-hits wrong-id ignores-t-min glass-blocks panics refuses panics-later",
                 ),
             },
             Setting { name: "size", summary: "any", initial: "3", kind: Kind::Integer(1, 9) },
@@ -57,6 +57,7 @@ impl<const SHADOWS: u8> Peer for Brute<SHADOWS> {
     }
 
     fn closest(&self, ray: &Ray) -> Option<Hit> {
+        assert_ne!(self.fault, "panics-later");
         let ignores = self.fault == "ignores-t-min";
         let asked = Ray { t_min: if ignores { 0.0 } else { ray.t_min }, ..*ray };
         let mut best: Option<Hit> = None;
@@ -143,6 +144,27 @@ fn a_panic_in_a_build_is_a_reason() {
         assert!(said.starts_with(begins), "{said}");
         assert!(said.len() >= 62 && said.ends_with('ä'), "{said}");
     }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_panic_in_a_query_ends_the_process() {
+    use std::os::unix::process::ExitStatusExt;
+
+    const CHILD: &str = "PEER_TRIAL_IS_CHILD";
+    if std::env::var_os(CHILD).is_some() {
+        let triangles = triangles(3);
+        let trial = Trial::build(plugin::<NONE>, &triangles, &[], "fault=panics-later", 1).unwrap();
+        // whoever gets beyond this ends well, and is found out
+        let _caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            trial.closest(&rays(1));
+        }));
+        return;
+    }
+    let mut child = std::process::Command::new(std::env::current_exe().unwrap());
+    child.args(["--exact", "a_panic_in_a_query_ends_the_process"]).env(CHILD, "1");
+    const SIGABRT: i32 = 6;
+    assert_eq!(child.output().unwrap().status.signal(), Some(SIGABRT));
 }
 
 #[test]
