@@ -86,6 +86,7 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
                 transmissive: TransmissiveSet::default(),
                 magnitude: S::ZERO,
                 motion: Motion::default(),
+                instances: Instances::default(),
             },
         }
     }

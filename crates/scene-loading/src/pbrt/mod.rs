@@ -3,8 +3,8 @@
 //!
 //! - Shapes `trianglemesh`, `plymesh`, `bilinearmesh` (as quadrangles, split where they are bent) and
 //!   `sphere` (whole; only under transforms that keep it one). Others are left out and counted.
-//! - All transforms, attributes, `Include` and `Import`; objects and their instances, which are
-//!   flattened: each instance is a copy of its shapes.
+//! - All transforms, attributes, `Include` and `Import`; objects and their instances: each is a copy of the
+//!   object's shapes, and noted in `Scene::instances`.
 //! - The camera's place, direction and field of view. PBRT's camera space is left-handed: without
 //!   `Scale -1 1 1` before it, the image here is the mirror image of PBRT's.
 //! - `point`, `spot` (both as points) and `distant` lights (as in `tray_racing`). Area lights are plain surfaces,

@@ -16,6 +16,7 @@ mod sinks;
 
 use glam::DAffine3;
 
+use crate::Vec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
@@ -24,9 +25,9 @@ use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
 use crate::primitives::instances::stretch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::sink::Sink;
+use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::{BuildError, Shape, Structure};
-use object::{Boxes, Members, Part, bounds_of, rounded};
+use object::{Boxes, Members};
 use sinks::Upper;
 
 /// Of which structure both levels are.
@@ -75,7 +76,8 @@ impl<S: Scalar> Copy<S> {
             return None;
         }
         let origin = to_first.transform_point3(ray.origin.to_dvec3());
-        Some(Ray { origin: rounded::<S>(origin), direction: rounded::<S>(direction), ..*ray })
+        let [origin, direction] = [origin, direction].map(Vec3::<S>::from_dvec3);
+        Some(Ray { origin, direction, ..*ray })
     }
 }
 
@@ -99,7 +101,7 @@ fn plan<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<Planned> {
         let carried = |k: usize, to_first| if k == 0 { None } else { Some(to_first) };
         let copies = object.copies.iter().enumerate();
         planned.push(Planned {
-            members: Members::From(object.copies[0].first),
+            members: Members::Consecutive,
             count: object.count,
             copies: copies.map(|(k, copy)| (copy.first, carried(k, copy.to_first))).collect(),
         });
@@ -107,7 +109,7 @@ fn plan<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<Planned> {
     let left: Vec<u32> = (0..prims.len() as u32).filter(|&id| !is_copied[id as usize]).collect();
     if !left.is_empty() {
         let count = left.len() as u32;
-        let members = if known.is_empty() { Members::From(0) } else { Members::List(left) };
+        let members = if known.is_empty() { Members::Consecutive } else { Members::List(left) };
         planned.push(Planned { members, count, copies: vec![(0, None)] });
     }
     planned
@@ -128,6 +130,13 @@ impl Planned {
     }
 }
 
+impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
+    #[inline(never)]
+    fn walk_erased<const COUNTED: bool>(&self, ray: &Ray<S>, query: ErasedSink<'_, S, COUNTED>) {
+        self.upper.walk(ray, &mut Upper::new(self, ray, query));
+    }
+}
+
 impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
     const DUPLICATES: bool = T::DUPLICATES;
 
@@ -135,32 +144,39 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
         let structure = params.structure();
         let [over_copies, over_objects] =
             T::settings(params)?.map(|own| own.within(params.memory()));
-        params.fits(prims.len() as u128)?;
+        // a mark and a box of each primitive
+        params.fits((1 + size_of::<Aabb<S>>()) as u128 * prims.len() as u128)?;
         let planned = plan(prims);
         let is_whole = planned.len() == 1 && planned[0].copies.len() == 1;
         let magnitude = prims.magnitude();
         let padding = S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS);
         let padding = padding.greater(S::from_f64(2e-30));
         let (mut objects, mut copies) = (Vec::new(), Vec::<Copy<S>>::new());
+        let mut boxes = Vec::new();
         for object in planned {
-            let margin = match is_whole {
-                true => S::ZERO,
-                false => S::from_f64(S::EPSILON.to_f64() * object.margin(magnitude.to_f64())),
-            };
-            for &(first, to_first) in &object.copies {
+            for &(first, to_first) in object.copies.iter().rev() {
+                // the first copy comes last, and its boxes stay
+                boxes.clear();
                 let ids = (0..object.count).map(|own| object.members.id(first, own));
-                let bounds = bounds_of(prims, ids);
+                boxes.extend(ids.map(|id| prims.bounds(id)));
+                let bounds = boxes.iter().fold(Aabb::empty(), |all, own| all.union(*own));
                 copies.push(Copy { bounds, object: objects.len() as u32, first, to_first });
             }
+            if !is_whole {
+                let margin = S::EPSILON.to_f64() * object.margin(magnitude.to_f64());
+                let margin = S::from_f64(margin).greater(padding);
+                boxes.iter_mut().for_each(|own| *own = own.expanded(margin));
+            }
             let Planned { members, count, .. } = object;
-            let part = Part { prims, members: &members, count, margin, magnitude };
-            objects.push(Object { structure: T::build(&part, &over_objects)?, members, count });
+            let structure = T::build(&Boxes(&boxes), &over_objects)?;
+            objects.push(Object { structure, members, count });
         }
-        let tight: Vec<Aabb<S>> = copies.iter().map(|copy| copy.bounds).collect();
-        if let Some(far) = tight.iter().position(|bounds| !bounds.is_finite()) {
+        boxes.clear();
+        boxes.extend(copies.iter().map(|copy| copy.bounds));
+        if let Some(far) = boxes.iter().position(|bounds| !bounds.is_finite()) {
             return Err(BuildError::NonFiniteBounds { structure, id: copies[far].first });
         }
-        let upper = T::build(&Boxes(&tight), &over_copies)?;
+        let upper = T::build(&Boxes(&boxes), &over_copies)?;
         for copy in &mut copies {
             copy.bounds = copy.bounds.expanded(padding);
         }
@@ -169,7 +185,10 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        self.upper.walk(ray, &mut Upper::new(self, ray, sink));
+        match K::COUNTING {
+            true => self.walk_erased::<true>(ray, ErasedSink::new(sink)),
+            false => self.walk_erased::<false>(ray, ErasedSink::new(sink)),
+        }
     }
 
     /// N_IN holds all cells of the upper structure. An object's cells count once, however often it stands.
@@ -186,26 +205,20 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
             all.cells += own.cells;
             all.empty_cells += own.empty_cells;
             all.references += own.references;
-            let listed = match &object.members {
-                Members::From(_) => 0,
-                Members::List(ids) => size_of_val(ids.as_slice()) as u64,
-            };
-            all.bytes += own.bytes + listed + size_of::<Object<T>>() as u64;
+            all.bytes += own.bytes + (object.members.bytes() + size_of::<Object<T>>()) as u64;
         }
         all
     }
 
-    /// Objects are shown once, where their first copies stand.
+    /// Of a scene without copies. The cells of an object that stands several times are in no copy's place.
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        self.upper.cells(&mut |cell| each(Cell::inner(cell.bounds, cell.depth)))?;
-        let mut ids = Vec::new();
-        for object in &self.objects {
-            object.structure.cells(&mut |cell| {
-                ids.clear();
-                ids.extend(cell.ids.iter().map(|&own| object.members.of_first(own)));
-                each(Cell { ids: &ids, ..cell });
-            })?;
+        let [Object { structure, .. }] = &self.objects[..] else { return Err(IN_NO_PLACE) };
+        if self.copies.len() > 1 {
+            return Err(IN_NO_PLACE);
         }
-        Ok(())
+        self.upper.cells(&mut |cell| each(Cell::inner(cell.bounds, cell.depth)))?;
+        structure.cells(each)
     }
 }
+
+const IN_NO_PLACE: NoCells = NoCells("an object's cells stand for all of its copies");

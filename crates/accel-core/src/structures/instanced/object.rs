@@ -1,17 +1,17 @@
-//! What the structures of both levels are built over: the primitives of one object, and the boxes of its copies.
+//! What the structures of both levels are built over: boxes.
 
 use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::Scalar;
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
-/// Ids of primitives.
+/// Ids of the primitives of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Members {
-    /// From the first one on, of each copy.
-    From(u32),
+    /// Consecutive ones, of each copy.
+    Consecutive,
     /// Those that are in no copy of anything.
     List(Vec<u32>),
 }
@@ -21,85 +21,20 @@ impl Members {
     #[inline(always)]
     pub fn id(&self, first: u32, own: u32) -> u32 {
         match self {
-            Self::From(_) => first + own,
+            Self::Consecutive => first + own,
             Self::List(ids) => ids[own as usize],
         }
     }
 
-    /// The id of a primitive of the first copy.
-    pub fn of_first(&self, own: u32) -> u32 {
+    pub fn bytes(&self) -> usize {
         match self {
-            Self::From(first) => first + own,
-            Self::List(ids) => ids[own as usize],
+            Self::Consecutive => 0,
+            Self::List(ids) => size_of_val(ids.as_slice()),
         }
     }
 }
 
-/// The first copy of an object as a set of its own. Bounds are larger by a margin, so that they hold what any
-/// other copy's primitives are when they are brought here, and what a ray's rounding adds.
-pub(super) struct Part<'a, S: Scalar, P> {
-    pub prims: &'a P,
-    pub members: &'a Members,
-    pub count: u32,
-    pub margin: S,
-    pub magnitude: S,
-}
-
-impl<S: Scalar, P: PrimSet<S>> PrimSet<S> for Part<'_, S, P> {
-    type RaySetup = P::RaySetup;
-
-    fn len(&self) -> usize {
-        self.count as usize
-    }
-
-    fn bounds(&self, id: u32) -> Aabb<S> {
-        self.prims.bounds(self.members.of_first(id)).expanded(self.margin)
-    }
-
-    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
-        let (low, high) = self.prims.extent(self.members.of_first(id), direction);
-        let more = self.margin.to_f64() * direction.abs().element_sum();
-        (low - more, high + more)
-    }
-
-    fn farthest(&self, id: u32, from: DVec3) -> f64 {
-        self.prims.farthest(self.members.of_first(id), from) + 2.0 * self.margin.to_f64()
-    }
-
-    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
-        let before = balls.len();
-        self.prims.hull(self.members.of_first(id), balls);
-        for ball in &mut balls[before..] {
-            ball.radius += 2.0 * self.margin.to_f64();
-        }
-    }
-
-    fn kind(&self, id: u32) -> PrimitiveKind {
-        self.prims.kind(self.members.of_first(id))
-    }
-
-    fn setup(&self, ray: &Ray<S>) -> Self::RaySetup {
-        self.prims.setup(ray)
-    }
-
-    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S> {
-        self.prims.intersect(self.members.of_first(id), ray, setup, t_max)
-    }
-
-    fn is_opaque(&self, id: u32) -> bool {
-        self.prims.is_opaque(self.members.of_first(id))
-    }
-
-    fn magnitude(&self) -> S {
-        self.magnitude
-    }
-
-    fn bytes(&self) -> usize {
-        0
-    }
-}
-
-/// The boxes of copies, as a set that structures divide and nobody tests.
+/// The boxes of copies or of an object's primitives, as a set that structures divide and nobody tests.
 pub(super) struct Boxes<'a, S: Scalar>(pub &'a [Aabb<S>]);
 
 impl<S: Scalar> PrimSet<S> for Boxes<'_, S> {
@@ -154,17 +89,4 @@ impl<S: Scalar> PrimSet<S> for Boxes<'_, S> {
     fn bytes(&self) -> usize {
         size_of_val(self.0)
     }
-}
-
-/// The box of all primitives of a copy.
-pub(super) fn bounds_of<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
-    ids: impl Iterator<Item = u32>,
-) -> Aabb<S> {
-    ids.fold(Aabb::empty(), |all, id| all.union(prims.bounds(id)))
-}
-
-/// A point or direction in the other type.
-pub(super) fn rounded<S: Scalar>(v: DVec3) -> crate::Vec3<S> {
-    crate::Vec3::<S>::from_dvec3(v)
 }

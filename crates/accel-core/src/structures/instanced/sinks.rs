@@ -1,31 +1,40 @@
 //! The sinks between the levels: the upper one hands a ray to the objects whose copies it meets, the lower one
-//! hands their primitives to the query.
+//! hands their primitives to the query. The query is an object to both, so that a level's traversal is compiled
+//! once for all queries.
 
 use std::ops::ControlFlow;
 
-use super::{Copy, Instanced};
+use super::Instanced;
+use super::object::Members;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::query::sink::Sink;
+use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::Structure;
 
 /// Copies that a ray was handed to lately, so that it is not handed to them once more by the next cell.
 const REMEMBERED: usize = 8;
 
 /// What the upper level sees of a query.
-pub(super) struct Upper<'a, S: Scalar, T, K> {
-    pub structure: &'a Instanced<S, T>,
-    pub ray: &'a Ray<S>,
-    pub query: &'a mut K,
+pub(super) struct Upper<'a, 'q, S: Scalar, T, const COUNTED: bool> {
+    structure: &'a Instanced<S, T>,
+    ray: &'a Ray<S>,
+    query: ErasedSink<'q, S, COUNTED>,
+    is_any_hit: bool,
+    t_max: S,
     visited: [u32; REMEMBERED],
 }
 
-impl<'a, S: Scalar, T: Structure<S>, K: Sink<S>> Upper<'a, S, T, K> {
-    pub fn new(structure: &'a Instanced<S, T>, ray: &'a Ray<S>, query: &'a mut K) -> Self {
-        Self { structure, ray, query, visited: [u32::MAX; REMEMBERED] }
+impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T, COUNTED> {
+    pub fn new(
+        structure: &'a Instanced<S, T>,
+        ray: &'a Ray<S>,
+        query: ErasedSink<'q, S, COUNTED>,
+    ) -> Self {
+        let (is_any_hit, t_max) = (query.is_any_hit(), query.t_max());
+        Self { structure, ray, query, is_any_hit, t_max, visited: [u32::MAX; REMEMBERED] }
     }
 
-    #[inline(always)]
+    #[inline]
     fn enter(&mut self, index: u32) -> ControlFlow<()> {
         if T::DUPLICATES {
             let slot = &mut self.visited[index as usize % REMEMBERED];
@@ -36,12 +45,18 @@ impl<'a, S: Scalar, T: Structure<S>, K: Sink<S>> Upper<'a, S, T, K> {
         }
         let copy = &self.structure.copies[index as usize];
         let Ray { origin, direction, t_min, .. } = *self.ray;
-        if copy.bounds.clip(origin, direction, t_min, self.query.t_max()).is_none() {
+        if copy.bounds.clip(origin, direction, t_min, self.t_max).is_none() {
             return ControlFlow::Continue(());
         }
         let object = &self.structure.objects[copy.object as usize];
-        let mut query =
-            Lower { query: &mut *self.query, members: &object.members, copy, is_over: false };
+        let mut query = Lower {
+            query: &mut self.query,
+            members: &object.members,
+            first: copy.first,
+            is_any_hit: self.is_any_hit,
+            t_max: self.t_max,
+            is_over: false,
+        };
         match copy.carried(self.ray) {
             Some(ray) => object.structure.walk(&ray, &mut query),
             // too long or too short there: nothing is left out
@@ -49,16 +64,17 @@ impl<'a, S: Scalar, T: Structure<S>, K: Sink<S>> Upper<'a, S, T, K> {
                 let _ = (0..object.count).try_for_each(|own| query.test(&[own]));
             }
         }
+        self.t_max = query.t_max;
         if query.is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
-impl<S: Scalar, T: Structure<S>, K: Sink<S>> Sink<S> for Upper<'_, S, T, K> {
-    const COUNTING: bool = K::COUNTING;
+impl<S: Scalar, T: Structure<S>, const COUNTED: bool> Sink<S> for Upper<'_, '_, S, T, COUNTED> {
+    const COUNTING: bool = COUNTED;
 
     #[inline(always)]
     fn t_max(&self) -> S {
-        self.query.t_max()
+        self.t_max
     }
 
     #[inline(always)]
@@ -68,7 +84,7 @@ impl<S: Scalar, T: Structure<S>, K: Sink<S>> Sink<S> for Upper<'_, S, T, K> {
 
     #[inline(always)]
     fn is_any_hit(&self) -> bool {
-        self.query.is_any_hit()
+        self.is_any_hit
     }
 
     #[inline(always)]
@@ -82,43 +98,49 @@ impl<S: Scalar, T: Structure<S>, K: Sink<S>> Sink<S> for Upper<'_, S, T, K> {
     }
 }
 
-/// What the structure of an object sees of a query.
-struct Lower<'a, S: Scalar, K> {
-    query: &'a mut K,
-    members: &'a super::object::Members,
-    copy: &'a Copy<S>,
-    is_over: bool,
-}
-
 /// Ids that are handed on at once.
 const AT_ONCE: usize = 16;
 
-impl<S: Scalar, K: Sink<S>> Lower<'_, S, K> {
-    #[inline(always)]
+/// What the structure of an object sees of a query.
+struct Lower<'a, 'q, S: Scalar, const COUNTED: bool> {
+    query: &'a mut ErasedSink<'q, S, COUNTED>,
+    members: &'a Members,
+    /// The id of the copy's first primitive.
+    first: u32,
+    is_any_hit: bool,
+    t_max: S,
+    is_over: bool,
+}
+
+impl<'q, S: Scalar, const COUNTED: bool> Lower<'_, 'q, S, COUNTED> {
+    #[inline]
     fn hand_on(
         &mut self,
         ids: &[u32],
-        mut to: impl FnMut(&mut K, &[u32]) -> ControlFlow<()>,
+        to: impl Fn(&mut ErasedSink<'q, S, COUNTED>, &[u32]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut room = [0; AT_ONCE];
         for part in ids.chunks(AT_ONCE) {
             for (place, &own) in room.iter_mut().zip(part) {
-                *place = self.members.id(self.copy.first, own);
+                *place = self.members.id(self.first, own);
             }
             let went_on = to(&mut *self.query, &room[..part.len()]);
             self.is_over = went_on.is_break();
             went_on?;
         }
+        if !self.is_any_hit {
+            self.t_max = self.query.t_max();
+        }
         ControlFlow::Continue(())
     }
 }
 
-impl<S: Scalar, K: Sink<S>> Sink<S> for Lower<'_, S, K> {
-    const COUNTING: bool = K::COUNTING;
+impl<S: Scalar, const COUNTED: bool> Sink<S> for Lower<'_, '_, S, COUNTED> {
+    const COUNTING: bool = COUNTED;
 
     #[inline(always)]
     fn t_max(&self) -> S {
-        self.query.t_max()
+        self.t_max
     }
 
     #[inline(always)]
@@ -133,7 +155,7 @@ impl<S: Scalar, K: Sink<S>> Sink<S> for Lower<'_, S, K> {
 
     #[inline(always)]
     fn is_any_hit(&self) -> bool {
-        self.query.is_any_hit()
+        self.is_any_hit
     }
 
     #[inline(always)]
