@@ -2,7 +2,7 @@
 
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
-    Cone, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
+    Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
 };
 use accel_core::registry::Buildable;
 use accel_core::{Vec3, Vector};
@@ -38,13 +38,20 @@ impl<S: Buildable> Geometry<S> {
         let error = |source| GeometryError { scene: scene.name.clone(), source };
         let moves =
             scene.camera.shutter > 0.0 && scene.velocities.iter().any(|v| *v != DVec3::ZERO);
+        let claim = |i: &scene_loading::Instance| Instance {
+            object: i.object,
+            first: i.first,
+            count: i.count,
+            placement: i.placement,
+        };
+        let claims: Vec<Instance> = scene.instances.iter().map(claim).collect();
         if !moves && scene.primitives.iter().all(|p| is_triangle(p.shape)) {
             let triangles = scene.primitives.iter().map(|p| triangle(scene, p.shape)).collect();
-            TriangleSet::new(triangles, |id| is_transmissive(scene, id))
-                .map(Self::Triangles)
-                .map_err(error)
+            let set =
+                TriangleSet::new(triangles, |id| is_transmissive(scene, id)).map_err(error)?;
+            Ok(Self::Triangles(set.with_instances(&claims)))
         } else {
-            mixed(scene).map(Self::Mixed).map_err(error)
+            Ok(Self::Mixed(mixed(scene).map_err(error)?.with_instances(&claims)))
         }
     }
 
@@ -53,6 +60,14 @@ impl<S: Buildable> Geometry<S> {
         match self {
             Self::Triangles(set) => PrimsRef::Watertight(set),
             Self::Mixed(set) => PrimsRef::Mixed(set),
+        }
+    }
+
+    /// Which primitives are copies of others.
+    pub fn instances(&self) -> Option<&Instances> {
+        match self {
+            Self::Triangles(set) => set.instances(),
+            Self::Mixed(set) => set.instances(),
         }
     }
 

@@ -10,22 +10,15 @@ use std::process::ExitCode;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
 use accel_core::structures::Entry;
 use accel_core::structures::obvhs::{bvh2, cwbvh};
 use accel_core::structures::uniform_grid::{self, UniformGrid};
 use accel_core::{Ray, Scalar};
 
 static INFO: StructureInfo = StructureInfo {
-    name: "slowed-grid",
-    summary: "the uniform grid with a loop after each walk",
-    paper: "none",
-    deviations: "none",
     params: uniform_grid::INFO.params,
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new("slowed-grid", "the uniform grid with a loop after each walk")
 };
 
 static REGISTRY: &[Entry] = &[

@@ -3,6 +3,7 @@
 use accel_core::occluders;
 use accel_core::structures::Entry;
 use measurement::plan::Plan;
+use measurement::record::summary::summarize;
 use measurement::record::{RunRecord, warnings};
 use measurement::rounds::scene_run::Equipment;
 use measurement::scenes::Installed;
@@ -11,9 +12,10 @@ use measurement::system::clock::{Clock, SystemClock};
 use measurement::system::pools::Pools;
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
+use studies::run::conclusions::conclude;
 
 use crate::commands::budget::Budget;
-use crate::commands::measuring::{begin, measure_one, sum_up};
+use crate::commands::measuring::{begin, measure_one};
 use crate::commands::row_deaths::RowJournal;
 use crate::error::Error;
 use crate::program;
@@ -62,7 +64,8 @@ pub fn measure(registry: &[Entry], settings: &RunSettings) -> Result<RunRecord, 
         let deadline = budget.deadline(clock.now(), plan.scenes.len() - i);
         record.scenes.push(measure_one(&plan, &**known, &equipment, deadline)?);
     }
-    sum_up(&mut record);
+    record.summary = summarize(&record.scenes, &record.settings);
+    conclude(&mut record);
     record.complete = true;
     record.load[1] = world.load();
     record.peak_rss_bytes = world.peak_rss();

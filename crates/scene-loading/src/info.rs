@@ -1,5 +1,6 @@
 //! What a scene holds, and what about it may trouble a benchmark.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::error::Place;
@@ -29,6 +30,10 @@ pub struct SceneInfo {
     pub materials: usize,
     /// Lights.
     pub lights: usize,
+    /// Objects that the source places several times.
+    pub objects: usize,
+    /// Their instances.
+    pub instances: usize,
     /// Bounds of all primitives, world units.
     pub bounds: Bounds,
     /// Bytes that the scene's arrays take in memory.
@@ -39,6 +44,11 @@ impl SceneInfo {
     /// Counts what the scene holds. Primitives with invalid indices are counted but add nothing
     /// to the bounds.
     pub fn of(scene: &Scene) -> Self {
+        let mut placed: BTreeMap<u32, usize> = BTreeMap::new();
+        for instance in &scene.instances {
+            *placed.entry(instance.object).or_default() += 1;
+        }
+        placed.retain(|_, instances| *instances > 1);
         let mut info = Self {
             primitives: scene.primitives.len(),
             spheres: 0,
@@ -50,6 +60,8 @@ impl SceneInfo {
             normals: scene.normals.len(),
             materials: scene.materials.len(),
             lights: scene.lights.len(),
+            objects: placed.len(),
+            instances: placed.values().sum(),
             bounds: Bounds::EMPTY,
             bytes: size_of_val(scene.lights.as_slice())
                 + size_of_val(scene.materials.as_slice())
@@ -97,6 +109,9 @@ impl fmt::Display for SceneInfo {
         writeln!(f, "normals     {}", self.normals)?;
         writeln!(f, "materials   {}", self.materials)?;
         writeln!(f, "lights      {}", self.lights)?;
+        if self.objects > 0 {
+            writeln!(f, "instances   {} of {} objects", self.instances, self.objects)?;
+        }
         if !self.bounds.is_empty() {
             writeln!(f, "bounds      {} to {}", self.bounds.min, self.bounds.max)?;
         }

@@ -43,8 +43,8 @@ pub mod view_options;
 pub use error::{LoadError, Place};
 pub use scene::texture::{Texture, Wrap};
 pub use scene::{
-    Bounds, Camera, Cone, Light, Material, Primitive, Rgb, SampleWishes, Scene, Shape, Sphere,
-    Warning,
+    Bounds, Camera, Cone, Instance, Light, Material, Primitive, Rgb, SampleWishes, Scene, Shape,
+    Sphere, Warning,
 };
 pub use scene_file::set as scene_set;
 pub use source::{LoadedScene, SceneCatalogue, SceneRef, SceneSizes};

@@ -45,6 +45,15 @@ impl From<Vec<f64>> for Series {
 }
 
 impl Series {
+    /// What `value` makes of two rows' rounds, in pairs, where it is finite. The rounds are those of so many
+    /// processes, one after the other and as many of each.
+    pub fn of_pairs(a: &[f64], b: &[f64], processes: u32, value: impl Fn(f64, f64) -> f64) -> Self {
+        let each = (a.len() / processes.max(1) as usize).max(1);
+        let pairs = a.iter().zip(b).enumerate();
+        let pairs = pairs.map(|(round, (a, b))| ((round / each) as u32, value(*a, *b)));
+        pairs.filter(|(_, x)| x.is_finite()).collect()
+    }
+
     /// All values.
     pub fn values(&self) -> &[f64] {
         &self.values

@@ -13,7 +13,9 @@ use crate::primitives::shear::Shear;
 use crate::primitives::sphere::{Rearranged, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::triangle::{TriangleTest, Watertight};
-use crate::primitives::{Cone, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet};
+use crate::primitives::{
+    Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet,
+};
 
 /// A primitive at rest, as far as other tests than the set's own are made for it.
 pub(crate) enum ShapeRef<'a, S: Scalar> {
@@ -62,6 +64,7 @@ pub struct MixedSet<S: Scalar> {
     transmissive: TransmissiveSet,
     magnitude: S,
     motion: Motion<S>,
+    instances: Instances,
 }
 
 /// Collects primitives in id order.
@@ -83,6 +86,7 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
                 transmissive: TransmissiveSet::default(),
                 magnitude: S::ZERO,
                 motion: Motion::default(),
+                instances: Instances::default(),
             },
         }
     }
@@ -187,6 +191,16 @@ impl<S: Scalar> MixedSetBuilder<S> {
 }
 
 impl<S: Scalar> MixedSet<S> {
+    /// The same set, which knows its copies: those of the claims that hold ([`Instances::confirmed`]); none
+    /// where anything moves.
+    #[must_use]
+    pub fn with_instances(mut self, claims: &[Instance]) -> Self {
+        if !self.has_motion() {
+            self.instances = Instances::confirmed(&self, claims);
+        }
+        self
+    }
+
     /// Whether any primitive moves.
     pub fn has_motion(&self) -> bool {
         self.motion.any()
@@ -312,6 +326,10 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         self.order[id as usize].kind()
     }
 
+    fn instances(&self) -> Option<&Instances> {
+        Some(&self.instances)
+    }
+
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> Shear<S> {
         Shear::of(ray, self.magnitude)
@@ -340,5 +358,6 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + size_of_val(self.cones.as_slice())
             + self.transmissive.bytes()
             + self.motion.bytes()
+            + self.instances.bytes()
     }
 }

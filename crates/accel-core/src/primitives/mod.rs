@@ -9,6 +9,7 @@ pub(crate) mod block_tests;
 pub(crate) mod blocks;
 mod collinear;
 mod cone;
+pub(crate) mod instances;
 pub(crate) mod mixed;
 pub(crate) mod motion;
 mod moving;
@@ -25,6 +26,7 @@ mod triangle_block;
 pub(crate) mod watertight;
 
 pub use cone::Cone;
+pub use instances::{Instance, Instances};
 pub use mixed::{MixedSet, MixedSetBuilder};
 pub use moving::InMotion;
 pub use polygon::{Polygon, newell_normal};

@@ -8,6 +8,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vec3};
 use crate::parallel::map_parts;
+use crate::primitives::instances::Instances;
 use crate::primitives::support::Ball;
 use crate::primitives::triangle_block::TriangleBlock;
 
@@ -91,6 +92,10 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     }
     /// What kind of primitive it is.
     fn kind(&self, id: u32) -> PrimitiveKind;
+    /// Which of its primitives are copies of others, where that is known.
+    fn instances(&self) -> Option<&Instances> {
+        None
+    }
     /// Prepares a ray.
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup;
     /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.

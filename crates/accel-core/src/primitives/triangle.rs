@@ -21,7 +21,9 @@ use crate::primitives::shear::Shear;
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::triangle_block::TriangleBlock;
 use crate::primitives::watertight;
-use crate::primitives::{PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet};
+use crate::primitives::{
+    Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet,
+};
 
 /// A way to intersect a ray with a triangle.
 pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
@@ -182,6 +184,7 @@ pub struct TriangleSet<S: Scalar, T: TriangleTest<S> = Watertight> {
     triangles: Vec<[[S; 3]; 3]>,
     transmissive: TransmissiveSet,
     magnitude: S,
+    instances: Instances,
     test: PhantomData<T>,
 }
 
@@ -207,7 +210,15 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
             .for_each(|id| transmissive.insert(id));
         let coordinates = triangles.as_flattened().as_flattened();
         let magnitude = coordinates.iter().fold(S::ZERO, |m, x| m.greater(x.abs()));
-        Ok(Self { triangles, transmissive, magnitude, test: PhantomData })
+        let instances = Instances::default();
+        Ok(Self { triangles, transmissive, magnitude, instances, test: PhantomData })
+    }
+
+    /// The same set, which knows its copies: those of the claims that hold ([`Instances::confirmed`]).
+    #[must_use]
+    pub fn with_instances(mut self, claims: &[Instance]) -> Self {
+        self.instances = Instances::confirmed(&self, claims);
+        self
     }
 
     /// The same triangles under another test; nothing is copied.
@@ -257,6 +268,9 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     fn kind(&self, _: u32) -> PrimitiveKind {
         PrimitiveKind::Triangle
     }
+    fn instances(&self) -> Option<&Instances> {
+        Some(&self.instances)
+    }
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> T::Setup {
         T::setup(ray, self.magnitude)
@@ -287,7 +301,7 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
         self.magnitude
     }
     fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.triangles.as_slice()) + self.transmissive.bytes()
+        size_of_val(self.triangles.as_slice()) + self.transmissive.bytes() + self.instances.bytes()
     }
 }
 

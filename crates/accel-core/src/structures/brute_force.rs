@@ -10,19 +10,12 @@ use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::region::{Shaft, ShaftWalk};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Shape, Structure, StructureInfo};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
-    name: "brute-force",
-    summary: "tests every primitive for every ray; the oracle in f64",
-    paper: "none",
-    deviations: "none",
-    params: &[],
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
     sampled: true,
+    ..StructureInfo::new("brute-force", "tests every primitive for every ray; the oracle in f64")
 };
 
 /// One list of all ids.

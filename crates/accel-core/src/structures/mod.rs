@@ -13,6 +13,9 @@ pub mod embree;
 pub mod gatherers;
 pub mod hashed_grid;
 pub mod hug;
+pub mod instanced;
+pub mod instanced_bvh;
+pub mod instanced_grid;
 pub mod irregular_grid;
 pub mod kay_kajiya;
 pub mod kd_tree;
@@ -53,6 +56,8 @@ pub static REGISTRY: &[Entry] = &[
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
     compiled_entry!(wide_bvh::WideBvh, wide_bvh::INFO),
+    entry!(instanced_grid::InstancedGrid, instanced_grid::INFO),
+    entry!(instanced_bvh::InstancedBvh, instanced_bvh::INFO),
     compiled_entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
     compiled_entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     #[cfg(feature = "embree")]

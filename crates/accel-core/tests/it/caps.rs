@@ -6,7 +6,7 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray, Scalar};
 
@@ -216,17 +216,7 @@ impl<S: Scalar> Structure<S> for Fat<S> {
 }
 
 const fn planted(name: &'static str) -> StructureInfo {
-    StructureInfo {
-        name,
-        summary: "planted",
-        paper: "none",
-        deviations: "none",
-        params: &[],
-        variants: &[""],
-        also_tested: &[],
-        known_defect: no_defect,
-        sampled: false,
-    }
+    StructureInfo::new(name, "planted")
 }
 
 static REFUSES: StructureInfo = planted("refuses");

@@ -53,7 +53,7 @@ impl<S: Buildable> Set<S> {
     }
 }
 
-type Named<S> = (&'static str, Set<S>, (DVec3, DVec3));
+pub type Named<S> = (&'static str, Set<S>, (DVec3, DVec3));
 
 fn triangles<S: Buildable>(list: &[[DVec3; 3]], transmissive: impl Fn(u32) -> bool) -> Set<S> {
     let list =
@@ -94,7 +94,7 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
         .collect();
     let far: Vec<[DVec3; 3]> =
         soup.iter().map(|t| t.map(|p| p + dvec3(1234.0, -2048.0, 777.0))).collect();
-    vec![
+    let mut all = vec![
         ("soup", triangles(&soup, |id| id % 7 == 0), unit),
         ("flat lattice", triangles(&lattice, |_| false), unit),
         ("twins", triangles(&twins, |_| false), unit),
@@ -112,7 +112,9 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
         ),
         ("mixed", mixed(&mut r, false), unit),
         ("moving", mixed(&mut r, true), unit),
-    ]
+    ];
+    all.extend(crate::instances::scenes());
+    all
 }
 
 /// So many triangles of all sizes within the unit cube, half of them in a corner of it.

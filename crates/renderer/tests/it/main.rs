@@ -7,4 +7,5 @@ mod convergence;
 mod flat_scenes;
 mod gating;
 mod hard_cases;
+mod instances;
 mod same_image;

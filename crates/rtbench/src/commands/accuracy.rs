@@ -51,7 +51,6 @@ fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
 /// serve an axis is reported and costs the others nothing.
 pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
-    let quick = args.quick;
     let mut created = Created::default();
     if let Some(folder) = &args.output {
         let wanted = Wanted {
@@ -63,7 +62,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         wanted.check(folder)?;
         created.folder(folder)?;
     }
-    let rounds = args.rounds.map_or(pick(ROUNDS, quick), |n| n as usize);
+    let rounds = rounds(args);
     let mut record = AccuracyRecord {
         command_line: context.command_line.clone(),
         tool: context.world.tool(),
@@ -154,21 +153,22 @@ fn in_processes(
     Ok(())
 }
 
-/// The axes, timed for the process that started this one, and how many scenes failed: none, since those that
-/// serve no axis fail there, too. Trials are made anew: some axes time rays that they draw for them.
+/// The axes, timed for the process that started this one, which says of those that a scene does not serve.
+/// Trials are made anew: some axes time rays that they draw for them.
 ///
 /// # Errors
 /// [`Error`] for axes and scenes that there are not.
-pub fn times(
-    context: &mut Context<'_>,
-    args: &AccuracyArgs,
-) -> Result<(Vec<AxisRecord>, usize), Error> {
-    let rounds = args.rounds.map_or(pick(ROUNDS, args.quick), |n| n as usize);
-    let mut study = Study::of(context, args, rounds)?;
+pub fn times(context: &mut Context<'_>, args: &AccuracyArgs) -> Result<Vec<AxisRecord>, Error> {
+    let mut study = Study::of(context, args, rounds(args))?;
     study.limits.only_times = true;
     let axes = select(&args.axes)?.into_iter();
     let axes = axes.map(|axis| study.measured(context, axis, |_, _, _| Ok(())));
-    Ok((axes.collect::<Result<_, _>>()?, 0))
+    axes.collect()
+}
+
+/// Rounds of each process.
+fn rounds(args: &AccuracyArgs) -> usize {
+    args.rounds.map_or(pick(ROUNDS, args.quick), |n| n as usize)
 }
 
 /// Rays of a timed pass: as many more as the image has more pixels.

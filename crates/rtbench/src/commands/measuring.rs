@@ -237,7 +237,7 @@ fn is_due(scenes: usize) -> bool {
 }
 
 /// What all scenes so far say together.
-pub fn sum_up(record: &mut RunRecord) {
+fn sum_up(record: &mut RunRecord) {
     record.summary = summarize(&record.scenes, &record.settings);
     // the sizes of one scene are no scenes to take means over
     if record.scale.is_none() {

@@ -9,7 +9,7 @@ use crate::context::Context;
 use crate::error::Error;
 use measurement::record::file;
 use measurement::record::merge::{MergeError, MergeProblem, Part, merge};
-use studies::run::conclusions::{conclude_run, conclude_scene};
+use studies::run::conclusions::conclude;
 use studies::run::text;
 
 /// Merges and returns the exit code: that of the whole run.
@@ -32,9 +32,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     }
     run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
-    let seed = record.settings.seed;
-    record.scenes.iter_mut().for_each(|scene| conclude_scene(scene, seed));
-    conclude_run(&mut record);
+    conclude(&mut record);
     record.command_line = context.command_line.clone();
     // not before: parts that do not fit leave no empty files
     let mut outputs = run_outputs::of_run(&args.exports)?;

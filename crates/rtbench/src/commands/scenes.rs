@@ -1,5 +1,7 @@
 //! `rtbench scenes`: inspect, check or fetch scenes.
 
+use accel_core::primitives::Instances;
+use scene_loading::Warning;
 use scene_loading::info::SceneInfo;
 
 use crate::args::{SceneNames, ScenesAction};
@@ -56,9 +58,16 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
     each(context, names, |context, scene| {
         let LoadedScene { scene: mut loaded, .. } = context.load(scene)?;
         renderer::Geometry::<f64>::of(&loaded)?;
-        renderer::Geometry::<f32>::of(&loaded)?;
+        let geometry = renderer::Geometry::<f32>::of(&loaded)?;
+        let copies = geometry.instances().map_or(0, Instances::copies);
+        let instances = SceneInfo::of(&loaded).instances;
         let mut warnings = std::mem::take(&mut loaded.warnings);
         warnings.extend(scene_loading::info::validate(&loaded));
+        if copies < instances {
+            let text =
+                format!("{} of {instances} instances are no copies of another", instances - copies);
+            warnings.push(Warning(text));
+        }
         match warnings.len() {
             0 => writeln!(context.out, "{}: ok", line(scene.name()))?,
             n => writeln!(context.out, "{}: can be used, {n} warning(s)", line(scene.name()))?,

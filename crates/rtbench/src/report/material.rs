@@ -12,7 +12,7 @@ use measurement::record::file::{self, RecordError};
 use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
 use studies::accuracy::record::AccuracyRecord;
-use studies::run::conclusions::{conclude_run, conclude_scene};
+use studies::run::conclusions::conclude;
 use studies::run::costs::{Profile, profiles};
 
 /// What every PNG file begins with.
@@ -121,9 +121,7 @@ impl Material {
         let text = file::bytes(record)?;
         let mut run = file::record(record, &text)?;
         // what a record says of itself is not believed, and those from before say nothing
-        let seed = run.settings.seed;
-        run.scenes.iter_mut().for_each(|scene| conclude_scene(scene, seed));
-        conclude_run(&mut run);
+        conclude(&mut run);
         let folder = match record.parent() {
             Some(folder) if folder != Path::new("") => folder.to_owned(),
             _ => PathBuf::from("."),

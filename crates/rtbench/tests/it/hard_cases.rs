@@ -14,7 +14,7 @@ use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show, u
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
 use accel_core::structures::{Entry, REGISTRY, brute_force};
 use accel_core::{Ray, Scalar};
 use measurement::journal::lines::{Line, read};
@@ -269,17 +269,7 @@ impl<S: Scalar, const LATER: bool> Structure<S> for Panicking<S, LATER> {
 type AtARay<S> = Panicking<S, false>;
 type InARound<S> = Panicking<S, true>;
 
-const INFO: StructureInfo = StructureInfo {
-    name: "panics-at-a-ray",
-    summary: "panics",
-    paper: "none",
-    deviations: "none",
-    params: &[],
-    variants: &[""],
-    also_tested: &[],
-    known_defect: no_defect,
-    sampled: false,
-};
+const INFO: StructureInfo = StructureInfo::new("panics-at-a-ray", "panics");
 static AT_A_RAY: StructureInfo = INFO;
 static IN_A_ROUND: StructureInfo = StructureInfo { name: "panics-in-a-round", ..INFO };
 

@@ -193,20 +193,13 @@ impl<S: accel_core::Scalar> accel_core::structure::Structure<S> for Planted<S> {
 }
 
 static PLANTED_INFO: accel_core::structure::StructureInfo = accel_core::structure::StructureInfo {
-    name: "planted",
-    summary: "wrong at all depths but 1",
-    paper: "none",
-    deviations: "none",
     params: &[accel_core::params::ParamSpec {
         name: "depth",
         summary: "",
         default: "1",
         kind: accel_core::params::ParamKind::Integer { min: 0, max: 9 },
     }],
-    variants: &[""],
-    also_tested: &[],
-    known_defect: accel_core::structure::no_defect,
-    sampled: false,
+    ..accel_core::structure::StructureInfo::new("planted", "wrong at all depths but 1")
 };
 
 static WRONG_SWEPT: &[accel_core::structures::Entry] = &[

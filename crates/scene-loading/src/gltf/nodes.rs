@@ -197,9 +197,14 @@ impl<'a> Walker<'a> {
             }
         }
         if let Some(mesh) = node.mesh() {
+            let first = self.scene.primitives.len();
             for primitive in mesh.primitives() {
                 self.primitive(mesh.index(), &primitive, world)?;
             }
+            // mirrored, corners are in another order
+            let is_mirrored = DMat3::from_mat4(world).determinant() < 0.0;
+            let object = 2 * mesh.index() as u32 + u32::from(is_mirrored);
+            self.scene.placed_since(first, object, world);
         }
         Ok(())
     }

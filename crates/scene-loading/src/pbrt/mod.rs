@@ -3,8 +3,8 @@
 //!
 //! - Shapes `trianglemesh`, `plymesh`, `bilinearmesh` (as quadrangles, split where they are bent) and
 //!   `sphere` (whole; only under transforms that keep it one). Others are left out and counted.
-//! - All transforms, attributes, `Include` and `Import`; objects and their instances, which are
-//!   flattened: each instance is a copy of its shapes.
+//! - All transforms, attributes, `Include` and `Import`; objects and their instances: each is a copy of the
+//!   object's shapes, and noted in `Scene::instances`.
 //! - The camera's place, direction and field of view. PBRT's camera space is left-handed: without
 //!   `Scale -1 1 1` before it, the image here is the mirror image of PBRT's.
 //! - `point`, `spot` (both as points) and `distant` lights (as in `tray_racing`). Area lights are plain surfaces,
@@ -105,7 +105,7 @@ struct Loader<'a> {
     /// The material of shapes before any `Material`.
     plain: Option<u32>,
     /// The shapes of objects, placed as where they are defined.
-    objects: HashMap<String, Scene>,
+    objects: HashMap<String, (u32, Scene)>,
     /// The object that is being defined.
     object: Option<(String, Scene)>,
     counts: FaceCounts,
@@ -196,7 +196,8 @@ impl Loader<'_> {
                 let Some((name, object)) = self.object.take() else {
                     return Err(LoadError::syntax(place(), "ObjectEnd", "ObjectBegin before it"));
                 };
-                self.objects.insert(name, object);
+                let number = self.objects.len() as u32;
+                self.objects.insert(name, (number, object));
                 self.state.restore(token.text, place)
             }
             "ObjectInstance" => self.instance(token, tokens),
@@ -322,7 +323,7 @@ impl Loader<'_> {
         if self.object.is_some() {
             return Err(LoadError::syntax(place(), "ObjectInstance", "ObjectEnd before it"));
         }
-        let Some(object) = self.objects.get(&name) else {
+        let Some((number, object)) = self.objects.get(&name) else {
             return Err(LoadError::syntax(place(), &name, "an object before it"));
         };
         let mut adding = Adding {
@@ -332,7 +333,7 @@ impl Loader<'_> {
             material: 0,
             triangulate: self.triangulate,
         };
-        for _ in 0..adding.instance(object, place)? {
+        for _ in 0..adding.instance(object, *number, place)? {
             self.leave_out("shapes sphere left out".into(), place);
         }
         Ok(())

@@ -126,12 +126,14 @@ impl Adding<'_> {
         Ok(())
     }
 
-    /// An instance of an object: its shapes once more, at another place.
+    /// An instance of the object of that number: its shapes once more, at another place. How many were left out.
     pub fn instance(
         &mut self,
         object: &Scene,
+        number: u32,
         place: impl Fn() -> Place,
     ) -> Result<usize, LoadError> {
+        let before = self.scene.primitives.len();
         let more = object.vertices.len().max(object.normals.len()).max(object.primitives.len());
         check_size(self.scene, more, &place)?;
         let first = u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX);
@@ -166,6 +168,7 @@ impl Adding<'_> {
             };
             self.scene.primitives.push(Primitive { shape, material });
         }
+        self.scene.placed_since(before, number, self.transform);
         Ok(left_out)
     }
 

@@ -8,7 +8,7 @@ mod shapes;
 pub mod texture;
 mod view;
 
-use glam::DVec3;
+use glam::{DAffine3, DMat4, DVec3};
 
 pub use crate::scene::appearance::{Light, Material, Rgb};
 pub use crate::scene::shapes::{Cone, Primitive, Shape, Sphere, Texcoords};
@@ -47,10 +47,26 @@ pub struct Scene {
     /// Texture coordinates of the corners of triangles and patches, by id; those beyond the end of
     /// the list have none. (0, 0) is the upper left corner of the image, (1, 1) the lower right.
     pub texcoords: Vec<Option<Texcoords>>,
+    /// Objects that stand several times, as the source said. Claims: what became of the primitives since, nobody
+    /// looks after here.
+    pub instances: Vec<Instance>,
     /// How finely the scene asks its effects to be sampled.
     pub samples: SampleWishes,
     /// What a loader noticed and went on from (missing material file, dropped faces, ...).
     pub warnings: Vec<Warning>,
+}
+
+/// Consecutive primitives that are an object at a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// Which object: a number that all its instances have.
+    pub object: u32,
+    /// The id of its first primitive.
+    pub first: u32,
+    /// Primitives.
+    pub count: u32,
+    /// From the object's own space to the world.
+    pub placement: DAffine3,
 }
 
 /// Something a loader noticed and went on from; the text names file and line where there are any.
@@ -161,6 +177,15 @@ impl Scene {
             Shape::Triangle { v } | Shape::Patch { v, .. } => {
                 v.iter().filter_map(|&i| self.vertices.get(i as usize).copied()).collect()
             }
+        }
+    }
+
+    /// Notes that the primitives from `first` on are an instance of an object.
+    pub fn placed_since(&mut self, first: usize, object: u32, placement: DMat4) {
+        let (first, placement) = (index(first), DAffine3::from_mat4(placement));
+        let count = index(self.primitives.len()).saturating_sub(first);
+        if count > 0 {
+            self.instances.push(Instance { object, first, count, placement });
         }
     }
 

@@ -113,6 +113,10 @@ fn instances_are_copies_in_their_places() {
     let Shape::Patch { n, .. } = scene.primitives[7].shape else { panic!() };
     assert!(near(scene.normals[n[0] as usize], [0., 0., -1.]), "a mirrored one");
     assert_eq!(warnings(&scene), ["a.pbrt: 1 shapes sphere left out (first: line 15)"]);
+    let placed: Vec<_> = scene.instances.iter().map(|i| (i.object, i.first, i.count)).collect();
+    assert_eq!(placed, [(0, 0, 3), (0, 3, 3), (0, 6, 2)]);
+    let there = scene.instances[1].placement.transform_point3(scene.vertices[1]);
+    assert!(near(there, [202., 2., 15.]), "{there}");
 }
 
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\

@@ -118,27 +118,19 @@ pub struct SceneOutcome {
 }
 
 impl SceneOutcome {
-    /// What `value` makes of two variants' seconds, round by round, each with the process that it is of.
-    fn pairs(&self, a: &[f64], b: &[f64], value: impl Fn(f64, f64) -> f64) -> Series {
-        let each = (a.len() / self.processes.max(1) as usize).max(1);
-        let pairs = a.iter().zip(b).enumerate();
-        let pairs = pairs.map(|(round, (a, b))| ((round / each) as u32, value(*a, *b)));
-        pairs.filter(|(_, x)| x.is_finite()).collect()
-    }
-
     /// Seconds of rounds.
     pub fn series(&self, seconds: &[f64]) -> Series {
-        self.pairs(seconds, seconds, |s, _| s)
+        Series::of_pairs(seconds, seconds, self.processes, |s, _| s)
     }
 
     /// One's time over another's.
     pub fn ratios(&self, seconds: &[f64], other: &[f64]) -> Series {
-        self.pairs(seconds, other, |s, other| s / other)
+        Series::of_pairs(seconds, other, self.processes, |s, other| s / other)
     }
 
     /// One's time less another's.
     pub fn differences(&self, seconds: &[f64], other: &[f64]) -> Series {
-        self.pairs(seconds, other, |s, other| s - other)
+        Series::of_pairs(seconds, other, self.processes, |s, other| s - other)
     }
 
     /// Scene and subject.

@@ -24,6 +24,13 @@ pub fn conclude_scene(scene: &mut SceneRecord, seed: u64) {
     scene.least_time = least_time(&profiles(scene), seed);
 }
 
+/// Concludes from each scene, and from all together.
+pub fn conclude(run: &mut RunRecord) {
+    let seed = run.settings.seed;
+    run.scenes.iter_mut().for_each(|scene| conclude_scene(scene, seed));
+    conclude_run(run);
+}
+
 /// Concludes from all scenes together, where there are several.
 pub fn conclude_run(run: &mut RunRecord) {
     run.conclusions = match &run.scenes[..] {

@@ -26,7 +26,8 @@ use equal_error::{AtError, SampledImage, at_error};
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{Clock, timed};
 use reference::Sampled;
-use statistics::estimate::{Estimate, estimate};
+use statistics::estimate::Estimate;
+use statistics::series::Series;
 
 /// A way to draw with cones or beams.
 pub struct Way {
@@ -233,9 +234,7 @@ fn judge(rows: &mut [Row], reference: &Converged, seed: u64) {
     let (mut places, mut placed) = (Vec::new(), Vec::new());
     for (i, row) in rows.iter_mut().enumerate() {
         let Ok(m) = &mut row.outcome else { continue };
-        let rounds = m.seconds.iter().zip(&cheapest).filter(|(_, cheapest)| **cheapest > 0.0);
-        let ratios: Vec<f64> = rounds.map(|(s, cheapest)| s / cheapest).collect();
-        m.ratio = estimate(&ratios, seed);
+        m.ratio = Series::of_pairs(&m.seconds, &cheapest, 1, |s, least| s / least).estimate(seed);
         let Some(time) = m.ratio else { continue };
         // errors below the reference's are not told from it
         let error = if m.is_below_reference { reference.own_error } else { m.error };

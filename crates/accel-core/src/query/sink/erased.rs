@@ -6,10 +6,11 @@ use crate::geometry::scalar::Scalar;
 use crate::query::sink::Sink;
 
 /// A sink behind dynamic calls. Counting passes walk with this one type, so that a traversal is
-/// compiled once for all queries and all kinds of primitives that are not timed.
-pub struct ErasedSink<'a, S: Scalar>(&'a mut dyn SinkObject<S>);
+/// compiled once for all queries and all kinds of primitives that are not timed. Steps are reported with
+/// `COUNTED` alone.
+pub struct ErasedSink<'a, S: Scalar, const COUNTED: bool = true>(&'a mut dyn SinkObject<S>);
 
-impl<'a, S: Scalar> ErasedSink<'a, S> {
+impl<'a, S: Scalar, const COUNTED: bool> ErasedSink<'a, S, COUNTED> {
     /// Hides the type of a sink.
     pub fn new<K: Sink<S>>(sink: &'a mut K) -> Self {
         Self(sink)
@@ -50,8 +51,8 @@ impl<S: Scalar, K: Sink<S>> SinkObject<S> for K {
     }
 }
 
-impl<S: Scalar> Sink<S> for ErasedSink<'_, S> {
-    const COUNTING: bool = true;
+impl<S: Scalar, const COUNTED: bool> Sink<S> for ErasedSink<'_, S, COUNTED> {
+    const COUNTING: bool = COUNTED;
 
     fn t_max(&self) -> S {
         self.0.t_max_of()
@@ -70,10 +71,14 @@ impl<S: Scalar> Sink<S> for ErasedSink<'_, S> {
     }
 
     fn elementary_step(&mut self, empty: bool) {
-        self.0.elementary_step_of(empty);
+        if COUNTED {
+            self.0.elementary_step_of(empty);
+        }
     }
 
     fn inner_step(&mut self) {
-        self.0.inner_step_of();
+        if COUNTED {
+            self.0.inner_step_of();
+        }
     }
 }

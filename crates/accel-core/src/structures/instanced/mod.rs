@@ -1,0 +1,224 @@
+//! Two levels over a scene of copies: a structure over the boxes of all copies, and one over each object.
+//!
+//! Papers: S. M. Rubin, T. Whitted, "A 3-Dimensional Representation for Fast Rendering of Complex Scenes",
+//! SIGGRAPH 1980 (objects within the spaces of others, rays carried into them); I. Wald, C. Benthin,
+//! P. Slusallek, "Distributed Interactive Ray Tracing of Dynamic Scenes", PVG 2003 (two levels of the same
+//! structure, the lower ones built once and never again).
+//!
+//! Deviations: an object's structure stands in the space of its first copy, so that this one's rays need not be
+//! carried anywhere. It says which primitives to test; they are tested where they stand, in the world, as by all
+//! other structures: answers are theirs to the bit. What copies do not share by rounding, and what carrying a
+//! ray adds, is a margin of the boxes. Primitives that are copies of nothing are one more object. A scene
+//! without copies is one object.
+
+mod object;
+mod sinks;
+
+use glam::DAffine3;
+
+use crate::Vec3;
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::historical::bounds_rule::PADDING_ULPS;
+use crate::params::{ParamError, Params};
+use crate::primitives::PrimSet;
+use crate::primitives::instances::stretch;
+use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::sink::{ErasedSink, Sink};
+use crate::structure::{BuildError, Shape, Structure};
+use object::{Boxes, Members};
+use sinks::Upper;
+
+/// Of which structure both levels are.
+pub trait Levels<S: Scalar>: Structure<S> {
+    /// The settings of the structure over copies, and of those over objects.
+    ///
+    /// # Errors
+    /// [`ParamError`] for settings that the structure does not take.
+    fn settings(params: &Params) -> Result<[Params; 2], ParamError>;
+}
+
+/// A structure over copies of objects that have structures of the same kind.
+pub struct Instanced<S: Scalar, T> {
+    upper: T,
+    copies: Vec<Copy<S>>,
+    objects: Vec<Object<T>>,
+}
+
+struct Object<T> {
+    structure: T,
+    members: Members,
+    count: u32,
+}
+
+/// An object at a place.
+struct Copy<S: Scalar> {
+    /// The box of its primitives, padded.
+    bounds: Aabb<S>,
+    object: u32,
+    /// The id of its first primitive.
+    first: u32,
+    /// To the first copy; none for that itself.
+    to_first: Option<DAffine3>,
+}
+
+impl<S: Scalar> Copy<S> {
+    /// The ray in the space of the first copy, with the same parameters; `None` if its direction is no common
+    /// one there.
+    #[inline(always)]
+    fn carried(&self, ray: &Ray<S>) -> Option<Ray<S>> {
+        let Some(to_first) = &self.to_first else { return Some(*ray) };
+        let direction = to_first.transform_vector3(ray.direction.to_dvec3());
+        let length = direction.abs().element_sum();
+        let [least, most] = S::DIRECTION_LENGTHS.map(S::to_f64);
+        if !(length >= least && length <= most) {
+            return None;
+        }
+        let origin = to_first.transform_point3(ray.origin.to_dvec3());
+        let [origin, direction] = [origin, direction].map(Vec3::<S>::from_dvec3);
+        Some(Ray { origin, direction, ..*ray })
+    }
+}
+
+/// An object of a set, before anything is built.
+struct Planned {
+    members: Members,
+    count: u32,
+    /// The first id of each copy, and where it is carried.
+    copies: Vec<(u32, Option<DAffine3>)>,
+}
+
+/// Objects that stand several times, and whatever is left.
+fn plan<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<Planned> {
+    let known = prims.instances().map(|instances| instances.all()).unwrap_or_default();
+    let mut is_copied = vec![false; prims.len()];
+    let mut planned = Vec::new();
+    for object in known {
+        for copy in &object.copies {
+            is_copied[copy.first as usize..][..object.count as usize].fill(true);
+        }
+        let carried = |k: usize, to_first| if k == 0 { None } else { Some(to_first) };
+        let copies = object.copies.iter().enumerate();
+        planned.push(Planned {
+            members: Members::Consecutive,
+            count: object.count,
+            copies: copies.map(|(k, copy)| (copy.first, carried(k, copy.to_first))).collect(),
+        });
+    }
+    let left: Vec<u32> = (0..prims.len() as u32).filter(|&id| !is_copied[id as usize]).collect();
+    if !left.is_empty() {
+        let count = left.len() as u32;
+        let members = if known.is_empty() { Members::Consecutive } else { Members::List(left) };
+        planned.push(Planned { members, count, copies: vec![(0, None)] });
+    }
+    planned
+}
+
+impl Planned {
+    /// By how much the boxes of primitives are larger than those of the first copy: twice what padded boxes
+    /// are, for the coordinates of the world where copies are rounded, brought here, and for those of the ray
+    /// here. Nothing where the object is the scene.
+    fn margin(&self, magnitude: f64) -> f64 {
+        let carried = |(_, to_first): &(u32, Option<DAffine3>)| {
+            let Some(to_first) = to_first else { return magnitude };
+            let there = stretch(&to_first.matrix3) * magnitude;
+            there + to_first.translation.abs().max_element()
+        };
+        let largest = self.copies.iter().map(carried).fold(magnitude, f64::max);
+        2.0 * PADDING_ULPS * (magnitude + largest)
+    }
+}
+
+impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
+    #[inline(never)]
+    fn walk_erased<const COUNTED: bool>(&self, ray: &Ray<S>, query: ErasedSink<'_, S, COUNTED>) {
+        self.upper.walk(ray, &mut Upper::new(self, ray, query));
+    }
+}
+
+impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
+    const DUPLICATES: bool = T::DUPLICATES;
+
+    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+        let structure = params.structure();
+        let [over_copies, over_objects] =
+            T::settings(params)?.map(|own| own.within(params.memory()));
+        // a mark and a box of each primitive
+        params.fits((1 + size_of::<Aabb<S>>()) as u128 * prims.len() as u128)?;
+        let planned = plan(prims);
+        let is_whole = planned.len() == 1 && planned[0].copies.len() == 1;
+        let magnitude = prims.magnitude();
+        let padding = S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS);
+        let padding = padding.greater(S::from_f64(2e-30));
+        let (mut objects, mut copies) = (Vec::new(), Vec::<Copy<S>>::new());
+        let mut boxes = Vec::new();
+        for object in planned {
+            for &(first, to_first) in object.copies.iter().rev() {
+                // the first copy comes last, and its boxes stay
+                boxes.clear();
+                let ids = (0..object.count).map(|own| object.members.id(first, own));
+                boxes.extend(ids.map(|id| prims.bounds(id)));
+                let bounds = boxes.iter().fold(Aabb::empty(), |all, own| all.union(*own));
+                copies.push(Copy { bounds, object: objects.len() as u32, first, to_first });
+            }
+            if !is_whole {
+                let margin = S::EPSILON.to_f64() * object.margin(magnitude.to_f64());
+                let margin = S::from_f64(margin).greater(padding);
+                boxes.iter_mut().for_each(|own| *own = own.expanded(margin));
+            }
+            let Planned { members, count, .. } = object;
+            let structure = T::build(&Boxes(&boxes), &over_objects)?;
+            objects.push(Object { structure, members, count });
+        }
+        boxes.clear();
+        boxes.extend(copies.iter().map(|copy| copy.bounds));
+        if let Some(far) = boxes.iter().position(|bounds| !bounds.is_finite()) {
+            return Err(BuildError::NonFiniteBounds { structure, id: copies[far].first });
+        }
+        let upper = T::build(&Boxes(&boxes), &over_copies)?;
+        for copy in &mut copies {
+            copy.bounds = copy.bounds.expanded(padding);
+        }
+        Ok(Self { upper, copies, objects })
+    }
+
+    #[inline(always)]
+    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        match K::COUNTING {
+            true => self.walk_erased::<true>(ray, ErasedSink::new(sink)),
+            false => self.walk_erased::<false>(ray, ErasedSink::new(sink)),
+        }
+    }
+
+    /// N_IN holds all cells of the upper structure. An object's cells count once, however often it stands.
+    fn shape(&self) -> Shape {
+        let upper = self.upper.shape();
+        let mut all = Shape {
+            inner_cells: upper.inner_cells + upper.cells,
+            bytes: upper.bytes + size_of_val(self.copies.as_slice()) as u64,
+            ..Shape::default()
+        };
+        for object in &self.objects {
+            let own = object.structure.shape();
+            all.inner_cells += own.inner_cells;
+            all.cells += own.cells;
+            all.empty_cells += own.empty_cells;
+            all.references += own.references;
+            all.bytes += own.bytes + (object.members.bytes() + size_of::<Object<T>>()) as u64;
+        }
+        all
+    }
+
+    /// Of a scene without copies. The cells of an object that stands several times are in no copy's place.
+    fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        let [Object { structure, .. }] = &self.objects[..] else { return Err(IN_NO_PLACE) };
+        if self.copies.len() > 1 {
+            return Err(IN_NO_PLACE);
+        }
+        self.upper.cells(&mut |cell| each(Cell::inner(cell.bounds, cell.depth)))?;
+        structure.cells(each)
+    }
+}
+
+const IN_NO_PLACE: NoCells = NoCells("an object's cells stand for all of its copies");

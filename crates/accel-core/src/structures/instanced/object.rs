@@ -1,0 +1,92 @@
+//! What the structures of both levels are built over: boxes.
+
+use glam::DVec3;
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::primitives::{Ball, PrimSet, PrimitiveKind};
+
+/// Ids of the primitives of an object.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Members {
+    /// Consecutive ones, of each copy.
+    Consecutive,
+    /// Those that are in no copy of anything.
+    List(Vec<u32>),
+}
+
+impl Members {
+    /// The id in the set of a primitive of the object, for the copy whose first id is given.
+    #[inline(always)]
+    pub fn id(&self, first: u32, own: u32) -> u32 {
+        match self {
+            Self::Consecutive => first + own,
+            Self::List(ids) => ids[own as usize],
+        }
+    }
+
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Consecutive => 0,
+            Self::List(ids) => size_of_val(ids.as_slice()),
+        }
+    }
+}
+
+/// The boxes of copies or of an object's primitives, as a set that structures divide and nobody tests.
+pub(super) struct Boxes<'a, S: Scalar>(pub &'a [Aabb<S>]);
+
+impl<S: Scalar> PrimSet<S> for Boxes<'_, S> {
+    type RaySetup = ();
+
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self, id: u32) -> Aabb<S> {
+        self.0[id as usize]
+    }
+
+    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
+        let Aabb { min, max } = self.0[id as usize].in_double();
+        let (a, b) = (min * direction, max * direction);
+        (a.min(b).element_sum(), a.max(b).element_sum())
+    }
+
+    fn farthest(&self, id: u32, from: DVec3) -> f64 {
+        let Aabb { min, max } = self.0[id as usize].in_double();
+        (min - from).abs().max((max - from).abs()).length()
+    }
+
+    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
+        let Aabb { min, max } = self.0[id as usize].in_double();
+        let corner = |k: u32| {
+            let pick = |axis: usize| if k >> axis & 1 == 0 { min[axis] } else { max[axis] };
+            Ball { center: DVec3::new(pick(0), pick(1), pick(2)), radius: 0.0 }
+        };
+        balls.extend((0..8).map(corner));
+    }
+
+    fn kind(&self, _: u32) -> PrimitiveKind {
+        PrimitiveKind::Polygon
+    }
+
+    fn setup(&self, _: &Ray<S>) {}
+
+    fn intersect(&self, _: u32, _: &Ray<S>, (): &(), _: S) -> Option<S> {
+        None
+    }
+
+    fn is_opaque(&self, _: u32) -> bool {
+        true
+    }
+
+    fn magnitude(&self) -> S {
+        self.0.iter().fold(S::ZERO, |m, b| m.greater(b.magnitude()))
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.0)
+    }
+}

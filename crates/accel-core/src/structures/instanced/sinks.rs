@@ -1,0 +1,170 @@
+//! The sinks between the levels: the upper one hands a ray to the objects whose copies it meets, the lower one
+//! hands their primitives to the query. The query is an object to both, so that a level's traversal is compiled
+//! once for all queries.
+
+use std::ops::ControlFlow;
+
+use super::Instanced;
+use super::object::Members;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::query::sink::{ErasedSink, Sink};
+use crate::structure::Structure;
+
+/// Copies that a ray was handed to lately, so that it is not handed to them once more by the next cell.
+const REMEMBERED: usize = 8;
+
+/// What the upper level sees of a query.
+pub(super) struct Upper<'a, 'q, S: Scalar, T, const COUNTED: bool> {
+    structure: &'a Instanced<S, T>,
+    ray: &'a Ray<S>,
+    query: ErasedSink<'q, S, COUNTED>,
+    is_any_hit: bool,
+    t_max: S,
+    visited: [u32; REMEMBERED],
+}
+
+impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T, COUNTED> {
+    pub fn new(
+        structure: &'a Instanced<S, T>,
+        ray: &'a Ray<S>,
+        query: ErasedSink<'q, S, COUNTED>,
+    ) -> Self {
+        let (is_any_hit, t_max) = (query.is_any_hit(), query.t_max());
+        Self { structure, ray, query, is_any_hit, t_max, visited: [u32::MAX; REMEMBERED] }
+    }
+
+    #[inline]
+    fn enter(&mut self, index: u32) -> ControlFlow<()> {
+        if T::DUPLICATES {
+            let slot = &mut self.visited[index as usize % REMEMBERED];
+            if *slot == index {
+                return ControlFlow::Continue(());
+            }
+            *slot = index;
+        }
+        let copy = &self.structure.copies[index as usize];
+        let Ray { origin, direction, t_min, .. } = *self.ray;
+        if copy.bounds.clip(origin, direction, t_min, self.t_max).is_none() {
+            return ControlFlow::Continue(());
+        }
+        let object = &self.structure.objects[copy.object as usize];
+        let mut query = Lower {
+            query: &mut self.query,
+            members: &object.members,
+            first: copy.first,
+            is_any_hit: self.is_any_hit,
+            t_max: self.t_max,
+            is_over: false,
+        };
+        match copy.carried(self.ray) {
+            Some(ray) => object.structure.walk(&ray, &mut query),
+            // too long or too short there: nothing is left out
+            None => {
+                let _ = (0..object.count).try_for_each(|own| query.test(&[own]));
+            }
+        }
+        self.t_max = query.t_max;
+        if query.is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+impl<S: Scalar, T: Structure<S>, const COUNTED: bool> Sink<S> for Upper<'_, '_, S, T, COUNTED> {
+    const COUNTING: bool = COUNTED;
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.t_max
+    }
+
+    #[inline(always)]
+    fn test(&mut self, indices: &[u32]) -> ControlFlow<()> {
+        indices.iter().try_for_each(|&index| self.enter(index))
+    }
+
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        self.is_any_hit
+    }
+
+    #[inline(always)]
+    fn elementary_step(&mut self, _: bool) {
+        self.query.inner_step();
+    }
+
+    #[inline(always)]
+    fn inner_step(&mut self) {
+        self.query.inner_step();
+    }
+}
+
+/// Ids that are handed on at once.
+const AT_ONCE: usize = 16;
+
+/// What the structure of an object sees of a query.
+struct Lower<'a, 'q, S: Scalar, const COUNTED: bool> {
+    query: &'a mut ErasedSink<'q, S, COUNTED>,
+    members: &'a Members,
+    /// The id of the copy's first primitive.
+    first: u32,
+    is_any_hit: bool,
+    t_max: S,
+    is_over: bool,
+}
+
+impl<'q, S: Scalar, const COUNTED: bool> Lower<'_, 'q, S, COUNTED> {
+    #[inline]
+    fn hand_on(
+        &mut self,
+        ids: &[u32],
+        to: impl Fn(&mut ErasedSink<'q, S, COUNTED>, &[u32]) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut room = [0; AT_ONCE];
+        for part in ids.chunks(AT_ONCE) {
+            for (place, &own) in room.iter_mut().zip(part) {
+                *place = self.members.id(self.first, own);
+            }
+            let went_on = to(&mut *self.query, &room[..part.len()]);
+            self.is_over = went_on.is_break();
+            went_on?;
+        }
+        if !self.is_any_hit {
+            self.t_max = self.query.t_max();
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl<S: Scalar, const COUNTED: bool> Sink<S> for Lower<'_, '_, S, COUNTED> {
+    const COUNTING: bool = COUNTED;
+
+    #[inline(always)]
+    fn t_max(&self) -> S {
+        self.t_max
+    }
+
+    #[inline(always)]
+    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+        self.hand_on(ids, |query, ids| query.test(ids))
+    }
+
+    #[inline(always)]
+    fn test_in_cell(&mut self, ids: &[u32], t_exit: S) -> ControlFlow<()> {
+        self.hand_on(ids, |query, ids| query.test_in_cell(ids, t_exit))
+    }
+
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        self.is_any_hit
+    }
+
+    #[inline(always)]
+    fn elementary_step(&mut self, empty: bool) {
+        self.query.elementary_step(empty);
+    }
+
+    #[inline(always)]
+    fn inner_step(&mut self) {
+        self.query.inner_step();
+    }
+}

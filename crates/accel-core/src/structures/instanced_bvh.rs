@@ -1,0 +1,34 @@
+//! A BVH over BVHs: an eight-wide tree over the boxes of copies, and one over each object.
+//!
+//! See [`crate::structures::instanced`] for the levels and [`crate::structures::wide_bvh`] for the trees.
+
+use crate::geometry::scalar::Scalar;
+use crate::params::{ParamError, Params};
+use crate::structure::StructureInfo;
+use crate::structures::instanced::{Instanced, Levels};
+use crate::structures::obvhs::adapter::PRESET;
+use crate::structures::wide_bvh::{self, WideBvh};
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    paper: "Rubin, Whitted 1980; Wald, Benthin, Slusallek 2003",
+    deviations: "objects in the space of their first copy; primitives are tested in the world, one by one",
+    params: &[PRESET],
+    variants: &[],
+    also_tested: &["", "preset=fastest"],
+    ..StructureInfo::new(
+        "instanced-bvh",
+        "a BVH over copies of objects, which have BVHs of their own",
+    )
+};
+
+/// A BVH over BVHs.
+pub type InstancedBvh<S> = Instanced<S, WideBvh<S>>;
+
+impl<S: Scalar> Levels<S> for WideBvh<S> {
+    fn settings(params: &Params) -> Result<[Params; 2], ParamError> {
+        let own = Params::defaults(params.structure(), wide_bvh::INFO.params, &[])
+            .set(PRESET.name, params.text(PRESET.name))?;
+        Ok([own.clone().set("max-leaf", 1)?, own.set("max-leaf", 4)?])
+    }
+}

@@ -1,0 +1,41 @@
+//! Grids over grids: a uniform grid over the boxes of copies, and one over each object.
+//!
+//! See [`crate::structures::instanced`] for the levels and [`crate::structures::uniform_grid`] for the grids.
+
+use crate::geometry::scalar::Scalar;
+use crate::params::specs;
+use crate::params::{ParamError, ParamSpec, Params};
+use crate::structure::StructureInfo;
+use crate::structures::instanced::{Instanced, Levels};
+use crate::structures::uniform_grid::{self, UniformGrid};
+
+const OF_COPIES: ParamSpec =
+    ParamSpec { name: "top-density", summary: "voxels per copy of an object", ..specs::DENSITY };
+
+/// Registry line.
+pub static INFO: StructureInfo = StructureInfo {
+    paper: "Rubin, Whitted 1980; Wald, Benthin, Slusallek 2003",
+    deviations: "objects in the space of their first copy; primitives are tested in the world",
+    params: &[specs::DENSITY, OF_COPIES, specs::MAX_CELLS, specs::MAX_REFERENCES],
+    variants: &[],
+    also_tested: &["", "density=8 top-density=0.5"],
+    ..StructureInfo::new(
+        "instanced-grid",
+        "a grid over copies of objects, which have grids of their own",
+    )
+};
+
+/// Grids over grids.
+pub type InstancedGrid<S> = Instanced<S, UniformGrid<S>>;
+
+impl<S: Scalar> Levels<S> for UniformGrid<S> {
+    fn settings(params: &Params) -> Result<[Params; 2], ParamError> {
+        let of = |density| {
+            let own = Params::defaults(params.structure(), uniform_grid::INFO.params, &[]);
+            let limits = [specs::MAX_CELLS.name, specs::MAX_REFERENCES.name];
+            let own = own.set(specs::DENSITY.name, params.text(density))?;
+            limits.into_iter().try_fold(own, |own, name| own.set(name, params.text(name)))
+        };
+        Ok([of(OF_COPIES.name)?, of(specs::DENSITY.name)?])
+    }
+}
