@@ -42,10 +42,10 @@ START = {
     "zsh": ["zsh", "-f", "-i"],
     "fish": ["fish", "--no-config", "-i"],
 }
-# a prompt that is easily found, and no colours
+# a prompt that is not found in what is typed, and no colours
 SETUP = {
-    "bash": "PS1='READY> '; bind 'set enable-bracketed-paste off'; bind 'set bell-style none'; . {file}",
-    "zsh": "PS1='READY> '; unsetopt zle_bracketed_paste prompt_sp; autoload -U compinit; compinit -u -d {folder}/dump; . {file}",
+    "bash": "PS1='REA''DY> '; bind 'set enable-bracketed-paste off'; bind 'set bell-style none'; . {file}",
+    "zsh": "PS1='REA''DY> '; unsetopt zle_bracketed_paste prompt_sp; autoload -U compinit; compinit -u -d {folder}/dump; . {file}",
 }
 
 
