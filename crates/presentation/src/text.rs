@@ -16,6 +16,9 @@ pub struct Screen {
 }
 
 impl Screen {
+    /// Wide enough for all columns.
+    pub const WIDE: usize = 1 << 16;
+
     /// Prints lines of little weight.
     ///
     /// # Errors

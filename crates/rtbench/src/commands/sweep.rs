@@ -6,6 +6,7 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
 use presentation::json;
+use presentation::text::Screen;
 use studies::sweep::Sweep;
 use studies::sweep::{csv, plot, table};
 
@@ -16,7 +17,10 @@ use studies::sweep::{csv, plot, table};
 pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<u8, Error> {
     let sweep = Sweep::new(&args.settings(), context.registry, context.scenes)?;
     context.warn_of_instructions();
-    let screen = context.terminal.screen(color);
+    let mut screen = context.terminal.screen(color);
+    if args.wide {
+        screen.width = Screen::WIDE;
+    }
     let mut outputs = Outputs::default();
     outputs.add(args.export_csv.as_ref(), |run| csv::to_string(&sweep, run))?;
     outputs.add(args.export_svg.as_ref(), |run| Ok(plot::to_svg(&sweep, run)))?;

@@ -190,7 +190,7 @@ fn what_is_not_there_is_an_error_that_names_what_is() {
     let ended = verify(REGISTRY, "-s unifrom-grid");
     assert!(ended.code == 2 && ended.err.contains("uniform-grid"), "{}", ended.err);
     let ended = verify(REGISTRY, "--cases T1 -s uniform-grid");
-    assert!(ended.code == 2 && ended.err.contains("ask none"), "{}", ended.err);
+    assert!(ended.code == 2 && ended.err.contains("none of these cases concerns"), "{}", ended.err);
     for line in [
         "G1",
         "G1 f32 seed=1 round=0 rays=500 ray=100000 brute-force",

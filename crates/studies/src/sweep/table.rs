@@ -5,7 +5,7 @@ use crate::run::markdown;
 use crate::run::tables;
 use crate::sweep::judgement::{Judgement, Standing, judge};
 use crate::sweep::{Line, Sweep};
-use measurement::record::{RunRecord, SceneRecord};
+use measurement::record::{RunRecord, SceneRecord, Verdict};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
 use presentation::text::Screen;
@@ -18,9 +18,9 @@ const TAKEN: [&str; 15] = [
     "primary", "shadow", "second.", "diffuse",
 ];
 
-/// Columns of most weight: these stay where not all fit.
-const FIRST: [&str; 8] =
-    [RATIO, "mark", "to best", "build ms", "trace ms", "MiB", "cells/prim", "N_IT"];
+/// Columns of most weight: these stay where not all fit. The verdict comes before all where one is not `ok`.
+const FIRST: [&str; 9] =
+    ["verdict", RATIO, "mark", "to best", "N_IT", "N_TS", "build ms", "trace ms", "MiB"];
 
 /// Prints the table of a scene.
 ///
@@ -33,7 +33,8 @@ pub fn write(
     scene: &SceneRecord,
     screen: Screen,
 ) -> io::Result<()> {
-    screen.write_fitted(out, &scene_table(sweep, run, scene), &FIRST)
+    let all_right = scene.rows.iter().all(|row| row.verdict == Verdict::Ok);
+    screen.write_fitted(out, &scene_table(sweep, run, scene), &FIRST[usize::from(all_right)..])
 }
 
 /// Prints what the columns mean.

@@ -71,8 +71,8 @@ fn a_program_compiled_below_its_processor_says_so_once() {
         run_in_world(PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
     };
     let said = "compiled without bmi2, lzcnt, which this processor has";
-    let (more, run) = (["avx2", "bmi2", "lzcnt"], "run tetra:1 tetra:2 --quick -s kd-tree");
-    for command in [run, "sweep tetra:1 --quick -s kd-tree -p max-leaf --values 1,2"] {
+    let (more, run) = (["avx2", "bmi2", "lzcnt"], "run tetra:1 tetra:2 --quick -s uniform-grid");
+    for command in [run, "sweep tetra:1 --quick -s uniform-grid -p density --values 1,2"] {
         let ended = told(&more, command);
         assert_eq!((ended.code, ended.err.matches(said).count()), (0, 1), "{}", ended.err);
         assert!(ended.err.contains("target-cpu=x86-64-v3"), "{}", ended.err);
