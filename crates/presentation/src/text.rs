@@ -197,7 +197,8 @@ mod tests {
                 text.lines().all(|l| l.trim_end().chars().count() <= width),
                 "{width}:\n{text}"
             );
-            let is_named = text.contains("columns wide;");
+            let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+            let is_named = words.contains("No room for the columns wide;");
             assert_eq!(is_named, width == 24, "{text}");
         }
         assert!(printed(24).contains("12345") && !printed(24).contains("1234567890"));
