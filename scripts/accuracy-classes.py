@@ -4,7 +4,7 @@
 usage: accuracy-classes.py [--at-least PERCENT] OLD/accuracy.json NEW/accuracy.json
 
 A variant's class is what it takes beyond the cheapest of its axis, scene and subject, as in summary.md: free (the
-interval holds 1 and ends below 1.1), not told (it holds 1 and does not), under 10%, more. Lists those whose class
+interval contains 1 and ends below 1.1), inconclusive (it contains 1 and does not), under 10%, more. Lists those whose class
 changed, with both figures; prints how many stayed, also those of axes as a whole and on the front. Fails where less
 than PERCENT of the variants stayed in their class.
 """
@@ -20,7 +20,7 @@ def price(ratio):
     if ratio["median"] is None:
         return "no time"
     if ratio["low"] <= 1.0:
-        return "free" if ratio["high"] < 1.1 else "not told"
+        return "free" if ratio["high"] < 1.1 else "inconclusive"
     return "under 10%" if ratio["median"] < 1.1 else "more"
 
 
@@ -65,8 +65,8 @@ def main():
         same += before == now
         standing += a["standing"] == b["standing"]
         held += b["ratio"]["low"] <= a["ratio"]["median"] <= b["ratio"]["high"]
-        # a class that is not told contradicts none
-        contradicts = "not told" not in (before, now) and before != now
+        # a class that is inconclusive contradicts none
+        contradicts = "inconclusive" not in (before, now) and before != now
         told += not contradicts
         apart.append(abs(math.log(b["ratio"]["median"] / a["ratio"]["median"])))
         if before != now:

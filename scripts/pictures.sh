@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Draws the pictures of README.md and docs/ anew, into docs/pictures/ (or the folder given). Fails when one
-# is larger than 300 KiB. The times in heat maps are of this machine and are not kept: only tests and steps.
+# is larger than 300 KiB. No time of this machine is in them: of heat maps only tests are kept, and plots of
+# times are those of recorded runs.
 # usage: [RTBENCH=target/release/rtbench] scripts/pictures.sh [DIR]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -30,6 +31,13 @@ show ray.svg teapot:5 -s uniform-grid,kd-tree,obvhs-bvh2 --ray 230,235 --size 30
 "$RTBENCH" cost stadium:24 -s uniform-grid,wide-bvh --size 128 --heat-maps "$work/maps" > /dev/null
 mv "$work/maps/tests.png" "$out/stadium-tests.png"
 show stadium.svg stadium:12 -s uniform-grid,recursive-grid --size 360
+# the README's table as a plot, and an accuracy front
+mkdir -p "$work/recorded/accuracy"
+cp results/2026-11-23-structures/results.json "$work/recorded"
+cp results/2026-11-23-accuracy/accuracy.json "$work/recorded/accuracy"
+"$RTBENCH" report "$work/recorded" --plots "$work/plots" > /dev/null
+mv "$work/plots/bars-teapot.svg" "$out/answer.svg"
+mv "$work/plots/accuracy-soft-shadows-teapot.svg" "$out/accuracy-front.svg"
 for picture in "$out"/*; do
     bytes=$(wc -c < "$picture")
     echo "$picture $bytes"

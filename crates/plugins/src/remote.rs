@@ -103,7 +103,7 @@ impl Remote {
         match self.ask(&Request::Describe, "describing itself")? {
             Reply::Description(description) => Ok(*description),
             Reply::Refused { message } => Err(message),
-            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+            _ => Err(self.ends("its process sent an unexpected reply".into())),
         }
     }
 
@@ -136,7 +136,7 @@ impl Remote {
         match reply? {
             Reply::Done { seconds } => Ok(BuiltOr::Built(seconds)),
             Reply::Refused { message } => Ok(BuiltOr::Refused(message)),
-            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+            _ => Err(self.ends("its process sent an unexpected reply".into())),
         }
     }
 
@@ -203,7 +203,7 @@ impl Remote {
     pub(crate) fn stats(&mut self) -> Result<Stats, String> {
         match self.ask(&Request::Stats, "saying what it built")? {
             Reply::Stats(stats) => Ok(stats),
-            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+            _ => Err(self.ends("its process sent an unexpected reply".into())),
         }
     }
 
@@ -250,7 +250,7 @@ impl Remote {
         match self.ask(request, doing)? {
             Reply::Done { seconds } => Ok(seconds),
             Reply::Refused { message } => Err(self.ends(format!("fails while {doing}: {message}"))),
-            _ => Err(self.ends("its process gives another answer than it was asked for".into())),
+            _ => Err(self.ends("its process sent an unexpected reply".into())),
         }
     }
 

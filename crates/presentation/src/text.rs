@@ -2,9 +2,59 @@
 
 use std::io::{self, Write};
 
-use crate::fitted::{widths, wrapped};
+use crate::fitted::{fitted, widths, wrapped};
 use crate::outside::{COLORS, line};
 use crate::table::{Cell, Style, Table};
+
+/// Where text is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Screen {
+    /// Characters of a line.
+    pub width: usize,
+    /// With colours.
+    pub colors: bool,
+}
+
+impl Screen {
+    /// Wide enough for all columns.
+    pub const WIDE: usize = 1 << 16;
+
+    /// Prints lines of little weight.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_notes(self, out: &mut dyn Write, lines: &[&str]) -> io::Result<()> {
+        write_notes_within(out, lines, self.colors, Some(self.width))
+    }
+
+    /// Prints a line of words.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_line(self, out: &mut dyn Write, text: &str) -> io::Result<()> {
+        wrapped(&line(text), self.width, 2).iter().try_for_each(|part| writeln!(out, "{part}"))
+    }
+
+    /// Prints a table with those of its columns that fit, the heads of `first` before others, and names the
+    /// columns that do not.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_fitted(
+        self,
+        out: &mut dyn Write,
+        table: &Table,
+        first: &[&str],
+    ) -> io::Result<()> {
+        let (mut table, left_out) = fitted(table, self.width, first);
+        if !left_out.is_empty() {
+            table
+                .notes
+                .push(format!("No room for the columns {}; files have all.", left_out.join(", ")));
+        }
+        write_table_within(out, &table, self.colors, Some(self.width))
+    }
+}
 
 /// Prints lines of little weight.
 ///
@@ -127,6 +177,32 @@ pub fn painted(text: &str, style: Style, colors: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_table_is_no_wider_than_the_screen_and_names_what_has_no_room() {
+        let row = ["grid density=4", "1234567890", "12345"].map(|t| Cell::from(t.to_owned()));
+        let header = vec!["structure", "wide", "small"];
+        let table = Table { title: "t ".repeat(20), header, rows: vec![row.into()], notes: vec![] };
+        let printed = |width| {
+            let mut out = Vec::new();
+            let screen = Screen { width, colors: false };
+            screen.write_fitted(&mut out, &table, &["small"]).unwrap();
+            screen.write_notes(&mut out, &["so many words"]).unwrap();
+            screen.write_line(&mut out, &"word ".repeat(20)).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        for width in [24, 40, 120] {
+            let text = printed(width);
+            assert!(
+                text.lines().all(|l| l.trim_end().chars().count() <= width),
+                "{width}:\n{text}"
+            );
+            let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+            let is_named = words.contains("No room for the columns wide;");
+            assert_eq!(is_named, width == 24, "{text}");
+        }
+        assert!(printed(24).contains("12345") && !printed(24).contains("1234567890"));
+    }
 
     #[test]
     fn colours_from_outside_are_text() {

@@ -10,11 +10,12 @@ use crate::args::Color;
 use crate::plugin_rows::Plugins;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::Clock;
-use measurement::system::pressure;
 use measurement::system::program_copy::{CopyError, ProgramCopy};
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
+use measurement::system::{instruction_set, pressure};
 use presentation::outside::{self, Annotation};
+use presentation::text::Screen;
 
 /// The outside world as a command sees it.
 pub struct Context<'a> {
@@ -127,6 +128,11 @@ impl Terminal {
         self.found_width.unwrap_or(DEFAULT_WIDTH).max(LEAST_WIDTH)
     }
 
+    /// Standard output, as tables are printed on it.
+    pub fn screen(self, choice: Color) -> Screen {
+        Screen { width: self.width(), colors: self.colors(choice) }
+    }
+
     /// Whether standard output gets colours.
     pub fn colors(self, choice: Color) -> bool {
         match choice {
@@ -189,6 +195,17 @@ impl Context<'_> {
     pub fn warn(&mut self, message: impl std::fmt::Display) {
         if self.verbosity > Verbosity::Quiet {
             let _ = writeln!(self.err, "warning: {}", outside::message(&message.to_string()));
+        }
+    }
+
+    /// Warns where the program was compiled for less than the processor has.
+    pub fn warn_of_instructions(&mut self) {
+        let compiled = self.world.compiler().target_features;
+        let unused = instruction_set::unused(&self.world.processor_features(), &compiled);
+        if !unused.is_empty() {
+            let unused = unused.join(", ");
+            let advice = instruction_set::ADVICE;
+            self.warn(format_args!("compiled without {unused}, which this processor has: times are those of a slower program; {advice}"));
         }
     }
 

@@ -86,7 +86,7 @@ pub fn tables(record: &RunRecord, fetched: &[Fetched], machine: &Machine) -> Vec
         let own = fetched.iter().filter(|f| f.batch.scene == scene.name);
         let rows: Vec<Vec<Cell>> = own.map(|f| cells(scene, f, machine)).collect();
         Table {
-            title: format!("{}: what a ray takes", scene.name),
+            title: format!("{}: cost per ray", scene.name),
             header: HEADER.into(),
             rows,
             notes: notes(machine),

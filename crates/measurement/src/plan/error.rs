@@ -110,7 +110,7 @@ pub enum PlanError {
         structure: &'static str,
     },
     /// The cases asked for concern none of the structures asked for.
-    #[error("these cases ask none of these structures: leave out -s, or ask for other cases")]
+    #[error("none of these cases concerns these structures: leave out -s, or name other cases")]
     NothingAsked,
     /// There are no structures at all.
     #[error("there are no structures to measure")]

@@ -5,6 +5,7 @@ pub mod clock;
 pub mod created;
 pub mod file_limit;
 pub mod files;
+pub mod instruction_set;
 pub mod interrupt;
 pub mod kept_folder;
 pub mod machine;

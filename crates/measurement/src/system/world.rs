@@ -8,7 +8,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::record::{Compiler, Load, Machine, Tool};
 use crate::rounds::trial::{Outcome, TrialBuild};
-use crate::system::machine;
+use crate::system::{instruction_set, machine};
 
 /// The world as far as results repeat it.
 pub trait World: Sync {
@@ -20,6 +20,8 @@ pub trait World: Sync {
     fn compiler(&self) -> Compiler;
     /// What it runs on.
     fn machine(&self) -> Machine;
+    /// What the processor has of x86-64-v3, by rustc's names.
+    fn processor_features(&self) -> Vec<&'static str>;
     /// SHA-256 of the program's file, where it can be read.
     fn program_sha256(&self) -> Option<String>;
     /// Largest resident set since the start or [`World::reset_peak_rss`], bytes.
@@ -60,6 +62,10 @@ impl World for SystemWorld {
         machine::machine()
     }
 
+    fn processor_features(&self) -> Vec<&'static str> {
+        instruction_set::of_processor()
+    }
+
     fn program_sha256(&self) -> Option<String> {
         machine::program_sha256()
     }
@@ -90,6 +96,8 @@ impl World for SystemWorld {
 pub struct FixedWorld {
     /// What is said of the machine.
     pub machine: Machine,
+    /// What its processor has of x86-64-v3.
+    pub processor_features: Vec<&'static str>,
     /// What it was compiled with.
     pub compiler: Compiler,
     /// What the loads are, one reading after another; the last one stays.
@@ -109,6 +117,7 @@ impl Default for FixedWorld {
                 governor: None,
                 boost: None,
             },
+            processor_features: vec!["avx2", "fma"],
             compiler: Compiler {
                 rustc: Some("rustc 1.90.0".into()),
                 target: Some("x86_64-unknown-linux-gnu".into()),
@@ -137,6 +146,10 @@ impl World for FixedWorld {
 
     fn machine(&self) -> Machine {
         self.machine.clone()
+    }
+
+    fn processor_features(&self) -> Vec<&'static str> {
+        self.processor_features.clone()
     }
 
     fn program_sha256(&self) -> Option<String> {

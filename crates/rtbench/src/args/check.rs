@@ -53,7 +53,7 @@ pub struct CheckArgs {
     /// Count none
     #[arg(long)]
     pub no_instructions: bool,
-    /// Exit with 5 where something could not be told from a regression
+    /// Exit with 5 where something is inconclusive
     #[arg(long)]
     pub strict: bool,
     /// Print what did not change, too

@@ -58,6 +58,9 @@ pub struct SweepArgs {
     /// How much memory a structure may take.
     #[command(flatten)]
     pub memory: MemoryArgs,
+    /// Print all columns [default: those that fit the terminal, or 120 characters]
+    #[arg(long)]
+    pub wide: bool,
     /// Write one CSV row per scene and value; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,

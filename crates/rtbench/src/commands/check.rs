@@ -14,7 +14,7 @@ use crate::exports::outputs::{Outputs, write_file};
 use crate::gate::against::{Contest, own_program};
 use crate::gate::command::Commands;
 use crate::gate::contest::{self, Pace, PairedTimes};
-use crate::gate::report::{GLOSSARY, Report};
+use crate::gate::report::{COLUMNS, GLOSSARY, Report};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{
     Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
@@ -31,7 +31,6 @@ use measurement::system::pressure::Watch;
 use measurement::system::progress::Progress;
 use presentation::json;
 use presentation::outside::line;
-use presentation::text;
 
 /// Checks and returns the exit code.
 ///
@@ -59,6 +58,7 @@ pub fn run(
     if args.instructions {
         callgrind::version().map_err(GateError::from)?;
     }
+    context.warn_of_instructions();
     let check = Check { args, thresholds, wants_counts };
     let report = match (&args.against, baseline) {
         (Some(old), _) if !args.arguments.is_empty() => check.commands(context, old)?,
@@ -66,22 +66,24 @@ pub fn run(
         (None, Some(baseline)) => check.against_baseline(context, &baseline)?,
         (None, None) => return Err(GateError::from(LikeError::Empty).into()),
     };
-    let colors = context.terminal.colors(color);
+    let screen = context.terminal.screen(color);
     for table in report.tables(args.all) {
         if table.rows.is_empty() {
-            let (title, notes) = (line(&table.title), table.notes.join(" "));
-            writeln!(context.out, "{title}\n{}\n", line(&notes))?;
+            screen.write_line(context.out, &table.title)?;
+            screen.write_line(context.out, &table.notes.join(" "))?;
+            writeln!(context.out)?;
         } else {
-            text::write_table(context.out, &table, colors)?;
+            screen.write_fitted(context.out, &table, &COLUMNS)?;
         }
     }
     for remark in &report.remarks {
-        writeln!(context.out, "{}", line(remark))?;
+        screen.write_line(context.out, remark)?;
     }
-    text::write_notes(context.out, GLOSSARY, colors)?;
+    screen.write_notes(context.out, GLOSSARY)?;
     for improvement in report.improvements() {
-        writeln!(context.out, "{}", line(&improvement))?;
+        screen.write_line(context.out, &improvement)?;
     }
+    // a script reads the last line
     writeln!(context.out, "{}", line(&report.verdict()))?;
     context.out.flush()?;
     write_file(args.export_csv.as_deref(), || export::csv(&report))?;
@@ -189,7 +191,7 @@ impl Check<'_> {
         let (copy, pace) = (copied.path(), self.pace(now.settings.seed));
         let (like, allow_outside) = (now.clone(), context.scenes.allows_outside());
         let mut contest = Contest { old, new, copy, like, pace, allow_outside };
-        context.say(format_args!("asking {}", old.display()));
+        context.say(format_args!("measuring once with {}", old.display()));
         let base = contest.record_of_old().map_err(GateError::from)?;
         refuse(&base, &now)?;
         let counts = match self.wants_counts {

@@ -52,7 +52,7 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
     write_file(args.export_json.as_deref(), json)?;
     match args.format {
         CompareFormat::Text => {
-            tables::write(context.out, &comparisons, context.terminal.colors(color))?;
+            tables::write(context.out, &comparisons, context.terminal.screen(color))?;
         }
         CompareFormat::Markdown => write!(context.out, "{}", tables::to_markdown(&comparisons))?,
         CompareFormat::Csv => write!(context.out, "{}", csv::to_string(&comparisons)?)?,

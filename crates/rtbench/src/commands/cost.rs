@@ -155,7 +155,7 @@ fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration:
     let [ray, step] = model.terms().map(nanoseconds);
     let test = nanoseconds(rows.first().map_or(0.0, |row| row.work.seconds_a_test));
     table.notes.push(format!(
-        "times from {}: {ray} ns a ray with its shading, {step} a step; {test} ns a test in this \
+        "times from {}: {ray} ns per ray with its shading, {step} per step; {test} ns per test in this \
          scene; rays, tests and steps are counted on a small image",
         calibration.join(" and ")
     ));

@@ -127,6 +127,7 @@ fn measure(
     kept: Kept,
     record: RunRecord,
 ) -> Result<u8, Error> {
+    context.warn_of_instructions();
     let has_tables = !outputs.are_printed();
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {

@@ -112,19 +112,20 @@ fn measure(
     kept: Kept,
     record: RunRecord,
 ) -> Result<u8, Error> {
-    let colors = context.terminal.colors(color);
+    context.warn_of_instructions();
+    let screen = context.terminal.screen(color);
     let has_tables = !outputs.are_printed();
     let measured =
         measure_rest(context, &scale.plan, &mut outputs, kept, record, |context, run, scene| {
             warn_of(context, scene);
             if has_tables {
-                table::write_size(context.out, run, scene, colors)?;
+                table::write_size(context.out, run, scene, screen)?;
                 context.out.flush()?;
             }
             Ok(())
         })?;
     if has_tables && !measured.record.scenes.is_empty() {
-        table::write_slopes(context.out, &measured.record, colors)?;
+        table::write_slopes(context.out, &measured.record, screen)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))

@@ -6,6 +6,7 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
 use presentation::json;
+use presentation::text::Screen;
 use studies::sweep::Sweep;
 use studies::sweep::{csv, plot, table};
 
@@ -15,7 +16,11 @@ use studies::sweep::{csv, plot, table};
 /// [`Error`] for what ends the sweep early: the command line, an output.
 pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<u8, Error> {
     let sweep = Sweep::new(&args.settings(), context.registry, context.scenes)?;
-    let colors = context.terminal.colors(color);
+    context.warn_of_instructions();
+    let mut screen = context.terminal.screen(color);
+    if args.wide {
+        screen.width = Screen::WIDE;
+    }
     let mut outputs = Outputs::default();
     outputs.add(args.export_csv.as_ref(), |run| csv::to_string(&sweep, run))?;
     outputs.add(args.export_svg.as_ref(), |run| Ok(plot::to_svg(&sweep, run)))?;
@@ -25,13 +30,13 @@ pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<
     let measured = measure_scenes(context, &sweep.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
         if has_tables {
-            table::write(context.out, &sweep, run, scene, colors)?;
+            table::write(context.out, &sweep, run, scene, screen)?;
             context.out.flush()?;
         }
         Ok(())
     })?;
     if has_tables && !measured.record.scenes.is_empty() {
-        table::write_glossary(context.out, colors)?;
+        table::write_glossary(context.out, screen)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))

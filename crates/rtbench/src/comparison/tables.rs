@@ -8,11 +8,14 @@ use crate::comparison::{Comparison, SceneComparison, Side};
 use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
-use presentation::text::{write_notes, write_table};
+use presentation::text::Screen;
 use statistics::estimate::Estimate;
 
 /// Column heads of a scene's table.
 const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "p", "outcome"];
+
+/// Those of most weight: these stay where not all fit.
+const FIRST: [&str; 5] = ["metric", "ratio [95%]", "outcome", "new", "old"];
 
 /// What the columns mean.
 pub const GLOSSARY: &[&str] = &[
@@ -32,16 +35,16 @@ pub const GLOSSARY: &[&str] = &[
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write(out: &mut dyn Write, comparisons: &[Comparison], colors: bool) -> io::Result<()> {
+pub fn write(out: &mut dyn Write, comparisons: &[Comparison], screen: Screen) -> io::Result<()> {
     for comparison in comparisons {
         let facts = facts(comparison);
-        write_notes(out, &facts.iter().map(String::as_str).collect::<Vec<_>>(), colors)?;
+        screen.write_notes(out, &facts.iter().map(String::as_str).collect::<Vec<_>>())?;
         writeln!(out)?;
         for table in tables(comparison, true) {
-            write_table(out, &table, colors)?;
+            screen.write_fitted(out, &table, &FIRST)?;
         }
     }
-    write_notes(out, GLOSSARY, colors)
+    screen.write_notes(out, GLOSSARY)
 }
 
 /// The same in Markdown.

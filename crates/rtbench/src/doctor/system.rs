@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::doctor::finding::{Finding, Level};
+use measurement::system::instruction_set;
 use measurement::system::machine::{kibibytes, value};
 use measurement::system::world::World;
 
@@ -15,6 +16,8 @@ pub struct System {
     pub root: PathBuf,
     /// Threads that the process may use.
     pub threads: usize,
+    /// What the processor has and the program was compiled without.
+    pub unused: Vec<&'static str>,
 }
 
 /// Where the governors of clock frequencies are.
@@ -23,7 +26,9 @@ const CPUS: &str = "sys/devices/system/cpu";
 impl System {
     /// The machine of a world.
     pub fn of(world: &dyn World) -> Self {
-        Self { root: world.system_root(), threads: world.machine().threads }
+        let compiled = world.compiler().target_features;
+        let unused = instruction_set::unused(&world.processor_features(), &compiled);
+        Self { root: world.system_root(), threads: world.machine().threads, unused }
     }
 
     /// One finding for each thing looked at.
@@ -38,6 +43,7 @@ impl System {
             self.swap(),
             self.virtual_machine(),
             self.stolen(),
+            self.instruction_set(),
         ]
     }
 
@@ -191,6 +197,22 @@ impl System {
         }
     }
 
+    fn instruction_set(&self) -> Finding {
+        let level = of(Some(self.unused.is_empty()));
+        Finding {
+            name: "instructions",
+            level,
+            value: match self.unused[..] {
+                [] => "those of the processor".to_owned(),
+                _ => {
+                    format!("compiled without {}, which the processor has", self.unused.join(", "))
+                }
+            },
+            meaning: "the program is slower than it could be, some structures more than others",
+            advice: advice(level, instruction_set::ADVICE),
+        }
+    }
+
     fn stolen(&self) -> Finding {
         let text = self.read("proc/stat").unwrap_or_default();
         let cpu = text.lines().find_map(|line| line.strip_prefix("cpu "));
@@ -242,7 +264,7 @@ mod tests {
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(path, text).unwrap();
         }
-        let system = System { root: folder.path().to_owned(), threads: 4 };
+        let system = System { root: folder.path().to_owned(), threads: 4, unused: Vec::new() };
         (folder, system)
     }
 
@@ -255,7 +277,8 @@ mod tests {
     #[test]
     fn a_machine_that_says_nothing_is_unknown() {
         for (name, level) in levels(&[]) {
-            let expected = if name == "cores" { Level::Good } else { Level::Unknown };
+            let is_known = ["cores", "instructions"].contains(&name);
+            let expected = if is_known { Level::Good } else { Level::Unknown };
             assert_eq!(level, expected, "{name}");
         }
     }
@@ -294,6 +317,7 @@ mod tests {
             ("sys/fs/cgroup/cpu.max", "50000 100000\n"),
         ];
         let (_folder, system) = system(&busy);
+        let system = System { unused: vec!["avx2"], ..system };
         for finding in system.findings() {
             assert_eq!(finding.level, Level::Warning, "{finding:?}");
             assert!(finding.advice.is_some() && !finding.meaning.is_empty(), "{finding:?}");

@@ -47,13 +47,16 @@ pub struct Report {
 /// Improvements that are named beside the tables.
 const MOST_IMPROVEMENTS: usize = 10;
 
+/// Columns of most weight: these stay where not all fit.
+pub const COLUMNS: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
+
 /// What the columns mean.
 pub const GLOSSARY: &[&str] = &[
     "change: now over the baseline, with its 95% interval where it was measured; p: the \
      probability of such times without a difference, corrected for all that were tested (Holm \
      1979).",
-    "regression: worse by more than the threshold, and certain. inconclusive: it cannot be told \
-     from one. unchanged: no worse than the threshold.",
+    "regression: worse by more than the threshold, and certain. inconclusive: the intervals allow \
+     one. unchanged: no worse than the threshold.",
 ];
 
 impl Report {

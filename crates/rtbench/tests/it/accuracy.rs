@@ -44,7 +44,7 @@ fn error_of(rows: &[Row], axis: &str, variant: &str) -> f64 {
 fn errors_are_real_and_references_have_none() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = format!(
-        "accuracy triangle-test voxel-walk ray-offset mailbox cell-insertion box-test --scene \
+        "accuracy triangle-test voxel-traversal ray-offset mailbox cell-insertion box-test --scene \
          pavilion --quick --rounds 3 --trials 4000 -o {}",
         folder.path().display()
     );
@@ -54,7 +54,7 @@ fn errors_are_real_and_references_have_none() {
     for (axis, cheap, reference) in [
         ("triangle-test", "moeller-trumbore", "watertight"),
         ("triangle-test", "moeller-trumbore", "f64"),
-        ("voxel-walk", "accumulate", "f64"),
+        ("voxel-traversal", "accumulate", "f64"),
         ("ray-offset", "none", "error-bound"),
         ("ray-offset", "fixed", "error-bound"),
         ("cell-insertion", "exact", "padded-exact"),
@@ -73,7 +73,7 @@ fn errors_are_real_and_references_have_none() {
     assert_eq!(ended.out.contains("compiled into it as the default is"), is_compiled);
     assert_eq!(ended.out.contains("each test is a call"), !is_compiled);
     assert!(rows.iter().filter(|r| r["axis"] == "mailbox").all(|r| number(r, "error") == 0.0));
-    for axis in ["triangle-test", "voxel-walk", "ray-offset", "mailbox", "cell-insertion"] {
+    for axis in ["triangle-test", "voxel-traversal", "ray-offset", "mailbox", "cell-insertion"] {
         let of_axis = || rows.iter().filter(|r| r["axis"] == axis);
         assert!(of_axis().count() >= 3, "{axis}");
         assert!(of_axis().any(|r| number(r, "ratio_to_cheapest") == 1.0), "{axis}");
@@ -243,14 +243,18 @@ fn a_variant_that_answers_otherwise_while_it_is_timed_is_found_out() {
 fn axes_are_listed() {
     let ended = run("list axes");
     assert_eq!(ended.code, 0);
-    assert!(ended.out.lines().count() >= 18 && ended.out.contains("voxel-walk  "), "{}", ended.out);
+    assert!(
+        ended.out.lines().count() >= 18 && ended.out.contains("voxel-traversal  "),
+        "{}",
+        ended.out
+    );
 }
 
 #[test]
 fn unknown_axes_and_unfit_scenes_are_errors() {
-    let ended = run("accuracy voxelwalk");
+    let ended = run("accuracy voxeltraversal");
     assert_eq!(ended.code, 2);
-    assert!(ended.err.contains("did you mean 'voxel-walk'?"), "{}", ended.err);
+    assert!(ended.err.contains("did you mean 'voxel-traversal'?"), "{}", ended.err);
     let ended = run("accuracy triangle-test --scene balls:1 --quick --rounds 3");
     assert_eq!(ended.code, 1);
     assert!(ended.err.contains("surrounded by triangles"), "{}", ended.err);

@@ -9,7 +9,7 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
-use accel_core::structures::{Entry, brute_force, obvhs, uniform_grid};
+use accel_core::structures::{Entry, REGISTRY, brute_force, obvhs, uniform_grid};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
 use measurement::scenes::{Installed, SceneSource};
@@ -209,6 +209,29 @@ pub fn run_in_world(
     world: &dyn World,
     arguments: &str,
 ) -> Ended {
+    let terminal = Terminal { columns: Some(100), ..Terminal::default() };
+    run_in_terminal(registry, occluders, scenes, clock, world, terminal, arguments)
+}
+
+/// The same in lines of so many characters, with the real registry and a clock on which every interval is a
+/// millisecond.
+pub fn run_within(width: usize, arguments: &str) -> Ended {
+    let clock = SteppingClock::new(Duration::from_millis(1));
+    let terminal = Terminal { found_width: Some(width), ..Terminal::default() };
+    let world = FixedWorld::default();
+    let occluders = occluders::REGISTRY;
+    run_in_terminal(REGISTRY, occluders, &Installed, &clock, &world, terminal, arguments)
+}
+
+fn run_in_terminal(
+    registry: &[Entry],
+    occluders: &[occluders::Entry],
+    scenes: &dyn SceneSource,
+    clock: &dyn Clock,
+    world: &dyn World,
+    terminal: Terminal,
+    arguments: &str,
+) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut context = Context {
         registry,
@@ -219,7 +242,7 @@ pub fn run_in_world(
         out: &mut out,
         err: &mut err,
         command_line: vec!["rtbench".into()],
-        terminal: Terminal { columns: Some(100), ..Terminal::default() },
+        terminal,
         verbosity: Verbosity::Normal,
         overwrite: false,
         environment: Environment::default(),

@@ -134,7 +134,7 @@ fn all_structures_pass_a_fast_subset() {
     let table = ended.out.lines().take(40).collect::<Vec<_>>().join("\n");
     assert_eq!(ended.code, 0, "{table}\n{}", ended.err);
     assert!(ended.out.contains("obvhs-cwbvh adapter=direct"), "{table}");
-    for subject in ["t-next-walk", "hashed-grid hash=constant", "chessboard cloud"] {
+    for subject in ["t-next-traversal", "hashed-grid hash=constant", "chessboard cloud"] {
         assert!(ended.out.lines().any(|l| l.starts_with(subject)), "{subject}: {table}");
     }
     assert!(ended.out.contains("f32 serves 2^-30 to 2^32"), "{table}");
@@ -190,7 +190,7 @@ fn what_is_not_there_is_an_error_that_names_what_is() {
     let ended = verify(REGISTRY, "-s unifrom-grid");
     assert!(ended.code == 2 && ended.err.contains("uniform-grid"), "{}", ended.err);
     let ended = verify(REGISTRY, "--cases T1 -s uniform-grid");
-    assert!(ended.code == 2 && ended.err.contains("ask none"), "{}", ended.err);
+    assert!(ended.code == 2 && ended.err.contains("none of these cases concerns"), "{}", ended.err);
     for line in [
         "G1",
         "G1 f32 seed=1 round=0 rays=500 ray=100000 brute-force",
@@ -225,12 +225,12 @@ fn an_offset_of_zero_hits_what_it_leaves() {
 
 #[test]
 fn parts_are_asked_by_name_and_their_trials_replay() {
-    let ended = verify(REGISTRY, "--cases T1,T3 -s driving-axis-walk --rays 20");
-    assert!(ended.code == 0 && !ended.out.contains("t-next-walk"), "{}", ended.out);
+    let ended = verify(REGISTRY, "--cases T1,T3 -s driving-axis-traversal --rays 20");
+    assert!(ended.code == 0 && !ended.out.contains("t-next-traversal"), "{}", ended.out);
     // 20 rays in each of seven grids, 20 of T3, both precisions
     assert!(ended.out.contains(" 0/320 "), "{}", ended.out);
-    let line = "T1 f32 seed=1 round=0 rays=20 ray=139 driving-axis-walk";
-    assert!(replay(REGISTRY, line).out.contains("driving-axis-walk: right"));
+    let line = "T1 f32 seed=1 round=0 rays=20 ray=139 driving-axis-traversal";
+    assert!(replay(REGISTRY, line).out.contains("driving-axis-traversal: right"));
     assert_eq!(replay(REGISTRY, &line.replace("139", "140")).code, 2);
 }
 

@@ -10,7 +10,7 @@ use measurement::settings::suggest;
 /// One way to be more or less accurate.
 #[derive(Debug)]
 pub struct Axis {
-    /// As typed: `voxel-walk`.
+    /// As typed: `voxel-traversal`.
     pub name: &'static str,
     /// What varies, one line.
     pub summary: &'static str,

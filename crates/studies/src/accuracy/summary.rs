@@ -82,7 +82,7 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
         "Free: no difference in time, and one of 10% would have shown",
         "Costs less than 10%",
         "Expensive",
-        "Not told: no difference in time was measured, but one of more than 10% may be there",
+        "Inconclusive: no difference in time was measured, but one of more than 10% may be there",
         "No accuracy is at stake: all variants give the same answers",
     ];
     for (head, lines) in heads.iter().zip(&lists) {
@@ -141,7 +141,7 @@ fn words(axis: &AxisRecord, cost: &Cost) -> String {
             ),
         },
         Cost::NotTold(e) => format!(
-            "what the most accurate variant costs over all scenes was not told: {} more time",
+            "what the most accurate variant costs over all scenes is inconclusive: {} more time",
             more(e)
         ),
         Cost::NoneAtStake => "answers are the same".into(),

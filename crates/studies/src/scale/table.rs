@@ -12,7 +12,7 @@ use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use presentation::column::headed;
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
-use presentation::text;
+use presentation::text::Screen;
 
 /// Prints the table of a size.
 ///
@@ -22,18 +22,18 @@ pub fn write_size(
     out: &mut dyn Write,
     run: &RunRecord,
     scene: &SceneRecord,
-    colors: bool,
+    screen: Screen,
 ) -> io::Result<()> {
-    text::write_table(out, &size_table(run, scene), colors)
+    screen.write_fitted(out, &size_table(run, scene), &FIRST)
 }
 
 /// Prints the slopes, and what the columns of all tables mean.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_slopes(out: &mut dyn Write, run: &RunRecord, colors: bool) -> io::Result<()> {
-    text::write_table(out, &slope_table(run), colors)?;
-    text::write_notes(out, GLOSSARY, colors)
+pub fn write_slopes(out: &mut dyn Write, run: &RunRecord, screen: Screen) -> io::Result<()> {
+    screen.write_fitted(out, &slope_table(run), &[])?;
+    screen.write_notes(out, GLOSSARY)
 }
 
 /// All tables in Markdown, the slopes first.
@@ -46,6 +46,9 @@ pub fn to_markdown(run: &RunRecord) -> String {
 /// The columns of a size: its own, and those of a run.
 const HEADS: [&str; 8] =
     ["build ms", "ns/prim", "ns/ray", "MiB", "B/prim", "peak MiB", RATIO, "verdict"];
+
+/// Those of most weight: these stay where not all fit.
+const FIRST: [&str; 6] = [RATIO, "verdict", "build ms", "ns/ray", "MiB", "peak MiB"];
 
 fn size_table(run: &RunRecord, scene: &SceneRecord) -> Table {
     let size = run.scale.as_ref().and_then(|scale| scale.size(&scene.name));

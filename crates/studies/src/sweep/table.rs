@@ -5,10 +5,10 @@ use crate::run::markdown;
 use crate::run::tables;
 use crate::sweep::judgement::{Judgement, Standing, judge};
 use crate::sweep::{Line, Sweep};
-use measurement::record::{RunRecord, SceneRecord};
+use measurement::record::{RunRecord, SceneRecord, Verdict};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
-use presentation::text;
+use presentation::text::Screen;
 use std::io::{self, Write};
 
 /// Columns taken from the table of a run.
@@ -17,6 +17,10 @@ const TAKEN: [&str; 15] = [
     "N_V", "N_EV", "N_OIV", "MiB", "build ms", "rays", "trace ms", "N_IT", "N_TS", RATIO, "verdict",
     "primary", "shadow", "second.", "diffuse",
 ];
+
+/// Columns of most weight: these stay where not all fit. The verdict comes before all where one is not `ok`.
+const FIRST: [&str; 9] =
+    ["verdict", RATIO, "mark", "to best", "N_IT", "N_TS", "build ms", "trace ms", "MiB"];
 
 /// Prints the table of a scene.
 ///
@@ -27,17 +31,18 @@ pub fn write(
     sweep: &Sweep<'_>,
     run: &RunRecord,
     scene: &SceneRecord,
-    colors: bool,
+    screen: Screen,
 ) -> io::Result<()> {
-    text::write_table(out, &scene_table(sweep, run, scene), colors)
+    let all_right = scene.rows.iter().all(|row| row.verdict == Verdict::Ok);
+    screen.write_fitted(out, &scene_table(sweep, run, scene), &FIRST[usize::from(all_right)..])
 }
 
 /// Prints what the columns mean.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_glossary(out: &mut dyn Write, colors: bool) -> io::Result<()> {
-    text::write_notes(out, GLOSSARY, colors)
+pub fn write_glossary(out: &mut dyn Write, screen: Screen) -> io::Result<()> {
+    screen.write_notes(out, GLOSSARY)
 }
 
 /// The whole sweep in Markdown.

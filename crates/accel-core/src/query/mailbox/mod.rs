@@ -40,7 +40,7 @@ use crate::params::{ParamKind, ParamSpec, Params};
 /// The setting, for the parameter list of a structure with duplicate references.
 pub const PARAM: ParamSpec = ParamSpec {
     name: "mailbox",
-    summary: "spares repeated tests: stamp in the primitive, array a thread, or small hash a ray",
+    summary: "spares repeated tests: stamp in the primitive, array per thread, or small hash per ray",
     default: "none",
     kind: ParamKind::Choice(&["none", "primitive", "array", "hash"]),
 };

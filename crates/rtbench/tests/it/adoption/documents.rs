@@ -1,6 +1,6 @@
 //! What README.md and docs/ say can be typed: every command of theirs is parsed, the cheap ones are
-//! run, the synopsis has no option that is not there, what they name lies there, the README leads to
-//! every chapter, and nothing that is published names a folder of somebody's machine.
+//! run, the synopsis has no option that is not there, what they name lies there, the table of
+//! contents has every chapter, exercises have answers, and nothing that is published names a folder of somebody's machine.
 
 use std::path::{Path, PathBuf};
 
@@ -251,14 +251,51 @@ fn what_is_named_lies_there() {
 }
 
 #[test]
-fn the_readme_is_short_and_leads_to_every_chapter() {
+fn the_readme_is_short_and_the_book_has_every_chapter() {
     let readme = text_of("README.md");
     assert!(readme.lines().count() < 200, "{} lines", readme.lines().count());
+    assert!(readme.contains("](docs/README.md)"), "README.md does not link the table of contents");
+    let contents = text_of("docs/README.md");
     let chapters = chapters();
     assert!(chapters.len() > 10, "{chapters:?}");
-    for chapter in chapters {
-        assert!(readme.contains(&format!("]({chapter})")), "README.md does not link {chapter}");
+    for chapter in chapters.iter().filter_map(|c| c.strip_prefix("docs/")) {
+        let is_there = chapter == "README.md" || contents.contains(&format!("]({chapter})"));
+        assert!(is_there, "docs/README.md does not link {chapter}");
     }
+}
+
+/// What is wrong with the exercises of a text: one without a command, or without a folded answer behind it.
+fn unanswered(text: &str) -> Vec<String> {
+    let exercises = text.split("\n**");
+    let exercises = exercises.filter(|part| part.starts_with("Exercise.**") || is_numbered(part));
+    let is_whole = |part: &&str| {
+        let command = part.find("```sh\nrtbench ");
+        let answer = part.find("<details><summary>Answer</summary>\n\n");
+        let end = part.find("</details>");
+        command.zip(answer).zip(end).is_some_and(|((c, a), e)| c < a && a < e)
+    };
+    exercises
+        .filter(|part| !is_whole(part))
+        .map(|part| part.lines().next().unwrap_or_default().to_owned())
+        .collect()
+}
+
+/// `2.** ...`
+fn is_numbered(part: &str) -> bool {
+    part.split_once(".**").is_some_and(|(number, _)| number.parse::<u8>().is_ok())
+}
+
+#[test]
+fn every_exercise_has_a_command_and_an_answer() {
+    let mut exercises = 0;
+    for chapter in chapters() {
+        let text = text_of(&chapter);
+        assert_eq!(unanswered(&text), Vec::<String>::new(), "{chapter}");
+        exercises += text.matches("<summary>Answer</summary>").count();
+    }
+    assert!(exercises >= 15, "{exercises}");
+    let planted = "\n**Exercise.** Why?\n\n```sh\nrtbench list rays\n```\n\n**2.** And?\n";
+    assert_eq!(unanswered(planted), ["Exercise.** Why?", "2.** And?"]);
 }
 
 /// The examples that a script builds: what follows `--example`.

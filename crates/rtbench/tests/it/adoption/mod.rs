@@ -6,3 +6,4 @@ mod documents;
 mod exports;
 mod printed;
 mod shards;
+mod widths;

@@ -1,6 +1,13 @@
 //! Completions, manual pages, the doctor, and suggestions for misspelt names.
 
-use crate::common::{Folder, run, run_stepping};
+use std::time::Duration;
+
+use accel_core::occluders;
+use measurement::scenes::Installed;
+use measurement::system::clock::SteppingClock;
+use measurement::system::world::FixedWorld;
+
+use crate::common::{Folder, PLANTED, run, run_in_world, run_stepping};
 
 #[test]
 fn completions_and_pages_have_the_commands() {
@@ -35,8 +42,17 @@ fn the_doctor_says_what_each_finding_means() {
     let diagnosis: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     assert_eq!(diagnosis["noise"]["spread"], 0.0, "the clock of the test is even");
     let findings = diagnosis["findings"].as_array().unwrap();
-    for name in ["governor", "boost", "load", "cores", "memory", "swap", "virtual machine", "noise"]
-    {
+    for name in [
+        "governor",
+        "boost",
+        "load",
+        "cores",
+        "memory",
+        "swap",
+        "virtual machine",
+        "instructions",
+        "noise",
+    ] {
         let found = findings.iter().find(|f| f["name"] == name);
         let found = found.unwrap_or_else(|| panic!("{name}: {findings:?}"));
         assert_eq!(found["level"] == "warning", found["advice"].is_string(), "{found}");
@@ -44,6 +60,28 @@ fn the_doctor_says_what_each_finding_means() {
     }
     let text = run_stepping("doctor");
     assert!(text.out.contains("noise") && text.out.contains("may disturb measurements"));
+}
+
+#[test]
+fn a_program_compiled_below_its_processor_says_so_once() {
+    let told = |features: &[&'static str], arguments: &str| {
+        let clock = SteppingClock::new(Duration::from_millis(1));
+        let processor_features = features.to_vec();
+        let world = FixedWorld { processor_features, ..FixedWorld::default() };
+        run_in_world(PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
+    };
+    let said = "compiled without bmi2, lzcnt, which this processor has";
+    let (more, run) = (["avx2", "bmi2", "lzcnt"], "run tetra:1 tetra:2 --quick -s uniform-grid");
+    for command in [run, "sweep tetra:1 --quick -s uniform-grid -p density --values 1,2"] {
+        let ended = told(&more, command);
+        assert_eq!((ended.code, ended.err.matches(said).count()), (0, 1), "{}", ended.err);
+        assert!(ended.err.contains("target-cpu=x86-64-v3"), "{}", ended.err);
+    }
+    assert!(!told(&more, &format!("{run} -q")).err.contains("compiled"));
+    assert!(!told(&["avx2", "fma"], run).err.contains("compiled"), "nothing is unused");
+    let diagnosis = told(&more, "doctor").out;
+    assert!(diagnosis.contains("compiled without bmi2, lzcnt"), "{diagnosis}");
+    assert!(diagnosis.contains("to do: take the binary for x86-64-v3"), "{diagnosis}");
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub static AXIS: Axis = Axis {
     name: "box-test",
     summary: "slab test of tight boxes: plain, exits two ulps later, in f64",
     paper: "Ize 2013",
-    metric: "boxes in 10^6 that a ray meets exactly and the test loses",
+    metric: "boxes per 10^6 that a ray meets exactly and the test misses",
     reference: "error-free products",
     scenes: &["teapot", "balls:3", "pavilion"],
     setting: "bounding-volumes.box-test",
@@ -70,7 +70,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             error: lost.error(),
             also: vec![
                 ("boxes found that are not met", found as f64),
-                ("boxes met a ray", steps as f64 / rays.max(1) as f64),
+                ("boxes met per ray", steps as f64 / rays.max(1) as f64),
             ],
             work: Box::new(replay),
         }

@@ -71,7 +71,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         });
     }
     let said = Said {
-        timed: format!("{rays} rays of the scene through a grid of 8 cells a primitive"),
+        timed: format!("{rays} rays of the scene through a grid of 8 cells per primitive"),
         judged: format!("{} points that lie on primitives", stage.aims),
         ..Said::default()
     };

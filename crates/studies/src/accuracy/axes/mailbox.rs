@@ -24,7 +24,7 @@ const VARIANTS: [(&str, &str); 6] = [
     ("hash, 1 slot", "uniform-grid:density=8:mailbox=hash:mailbox-slots=1"),
     ("hash, 8 slots", "uniform-grid:density=8:mailbox=hash:mailbox-slots=8"),
     ("hash, 64 slots", "uniform-grid:density=8:mailbox=hash:mailbox-slots=64"),
-    ("array a thread", "uniform-grid:density=8:mailbox=array"),
+    ("array per thread", "uniform-grid:density=8:mailbox=array"),
     ("stamp in the primitive", "uniform-grid:density=8:mailbox=primitive"),
 ];
 
@@ -60,7 +60,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         }
     });
     let said = Said {
-        timed: format!("{rays} rays of the scene through a uniform grid of 8 cells a primitive"),
+        timed: format!("{rays} rays of the scene through a uniform grid of 8 cells per primitive"),
         judged: "the same rays".into(),
         ..Said::default()
     };

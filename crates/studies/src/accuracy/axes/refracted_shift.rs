@@ -28,7 +28,7 @@ pub static AXIS: Axis = Axis {
     paper: "Waechter, Binder 2019; Mitsuba 3, issue 219",
     metric: "refracted rays in 10^6 that leave the body more than 10^-5 diagonals from where they \
              would without an offset",
-    reference: "the same ray from the exact foot of the hit point, in f64, without an offset",
+    reference: "the same ray from the exact hit point, in f64, without an offset",
     scenes: &["balls", "teapot", "pavilion"],
     setting: "rays.offset",
     measure: Measure::Whole(measure),

@@ -26,7 +26,7 @@ use measurement::plan::ray_overrides::RULES;
 /// Registry line.
 pub static AXIS: Axis = Axis {
     name: "smallest-offset",
-    summary: "how much farther than needed a ray starts from what it leaves, by rule",
+    summary: "ray offset over the smallest that is safe, by rule",
     paper: "Waechter, Binder 2019; Pharr, Jakob, Humphreys 2016",
     metric: "rays in 10^6 that the test of the primitive they leave finds again",
     reference: "the smallest offset with which that test misses, bisected for each ray",

@@ -26,7 +26,7 @@ use crate::verify::parts::integer_walk::IntegerRay;
 
 /// Registry line.
 pub static AXIS: Axis = Axis {
-    name: "voxel-walk",
+    name: "voxel-traversal",
     summary: "plane parameters of a traversal of voxels: accumulated, recomputed, in f64",
     paper: "Amanatides, Woo 1987; Fujimoto, Tanaka, Iwata 1986",
     metric: "rays in 10^6 whose traversal misses a cell that they pierce",

@@ -39,7 +39,7 @@ pub type Examine = fn(&mut Random, usize) -> Findings;
 /// A part that a case examines.
 #[derive(Debug, Clone, Copy)]
 pub struct Part {
-    /// Its name: `t-next-walk`.
+    /// Its name: `t-next-traversal`.
     pub name: &'static str,
     /// In single precision.
     pub single: Examine,

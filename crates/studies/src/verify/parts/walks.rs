@@ -40,12 +40,12 @@ macro_rules! walks {
     ($drawn:path) => {
         &[
             Part {
-                name: "t-next-walk",
+                name: "t-next-traversal",
                 single: |r, n| examine::<f32, _>(r, n, $drawn, |f, r| f.walk(r)),
                 double: |r, n| examine::<f64, _>(r, n, $drawn, |f, r| f.walk(r)),
             },
             Part {
-                name: "driving-axis-walk",
+                name: "driving-axis-traversal",
                 single: |r, n| examine::<f32, _>(r, n, $drawn, |f, r| f.driving_walk_from(r, 0.0)),
                 double: |r, n| examine::<f64, _>(r, n, $drawn, |f, r| f.driving_walk_from(r, 0.0)),
             },

@@ -1,11 +1,12 @@
 //! `rtbench completions`: what a shell completes, the scenes, structures and settings that there are among it.
 
+mod scripts;
+
 use accel_core::params::{ParamKind, ParamSpec};
 use accel_core::structure::StructureInfo;
 use accel_core::variants::chosen_tests;
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, CommandFactory};
-use clap_complete::Shell;
 use renderer::RayKind;
 use renderer::tracers::TRACERS;
 use studies::accuracy::axis::AXES;
@@ -37,15 +38,10 @@ pub fn run(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<(), Erro
     // the library takes no error of its writer
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut cli, super::printed::NAME, &mut text);
-    if args.shell == Shell::Bash {
-        text.extend_from_slice(WHOLE_NAMES);
-    }
-    context.out.write_all(&text)?;
+    let script = scripts::completed(args.shell, String::from_utf8_lossy(&text).into_owned(), &cli);
+    context.out.write_all(script.as_bytes())?;
     Ok(context.out.flush()?)
 }
-
-/// Bash ends words at colons, which structures with settings and sizes of scenes have.
-const WHOLE_NAMES: &[u8] = b"\nCOMP_WORDBREAKS=${COMP_WORDBREAKS//:}\n";
 
 impl Names {
     fn of(context: &Context<'_>) -> Result<Self, Error> {
