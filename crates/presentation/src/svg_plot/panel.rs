@@ -11,7 +11,7 @@ use crate::svg_plot::plot::{Mark, Plot, Point, Ring, Scale};
 /// Room below the frame.
 const BOTTOM: f64 = 86.0;
 /// Between two labels of an axis, at least.
-const LABEL_GAP: f64 = 6.0;
+const LABEL_GAP: f64 = 12.0;
 /// Distance of the flags' labels along the frame.
 const FLAG_GAP: f64 = 18.0;
 /// Height of a line of the legend.

@@ -207,12 +207,16 @@ fn write(html: &mut Html, Part { id, title, body }: &Part) {
 
 fn nav<'a>(html: &mut Html, links: impl Iterator<Item = (&'a str, &'a str)>) {
     html.open("nav", &[("aria-label", "sections")]);
+    // on a phone they would stand where the answers are looked for
+    html.open("details", &[]);
+    html.element("summary", &[], "Contents");
     html.open("ul", &[]);
     for (id, title) in links {
         html.open("li", &[]);
         html.element("a", &[("href", &format!("#{id}"))], title);
         html.close();
     }
+    html.close();
     html.close();
     html.close();
 }
