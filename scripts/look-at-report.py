@@ -2,7 +2,7 @@
 """Looks at pages of `rtbench report` and `rtbench history` in a real browser, and fails where one is not
 fit to be read.
 
-    scripts/look-at-report.py PAGE|SITE OUT_DIR [BROWSER]
+    scripts/look-at-report.py PAGE|SITE|--planted OUT_DIR [BROWSER]
 
 Checks, on a phone (360 and 390 pixels wide) and on a desk (1280), light and dark: the page is not wider
 than the window, nothing was asked of the network, nothing was said on the console, all text stands out
@@ -11,7 +11,7 @@ phone plots are as wide as the window and their letters at least 9 pixels high; 
 Writes a picture of each section in each of the ways, and the page as printed (A4) as a PDF. Of a
 SITE (a folder) it looks at the index and at a page of each depth and kind, 8 at most, and follows every
 link within the site to a page and a place that are there. Needs Python and Chromium only: it speaks the
-DevTools protocol through a pipe.
+DevTools protocol through a pipe. `--planted` looks at pages that have a fault each, and fails where it is not found.
 """
 import base64, glob, json, os, re, subprocess, sys, tempfile, urllib.parse
 
@@ -222,19 +222,62 @@ def broken_links(site):
     return faults
 
 
+# what a page has in its body, and what must be said of it
+PLANTED = [
+    ("<p style='width: 2000px'>wide</p>", "pixels wide in a window"),
+    ("<details><p style='width: 2000px'>wide</p></details>", "unfolded"),
+    ("<p style='color: #999; background: #fff'>grey</p>", "contrast"),
+    ("<img src='http://127.0.0.1:9/x.png'>", "asked the network"),
+    ("<script>console.log('said')</script>", "console"),
+    ("<div style='overflow: auto'><table><tr><th style='min-width: 1500px'>a</th><th>verdict</th></tr></table></div>",
+     "verdicts at"),
+    ("<figure><svg viewBox='0 0 900 90' width='900' style='max-width: 100%' aria-label='a plot'>"
+     "<rect width='900' height='90' fill='#fff'/><text y='50' font-size='12'>small</text></svg></figure>",
+     "letters of"),
+    ("<table class='sorts'><thead><tr><th>a</th></tr></thead><tbody><tr><td>1</td></tr><tr><td>2</td></tr></tbody>"
+     "</table>", "not sorted"),
+]
+
+
+def planted(out, program):
+    """Faults that were not found."""
+    missed = []
+    for number, (body, said) in enumerate(PLANTED):
+        folder = os.path.join(out, str(number))
+        os.makedirs(folder, exist_ok=True)
+        page = os.path.join(folder, "page.html")
+        with open(page, "w", encoding="utf-8") as file:
+            file.write(f"<!DOCTYPE html><meta name=viewport content='width=device-width'><body>{body}</body>")
+        browser = Browser(program)
+        try:
+            faults = look(browser, "file://" + os.path.abspath(page), folder)
+        finally:
+            browser.close()
+        if not any(said in fault for fault in faults):
+            missed.append(f"planted and not found: {said} ({faults})")
+    with open(os.path.join(out, "links.html"), "w", encoding="utf-8") as file:
+        file.write('<a href="nowhere.html">a</a><a href="#nowhere">b</a>')
+    if len(broken_links(out)) != 2:
+        missed.append("planted and not found: links that lead nowhere")
+    return missed
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     page, out = sys.argv[1:3]
+    program = sys.argv[3] if len(sys.argv) > 3 else "chromium"
     faults, pages = [], [page]
+    if page == "--planted":
+        faults, pages = planted(out, program), []
     if os.path.isdir(page):
         faults = broken_links(page)
         found = glob.glob(os.path.join(page, "**", "*.html"), recursive=True)
-        # the index, then pages of every depth in turn
-        found.sort(key=lambda name: (name.count(os.sep), name))
-        pages = found[:1] + found[1::max(1, len(found) // (PAGES - 1))]
+        # the index, a scene, then pages of every depth in turn
+        found.sort(key=lambda name: (name.count(os.sep), not name.endswith("index.html"), name))
+        pages = found[:2] + found[2::max(1, len(found) // (PAGES - 2))]
     for number, page in enumerate(pages):
-        browser = Browser(sys.argv[3] if len(sys.argv) > 3 else "chromium")
+        browser = Browser(program)
         try:
             folder = out if len(pages) == 1 else os.path.join(out, str(number))
             print(page)

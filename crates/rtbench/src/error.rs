@@ -32,6 +32,7 @@ use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
 use crate::foreign_row::ForeignRowError;
 use crate::gate::GateError;
+use crate::history::HistoryError;
 use crate::like::LikeError;
 use crate::report::ReportError;
 
@@ -120,6 +121,9 @@ pub enum Error {
     /// What a report is made from cannot be read.
     #[error(transparent)]
     Report(#[from] ReportError),
+    /// What a history is made from cannot be read.
+    #[error(transparent)]
+    History(#[from] HistoryError),
     /// The copy of this program that the floor is measured with.
     #[error(transparent)]
     Copy(#[from] CopyError),

@@ -34,6 +34,8 @@ pub mod exit_code;
 pub mod exports;
 pub mod foreign_row;
 pub mod gate;
+pub mod git;
+pub mod history;
 pub mod like;
 mod measure;
 pub mod plugin_rows;
@@ -293,6 +295,7 @@ fn dispatched(
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
+        Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
         Command::Profile(args) => {
             commands::profile::run(context, args, cli.color).map(|()| SUCCESS)

@@ -11,19 +11,25 @@ const LONGEST: usize = 12;
 pub struct Look<'a> {
     /// The numbers of its rows, in a column before them; empty where they have none.
     pub numbers: &'a [usize],
+    /// Where cells lead to, row by row; empty where to nowhere.
+    pub links: &'a [Vec<String>],
+    /// What links name each row by.
+    pub ids: &'a [String],
+    /// It is not folded, however long it is.
+    pub is_open: bool,
     /// What a column's head means, where that needs a word.
     pub meaning: fn(&str) -> Option<&'static str>,
 }
 
 impl Default for Look<'_> {
     fn default() -> Self {
-        Self { numbers: &[], meaning: |_| None }
+        Self { numbers: &[], links: &[], ids: &[], is_open: false, meaning: |_| None }
     }
 }
 
 /// A table within a box of its own, so that it scrolls and not the page; its notes below. A long one is folded.
 pub fn write(html: &mut Html, table: &Table, look: Look<'_>) {
-    let is_long = table.rows.len() > LONGEST;
+    let is_long = table.rows.len() > LONGEST && !look.is_open;
     if is_long {
         html.open("details", &[]);
         html.element(
@@ -40,13 +46,20 @@ pub fn write(html: &mut Html, table: &Table, look: Look<'_>) {
     heads(html, table, look, &is_words);
     html.open("tbody", &[]);
     for (i, row) in table.rows.iter().enumerate() {
-        html.open("tr", &[]);
+        match look.ids.get(i) {
+            Some(id) => html.open("tr", &[("id", id)]),
+            None => html.open("tr", &[]),
+        }
+        let link = |column: usize| {
+            let link = look.links.get(i).and_then(|row| row.get(column));
+            link.map(String::as_str).filter(|link| !link.is_empty())
+        };
         if !look.numbers.is_empty() {
             let number = look.numbers.get(i).map_or(String::new(), usize::to_string);
             html.element("td", &[("class", "number")], &number);
         }
         for (column, cell) in row.iter().enumerate() {
-            write_cell(html, column, cell, is_words(column));
+            write_cell(html, column, cell, is_words(column), link(column));
         }
         html.close();
     }
@@ -92,7 +105,7 @@ fn is_words(table: &Table, column: usize) -> bool {
     column == 0 || 2 * cells().filter(begins_with_letter).count() > cells().count()
 }
 
-fn write_cell(html: &mut Html, column: usize, cell: &Cell, is_words: bool) {
+fn write_cell(html: &mut Html, column: usize, cell: &Cell, is_words: bool, link: Option<&str>) {
     let style = match cell.style {
         Style::Plain => "",
         Style::Bad => "bad",
@@ -105,9 +118,14 @@ fn write_cell(html: &mut Html, column: usize, cell: &Cell, is_words: bool) {
         class => &[("class", class)],
     };
     match column {
-        0 => html.element("th", &[&[("scope", "row")], class].concat(), cell.text.trim()),
-        _ => html.element("td", class, cell.text.trim()),
+        0 => html.open("th", &[&[("scope", "row")], class].concat()),
+        _ => html.open("td", class),
     }
+    match link {
+        Some(link) => html.element("a", &[("href", link)], cell.text.trim()),
+        None => html.text(cell.text.trim()),
+    }
+    html.close();
 }
 
 /// A table of texts.
@@ -132,7 +150,10 @@ mod tests {
         assert!(!short.contains("<details>") && short.contains("&lt;1&gt;"));
         let numbers: Vec<usize> = (0..=LONGEST).rev().collect();
         let meaning = |head: &str| (head == "x").then_some("what x means");
-        let long = of(LONGEST + 1, Look { numbers: &numbers, meaning });
+        let links = [vec![String::new(), "a.html#b".to_owned()]];
+        let ids = ["first".to_owned()];
+        let look = Look { numbers: &numbers, links: &links, ids: &ids, is_open: false, meaning };
+        let long = of(LONGEST + 1, look);
         assert!(long.starts_with("<details") && long.contains("Table of 13 rows: t"), "{long}");
         assert!(
             long.contains("<td class=\"number\">12</td><th scope=\"row\" class=\"words\">row 0")

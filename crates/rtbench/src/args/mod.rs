@@ -9,6 +9,7 @@ mod doctor;
 mod explain;
 mod exports;
 mod files;
+mod history;
 mod list;
 mod measuring;
 mod memory;
@@ -41,6 +42,7 @@ pub use files::{
     CheckHitsArgs, ExportRaysArgs, HitsAction, HitsArgs, RayFormat, RaysAction, RaysArgs,
     settings_of,
 };
+pub use history::HistoryArgs;
 pub use list::{Format, ListArgs, Listed};
 pub use measuring::MeasuringArgs;
 pub use merge::MergeArgs;
@@ -163,8 +165,13 @@ pub enum Command {
     /// What accuracy costs in time: variants of tests, traversals, offsets, samples
     Accuracy(AccuracyArgs),
     /// Make an HTML report of the results in a folder: tables, plots, break-even counts
-    #[command(after_help = "Examples:\n  rtbench report out")]
+    #[command(
+        after_help = "Examples:\n  rtbench report out\n  rtbench report before after -o both.html    two runs side by side"
+    )]
     Report(ReportArgs),
+    /// Make a static site of many runs: ratios over commits, and at which commits they changed
+    #[command(after_help = "Examples:\n  rtbench history nights -o site")]
+    History(HistoryArgs),
     /// Compare our figures with published ones
     Reproduce(ReproduceArgs),
     /// What the time of a run's fastest rows is spent on: work, and lines from caches and memory

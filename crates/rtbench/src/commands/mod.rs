@@ -12,6 +12,7 @@ pub mod completions;
 pub mod cost;
 pub mod doctor;
 pub mod explain;
+pub mod history;
 pub mod list;
 pub mod measuring;
 pub mod merge;

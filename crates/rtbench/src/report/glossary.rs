@@ -54,5 +54,5 @@ pub fn look() -> Look<'static> {
 
 /// The same with the rows' numbers before them.
 pub fn numbered(numbers: &[usize]) -> Look<'_> {
-    Look { numbers, meaning }
+    Look { numbers, ..look() }
 }

@@ -9,6 +9,7 @@ mod compare_tracers;
 mod effects;
 mod explain;
 mod hard_cases;
+mod history;
 mod house;
 mod in_rust;
 mod occluders;
