@@ -25,6 +25,7 @@ use studies::reproduce::ReproduceError;
 use studies::scale::ScaleError;
 use studies::sweep::SweepError;
 
+use crate::bisect::BisectError;
 use crate::comparison::CompareError;
 use crate::config::ConfigError;
 use crate::exit_code::{FAILURE, USAGE};
@@ -124,6 +125,9 @@ pub enum Error {
     /// What a history is made from cannot be read.
     #[error(transparent)]
     History(#[from] HistoryError),
+    /// No commit was found.
+    #[error(transparent)]
+    Bisect(Box<BisectError>),
     /// The copy of this program that the floor is measured with.
     #[error(transparent)]
     Copy(#[from] CopyError),
@@ -218,6 +222,15 @@ impl From<GateError> for Error {
     }
 }
 
+impl From<BisectError> for Error {
+    fn from(error: BisectError) -> Self {
+        match error {
+            BisectError::Gate(error) => Self::Gate(error),
+            other => Self::Bisect(Box::new(other)),
+        }
+    }
+}
+
 impl From<LikeError> for Error {
     fn from(error: LikeError) -> Self {
         match error {
@@ -262,6 +275,7 @@ impl Error {
                 | CompareError::NothingMatches { .. },
             ) => USAGE,
             Self::Gate(error) if error.is_usage() => USAGE,
+            Self::Bisect(error) if error.is_usage() => USAGE,
             Self::Plan(_)
             | Self::Sweep(_)
             | Self::Scale(_)

@@ -22,6 +22,7 @@
 
 pub mod args;
 pub mod baselines;
+pub mod bisect;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
@@ -303,6 +304,10 @@ fn dispatched(
         Command::Check(args) => {
             let thresholds = config.map(Config::thresholds).unwrap_or_default();
             commands::check::run(context, args, thresholds, cli.color)
+        }
+        Command::Bisect(args) => {
+            let thresholds = config.map(Config::thresholds).unwrap_or_default();
+            commands::bisect::run(context, args, thresholds).map(|()| SUCCESS)
         }
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
         Command::Child(args) => commands::child::run(context, args),

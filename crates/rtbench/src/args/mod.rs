@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod baseline;
+mod bisect;
 mod check;
 mod compare;
 mod compare_tracers;
@@ -32,6 +33,7 @@ mod view;
 
 pub use accuracy::AccuracyArgs;
 pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
+pub use bisect::BisectArgs;
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
 pub use compare::{CompareArgs, CompareFormat};
 pub use compare_tracers::CompareTracersArgs;
@@ -181,6 +183,11 @@ pub enum Command {
         after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check --against ./old --new ./new -- --frames 9"
     )]
     Check(CheckArgs),
+    /// Find the commit that made rows slower, by building commits and measuring them in turns
+    #[command(
+        after_help = "Examples:\n  rtbench bisect v1 main -- teapot/kd-tree\n  rtbench bisect v1 main --build ./build.sh --binary build/bench -- --frames 9"
+    )]
+    Bisect(BisectArgs),
     /// Keep results to check against
     Baseline(BaselineArgs),
     /// What `check` and `scale` start as processes of their own
@@ -230,6 +237,7 @@ impl Command {
                 | Self::Reproduce(_)
                 | Self::Profile(_)
                 | Self::Check(_)
+                | Self::Bisect(_)
                 | Self::Baseline(_)
                 | Self::Child(_)
         )

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod baseline;
+pub mod bisect;
 pub mod budget;
 pub mod by_files;
 pub mod check;

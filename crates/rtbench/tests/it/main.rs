@@ -2,6 +2,8 @@
 
 mod accuracy;
 mod adoption;
+#[cfg(unix)]
+mod bisect;
 mod check;
 mod command_line;
 mod common;
