@@ -30,6 +30,13 @@ impl Html {
         }
     }
 
+    /// Ends elements until so many are open.
+    pub fn close_until(&mut self, open: usize) {
+        while self.open.len() > open {
+            self.close();
+        }
+    }
+
     /// An element that holds nothing, such as an image.
     pub fn void(&mut self, name: &'static str, attributes: &[Attribute<'_>]) {
         self.tag(name, attributes);
@@ -84,9 +91,7 @@ impl Html {
 
     /// Everything, all elements closed.
     pub fn finish(mut self) -> String {
-        while !self.open.is_empty() {
-            self.close();
-        }
+        self.close_until(0);
         self.out
     }
 

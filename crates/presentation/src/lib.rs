@@ -23,6 +23,7 @@ pub mod json;
 pub mod markdown;
 pub mod numbers;
 pub mod outside;
+pub mod page;
 pub mod svg_plot;
 pub mod table;
 pub mod text;

@@ -25,6 +25,7 @@ use studies::reproduce::ReproduceError;
 use studies::scale::ScaleError;
 use studies::sweep::SweepError;
 
+use crate::bisect::BisectError;
 use crate::comparison::CompareError;
 use crate::config::ConfigError;
 use crate::exit_code::{FAILURE, USAGE};
@@ -32,6 +33,7 @@ use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
 use crate::foreign_row::ForeignRowError;
 use crate::gate::GateError;
+use crate::history::HistoryError;
 use crate::like::LikeError;
 use crate::report::ReportError;
 
@@ -120,6 +122,12 @@ pub enum Error {
     /// What a report is made from cannot be read.
     #[error(transparent)]
     Report(#[from] ReportError),
+    /// What a history is made from cannot be read.
+    #[error(transparent)]
+    History(#[from] HistoryError),
+    /// No commit was found.
+    #[error(transparent)]
+    Bisect(Box<BisectError>),
     /// The copy of this program that the floor is measured with.
     #[error(transparent)]
     Copy(#[from] CopyError),
@@ -214,6 +222,15 @@ impl From<GateError> for Error {
     }
 }
 
+impl From<BisectError> for Error {
+    fn from(error: BisectError) -> Self {
+        match error {
+            BisectError::Gate(error) => Self::Gate(error),
+            other => Self::Bisect(Box::new(other)),
+        }
+    }
+}
+
 impl From<LikeError> for Error {
     fn from(error: LikeError) -> Self {
         match error {
@@ -258,6 +275,7 @@ impl Error {
                 | CompareError::NothingMatches { .. },
             ) => USAGE,
             Self::Gate(error) if error.is_usage() => USAGE,
+            Self::Bisect(error) if error.is_usage() => USAGE,
             Self::Plan(_)
             | Self::Sweep(_)
             | Self::Scale(_)

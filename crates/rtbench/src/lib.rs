@@ -22,6 +22,7 @@
 
 pub mod args;
 pub mod baselines;
+pub mod bisect;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
@@ -34,6 +35,8 @@ pub mod exit_code;
 pub mod exports;
 pub mod foreign_row;
 pub mod gate;
+pub mod git;
+pub mod history;
 pub mod like;
 mod measure;
 pub mod plugin_rows;
@@ -43,6 +46,7 @@ mod recorded_command;
 mod recorded_view;
 pub mod report;
 pub mod schema;
+mod usage;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -51,7 +55,6 @@ use std::process::ExitCode;
 
 use accel_core::occluders;
 use accel_core::structures::{Entry, REGISTRY};
-use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command, HitsAction, RaysAction};
@@ -59,12 +62,12 @@ use crate::commands::named_files::named_files;
 use crate::config::{Config, Configured};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS, USAGE};
+use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::occupied::{self, OccupiedError};
 use crate::plugin_rows::Plugins;
+use crate::usage::usage;
 use measurement::plan::error::PlanError;
 use measurement::scenes::{Installed, LoadError};
-use measurement::settings::suggest;
 use measurement::system::clock::SystemClock;
 use measurement::system::{file_limit, interrupt, panics};
 use presentation::outside::{Guard, line};
@@ -293,6 +296,7 @@ fn dispatched(
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
+        Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
         Command::Profile(args) => {
             commands::profile::run(context, args, cli.color).map(|()| SUCCESS)
@@ -300,6 +304,10 @@ fn dispatched(
         Command::Check(args) => {
             let thresholds = config.map(Config::thresholds).unwrap_or_default();
             commands::check::run(context, args, thresholds, cli.color)
+        }
+        Command::Bisect(args) => {
+            let thresholds = config.map(Config::thresholds).unwrap_or_default();
+            commands::bisect::run(context, args, thresholds).map(|()| SUCCESS)
         }
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
         Command::Child(args) => commands::child::run(context, args),
@@ -357,51 +365,4 @@ fn parsed(context: &Context<'_>, arguments: &[OsString]) -> Result<Cli, clap::Er
     }
     let mut matches = command.try_get_matches_from_mut(arguments)?;
     Cli::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
-}
-
-/// Help and version on standard output, usage errors on standard error.
-fn usage(context: &mut Context<'_>, mut error: clap::Error) -> u8 {
-    suggest_command(&mut error);
-    show_hidden(&mut error);
-    let text = error.render();
-    let written = if error.use_stderr() {
-        write!(context.err, "{text}")
-    } else {
-        write!(context.out, "{text}").and_then(|()| context.out.flush())
-    };
-    match written.map_err(Error::from) {
-        _ if error.use_stderr() => USAGE,
-        Err(e) if !e.is_closed_pipe() => FAILURE,
-        _ => SUCCESS,
-    }
-}
-
-/// What was typed is shown, whatever it holds.
-fn show_hidden(error: &mut clap::Error) {
-    let shown = |text: &String| line(text).into_owned();
-    let typed: Vec<(ContextKind, ContextValue)> = error
-        .context()
-        .filter_map(|(kind, value)| match value {
-            ContextValue::String(text) => Some((kind, ContextValue::String(shown(text)))),
-            ContextValue::Strings(all) => {
-                Some((kind, ContextValue::Strings(all.iter().map(shown).collect())))
-            }
-            _ => None,
-        })
-        .collect();
-    for (kind, value) in typed {
-        error.insert(kind, value);
-    }
-}
-
-/// Clap does not see that `rnu` is `run`.
-fn suggest_command(error: &mut clap::Error) {
-    let (typed, known) = (ContextKind::InvalidSubcommand, ContextKind::SuggestedSubcommand);
-    if let (Some(ContextValue::String(typed)), None) = (error.get(typed), error.get(known)) {
-        let cli = Cli::command();
-        let meant = suggest::nearest(typed, cli.get_subcommands().map(clap::Command::get_name));
-        if let Some(meant) = meant.map(str::to_owned) {
-            error.insert(known, ContextValue::Strings(vec![meant]));
-        }
-    }
 }

@@ -14,6 +14,7 @@
 )]
 #![allow(clippy::indexing_slicing)]
 
+pub mod change_points;
 pub mod estimate;
 pub mod holm;
 pub mod mann_whitney;

@@ -2,23 +2,19 @@
 
 use std::fmt::Write;
 
+use crate::fitted::wrapped;
 use crate::svg_plot::axis::Fitted;
-use crate::svg_plot::document::document;
-use crate::svg_plot::palette::{GREY, GRID, INK, MARK, SERIES};
+use crate::svg_plot::document::document_of;
+use crate::svg_plot::format::Format;
+use crate::svg_plot::palette::{GREY, GRID, INK, MARK, PAPER, style_of};
 use crate::svg_plot::pen::{Font, LETTER, PLAIN, Pen};
-use crate::svg_plot::plot::{Axis, Ring, WIDTH};
+use crate::svg_plot::plot::{Axis, Ring};
 use statistics::estimate::Estimate;
 
-/// Height of a bar with the room around it.
-const STEP: f64 = 20.0;
-/// Room above the bars: title, subtitle, names of the columns.
-const HEAD: f64 = 86.0;
 /// Room below the bars: ticks and labels of the axes.
 const FOOT: f64 = 34.0;
-/// Room right of a column's bars for their numbers.
-const NUMBERS: f64 = 62.0;
-/// The most that names take of the width.
-const NAMES: f64 = 340.0;
+/// The most that names take of the width, where they stand beside the bars.
+const NAMES: f64 = 400.0;
 
 /// A chart.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +43,8 @@ pub struct Column {
 pub struct BarRow {
     /// The name.
     pub name: String,
+    /// Which of the colours of series its bars have.
+    pub color: usize,
     /// One bar a column.
     pub bars: Vec<Bar>,
 }
@@ -60,44 +58,108 @@ pub enum Bar {
     Words(String),
 }
 
+/// Where things stand: names beside the bars, or on a phone above them.
+struct Layout {
+    format: Format,
+    /// Where columns begin, from the left.
+    left: f64,
+    /// Where rows begin, from above.
+    top: f64,
+    /// Height of a row.
+    step: f64,
+    /// Room right of a column's bars for their numbers.
+    numbers: f64,
+}
+
+impl Layout {
+    fn new(chart: &BarChart, format: Format, head: f64) -> Self {
+        match format {
+            Format::Wide => {
+                let longest = chart.rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0);
+                let left = (longest as f64 * LETTER + 18.0).min(NAMES);
+                Self { format, left, top: head + 24.0, step: 20.0, numbers: 62.0 }
+            }
+            Format::Narrow => {
+                Self { format, left: 0.0, top: head + 24.0, step: 36.0, numbers: 44.0 }
+            }
+        }
+    }
+
+    /// The middle of a row's bars, from above.
+    fn middle(&self, row: usize) -> f64 {
+        let within = match self.format {
+            Format::Wide => self.step / 2.0,
+            Format::Narrow => self.step - 10.0,
+        };
+        self.top + self.step * row as f64 + within
+    }
+
+    fn name(&self, pen: &mut Pen, row: usize, name: &str) {
+        let (y, width) = (self.middle(row), self.format.width());
+        match self.format {
+            Format::Wide => {
+                pen.path(
+                    &[(self.left, y), (width - 4.0, y)],
+                    GRID,
+                    1.0,
+                    " stroke-dasharray=\"1 3\"",
+                );
+                pen.text(self.left - 8.0, y + 4.0, Font { anchor: "end", ..PLAIN }, name);
+            }
+            Format::Narrow => {
+                let line = wrapped(name, self.format.letters(0.0), 0).into_iter().next();
+                let line = line.unwrap_or_default();
+                let long = line.chars().count() as f64 * LETTER;
+                let _ = writeln!(
+                    pen.out,
+                    "<rect x=\"0\" y=\"{:.1}\" width=\"{long:.1}\" height=\"13\" fill=\"{PAPER}\"/>",
+                    y - 22.0
+                );
+                pen.text(0.0, y - 11.0, PLAIN, &line);
+            }
+        }
+    }
+}
+
 /// Draws the chart.
-pub fn chart(chart: &BarChart) -> String {
-    let longest = chart.rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0);
-    let left = (longest as f64 * LETTER + 18.0).min(NAMES);
-    let width = (WIDTH - left) / chart.columns.len().max(1) as f64;
-    let bottom = HEAD + STEP * chart.rows.len() as f64;
+pub fn chart(chart: &BarChart, format: Format) -> String {
     let mut pen = Pen::default();
-    pen.text(8.0, 28.0, Font { size: 17.0, is_bold: true, ..PLAIN }, &chart.title);
-    pen.text(8.0, 47.0, Font { color: GREY, ..PLAIN }, &chart.subtitle);
-    for (i, row) in chart.rows.iter().enumerate() {
-        let y = middle(i);
-        pen.path(&[(left, y), (WIDTH - 4.0, y)], GRID, 1.0, " stroke-dasharray=\"1 3\"");
-        pen.text(left - 8.0, y + 4.0, Font { anchor: "end", ..PLAIN }, &row.name);
+    let from = if format == Format::Wide { 8.0 } else { 0.0 };
+    let head = format.head(&mut pen, from, &chart.title, &chart.subtitle);
+    let layout = Layout::new(chart, format, head);
+    let width = (format.width() - layout.left) / chart.columns.len().max(1) as f64;
+    let bottom = layout.top + layout.step * chart.rows.len() as f64;
+    // beside bars their guides are behind all, above bars names are before the grid
+    let names = |pen: &mut Pen| {
+        chart.rows.iter().enumerate().for_each(|(i, row)| layout.name(pen, i, &row.name));
+    };
+    if format == Format::Wide {
+        names(&mut pen);
     }
     for (i, column) in chart.columns.iter().enumerate() {
-        let bars = || chart.rows.iter().map(move |row| row.bars.get(i));
-        let values = bars().flat_map(|bar| match bar {
+        let bars = || chart.rows.iter().map(move |row| (row.color, row.bars.get(i)));
+        let values = bars().flat_map(|(_, bar)| match bar {
             Some(Bar::Of(e, ..)) => vec![e.median, e.low, e.high],
             _ => Vec::new(),
         });
-        let from = left + width * i as f64;
+        let from = layout.left + width * i as f64;
         let place = Place {
             axis: Fitted::new(&column.axis.scale, values.chain([column.base])),
             left: from + 6.0,
-            right: from + width - NUMBERS,
+            right: from + width - layout.numbers,
+            top: layout.top - 4.0,
             bottom,
         };
         place.frame(&mut pen, column);
-        for (j, bar) in bars().enumerate() {
-            place.bar(&mut pen, column.base, middle(j), bar);
+        for (j, (color, bar)) in bars().enumerate() {
+            place.bar(&mut pen, column.base, layout.middle(j), style_of(color).0, bar);
         }
     }
-    document(&pen.out, bottom + FOOT, &format!("{}. {}", chart.title, chart.subtitle))
-}
-
-/// The middle of a row, from above.
-fn middle(row: usize) -> f64 {
-    HEAD + STEP * (row as f64 + 0.5)
+    if format == Format::Narrow {
+        names(&mut pen);
+    }
+    let alternative = format!("{}. {}", chart.title, chart.subtitle);
+    document_of(&pen.out, [format.width(), bottom + FOOT], &alternative)
 }
 
 /// A column's place.
@@ -105,6 +167,7 @@ struct Place {
     axis: Fitted,
     left: f64,
     right: f64,
+    top: f64,
     bottom: f64,
 }
 
@@ -114,7 +177,8 @@ impl Place {
     }
 
     fn frame(&self, pen: &mut Pen, column: &Column) {
-        let top = HEAD - 4.0;
+        let top = self.top;
+        let mut used = f64::NEG_INFINITY;
         for tick in &self.axis.ticks {
             if self.axis.place(tick.at).is_none() {
                 continue;
@@ -122,8 +186,12 @@ impl Place {
             let x = self.across(tick.at);
             if let Some(label) = &tick.label {
                 pen.path(&[(x, top), (x, self.bottom)], GRID, 1.0, "");
-                let font = Font { size: 11.0, anchor: "middle", ..PLAIN };
-                pen.text(x, self.bottom + 18.0, font, label);
+                let half = label.chars().count() as f64 * LETTER / 2.0;
+                if x - half >= used {
+                    let font = Font { size: 11.0, anchor: "middle", ..PLAIN };
+                    pen.text(x, self.bottom + 18.0, font, label);
+                    used = x + half + 4.0;
+                }
             }
         }
         let base = self.across(column.base);
@@ -131,10 +199,10 @@ impl Place {
         let ends = [(self.left, self.bottom), (self.right, self.bottom)];
         pen.path(&ends, INK, 1.0, "");
         let font = Font { is_bold: true, ..PLAIN };
-        pen.text(self.left, 70.0, font, &column.axis.label);
+        pen.text(self.left, self.top - 12.0, font, &column.axis.label);
     }
 
-    fn bar(&self, pen: &mut Pen, base: f64, y: f64, bar: Option<&Bar>) {
+    fn bar(&self, pen: &mut Pen, base: f64, y: f64, color: &str, bar: Option<&Bar>) {
         let (estimate, number, ring) = match bar {
             None => return,
             Some(Bar::Words(words)) => {
@@ -143,7 +211,6 @@ impl Place {
             }
             Some(Bar::Of(estimate, number, ring)) => (estimate, number, *ring),
         };
-        let color = SERIES[0];
         let (from, to) = (self.across(base), self.across(estimate.median));
         let (x, width) = (from.min(to), (from - to).abs());
         let _ = writeln!(
@@ -172,6 +239,7 @@ mod tests {
     fn sample(scale: Scale, values: &[f64]) -> BarChart {
         let bar = |&x: &f64| BarRow {
             name: format!("<{x}>"),
+            color: 0,
             bars: vec![
                 Bar::Of(
                     Estimate { median: x, low: x * 0.9, high: x * 1.1 },
@@ -192,7 +260,7 @@ mod tests {
 
     #[test]
     fn bars_are_as_long_as_their_values_and_texts_are_escaped() {
-        let svg = chart(&sample(Scale::Log, &[1.0, 10.0, 100.0]));
+        let svg = chart(&sample(Scale::Log, &[1.0, 10.0, 100.0]), Format::Wide);
         let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
         let bars = tree.descendants().filter(|n| n.attribute("height") == Some("10"));
         let widths: Vec<f64> =
@@ -207,9 +275,11 @@ mod tests {
     fn odd_numbers_and_nothing_at_all_can_be_drawn() {
         for scale in [Scale::Log, Scale::FromZero, Scale::Linear] {
             for values in [&[f64::NAN, f64::INFINITY, -1.0, 0.0][..], &[]] {
-                let svg = chart(&sample(scale.clone(), values));
-                assert!(roxmltree::Document::parse(&svg).is_ok());
-                assert!(!svg.contains("\"NaN") && !svg.contains("\"inf"), "{svg}");
+                for format in [Format::Wide, Format::Narrow] {
+                    let svg = chart(&sample(scale.clone(), values), format);
+                    assert!(roxmltree::Document::parse(&svg).is_ok());
+                    assert!(!svg.contains("\"NaN") && !svg.contains("\"inf"), "{svg}");
+                }
             }
         }
     }

@@ -1,15 +1,9 @@
 //! The frame of a figure.
 
 use crate::svg_plot::palette::PAPER;
-use crate::svg_plot::plot::WIDTH;
 use crate::svg_plot::xml;
 
-/// A picture of that height, and what it is for those who cannot see it.
-pub fn document(body: &str, height: f64, alternative: &str) -> String {
-    document_of(body, [WIDTH, height], alternative)
-}
-
-/// A picture of that size.
+/// A picture of that size, and what it is for those who cannot see it.
 pub fn document_of(body: &str, [width, height]: [f64; 2], alternative: &str) -> String {
     let height = f64::max(height, 1.0);
     format!(

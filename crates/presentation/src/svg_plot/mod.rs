@@ -8,6 +8,7 @@ mod axis;
 pub mod bars;
 pub(crate) mod document;
 mod flags;
+mod format;
 pub mod palette;
 mod panel;
 pub(crate) mod pen;
@@ -16,21 +17,58 @@ pub mod xml;
 
 use std::fmt::Write;
 
+pub use format::Format;
 pub use plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series};
 
-use document::document;
+use bars::BarChart;
+use document::document_of;
+
+/// What can be drawn in every format.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Drawing {
+    /// A plot.
+    Plot(Plot),
+    /// Bars.
+    Bars(BarChart),
+}
+
+impl From<Plot> for Drawing {
+    fn from(plot: Plot) -> Self {
+        Self::Plot(plot)
+    }
+}
+
+impl From<BarChart> for Drawing {
+    fn from(chart: BarChart) -> Self {
+        Self::Bars(chart)
+    }
+}
+
+impl Drawing {
+    /// As SVG.
+    pub fn svg(&self, format: Format) -> String {
+        match self {
+            Self::Plot(plot) => drawn(std::slice::from_ref(plot), format),
+            Self::Bars(chart) => bars::chart(chart, format),
+        }
+    }
+}
 
 /// The plots, one below the other.
 pub fn figure(plots: &[Plot]) -> String {
+    drawn(plots, Format::Wide)
+}
+
+fn drawn(plots: &[Plot], format: Format) -> String {
     let mut body = String::new();
     let mut top = 0.0;
     for plot in plots {
-        let drawn = panel::draw(plot);
+        let drawn = panel::draw(plot, format);
         let _ = write!(body, "<g transform=\"translate(0 {top:.1})\">\n{}</g>\n", drawn.elements);
         top += drawn.height;
     }
     let titles: Vec<&str> = plots.iter().map(|plot| plot.title.as_str()).collect();
-    document(&body, top, &titles.join("; "))
+    document_of(&body, [format.width(), top], &titles.join("; "))
 }
 
 #[cfg(test)]
@@ -164,6 +202,27 @@ mod tests {
         // a few series look as they did when there was but one line
         many.series.truncate(3);
         assert!(!figure(&[many]).contains("7 3"));
+    }
+
+    #[test]
+    fn a_phone_shows_the_same_within_its_width() {
+        let mut long = plot(Scale::Linear, Scale::Log);
+        long.marks[0].label = "wide-bvh with settings that are long".into();
+        long.series[0].name = "a series of a name that is so long that it has to be broken".into();
+        let svg = Drawing::from(long).svg(Format::Narrow);
+        let tree = roxmltree::Document::parse(&svg).unwrap();
+        let width: f64 = tree.root_element().attribute("width").unwrap().parse().unwrap();
+        assert_eq!(width, Format::Narrow.width());
+        for text in tree.descendants().filter(|n| n.has_tag_name("text")) {
+            let x: f64 = text.attribute("x").unwrap().parse().unwrap();
+            let length = text.text().unwrap().chars().count() as f64 * pen::LETTER;
+            let is_at_start = text.attribute("text-anchor") == Some("start");
+            assert!(!is_at_start || x + length <= width + 1.0, "{:?}", text.text());
+        }
+        let all = texts(&svg).join(" ");
+        assert!(all.contains("a: wide-bvh with settings that are long"), "{all}");
+        let frame = tree.descendants().find(|n| n.attribute("stroke") == Some(palette::INK));
+        assert!(frame.is_some());
     }
 
     #[test]

@@ -1,17 +1,17 @@
 //! One panel: frame, ticks, curves, marks with their flags, legend.
 
+use crate::fitted::wrapped;
 use crate::svg_plot::axis::Fitted;
 use crate::svg_plot::flags::spread;
+use crate::svg_plot::format::Format;
 use crate::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES, style_of};
 use crate::svg_plot::pen::{BOLD_LETTER, Font, LETTER, PLAIN, Pen};
-use crate::svg_plot::plot::{Mark, Plot, Point, Ring, Scale, WIDTH};
+use crate::svg_plot::plot::{Mark, Plot, Point, Ring, Scale};
 
-/// Room left of the frame, below it, and its height.
-const LEFT: f64 = 78.0;
+/// Room below the frame.
 const BOTTOM: f64 = 86.0;
-const HEIGHT: f64 = 380.0;
-/// Room above the flags: title and subtitle.
-const HEAD: f64 = 62.0;
+/// Between two labels of an axis, at least.
+const LABEL_GAP: f64 = 12.0;
 /// Distance of the flags' labels along the frame.
 const FLAG_GAP: f64 = 18.0;
 /// Height of a line of the legend.
@@ -28,30 +28,69 @@ pub struct Drawn {
 }
 
 /// Draws a panel with its upper left corner at the origin.
-pub fn draw(plot: &Plot) -> Drawn {
-    let mut canvas = Canvas::new(plot);
-    canvas.head(plot);
+pub fn draw(plot: &Plot, format: Format) -> Drawn {
+    match format {
+        Format::Wide => drawn(plot, format, &[]),
+        Format::Narrow => {
+            let (plot, keys) = with_keys(plot);
+            drawn(&plot, format, &keys)
+        }
+    }
+}
+
+/// Labels of more letters do not stand at their flags on a phone.
+const LONGEST_LABEL: usize = 4;
+/// Flags beside one another on a phone; of more, only those of what is best.
+const MOST_FLAGS: usize = 12;
+
+/// The plot with short labels for long ones, and what those stand for.
+fn with_keys(plot: &Plot) -> (Plot, Vec<String>) {
+    let mut plot = plot.clone();
+    let mut keys = Vec::new();
+    let are_too_many = plot.marks.iter().filter(|m| !m.label.is_empty()).count() > MOST_FLAGS;
+    for mark in &mut plot.marks {
+        if are_too_many && mark.ring == Ring::None {
+            mark.label.clear();
+        } else if mark.label.chars().count() > LONGEST_LABEL {
+            let key = key(keys.len());
+            keys.push(format!("{key}: {}", mark.label));
+            mark.label = key;
+        }
+    }
+    (plot, keys)
+}
+
+/// a, b, ... z, a1, b1, ...
+fn key(place: usize) -> String {
+    let letter = char::from(b'a' + (place % 26) as u8);
+    if place < 26 { letter.to_string() } else { format!("{letter}{}", place / 26) }
+}
+
+fn drawn(plot: &Plot, format: Format, keys: &[String]) -> Drawn {
+    let mut canvas = Canvas::new(plot, format);
     canvas.grid(plot);
     canvas.levels(plot);
     canvas.flags(plot);
     canvas.series(plot);
     canvas.marks(plot);
-    let more = canvas.legend(plot);
+    let more = canvas.legend(plot, keys);
     Drawn { height: canvas.bottom + BOTTOM + more, elements: canvas.pen.out }
 }
 
 /// The frame's place and axes, and what is drawn so far.
 struct Canvas {
     pen: Pen,
+    format: Format,
     x: Fitted,
     y: Fitted,
+    left: f64,
     top: f64,
     right: f64,
     bottom: f64,
 }
 
 impl Canvas {
-    fn new(plot: &Plot) -> Self {
+    fn new(plot: &Plot, format: Format) -> Self {
         let points = || {
             let series = plot.series.iter().flat_map(|s| &s.points);
             series.chain(plot.marks.iter().map(|m| &m.point))
@@ -65,50 +104,69 @@ impl Canvas {
         };
         let longest = plot.marks.iter().map(length).fold(0.0, f64::max);
         let flag = longest * std::f64::consts::FRAC_1_SQRT_2;
-        let top = HEAD + if longest == 0.0 { 0.0 } else { flag + BEND + 8.0 };
+        let mut pen = Pen::default();
+        let (left, height) = match format {
+            Format::Wide => (78.0, 380.0),
+            Format::Narrow => (50.0, 280.0),
+        };
+        let mut head = format.head(&mut pen, left, &plot.title, &plot.subtitle);
+        if format == Format::Narrow {
+            // beside the axis there is no room for its name
+            let font = Font { is_bold: true, ..PLAIN };
+            pen.text(0.0, head + 4.0, font, &plot.y.label);
+            head += 16.0;
+        }
+        let top = head + if longest == 0.0 { 0.0 } else { flag + BEND + 8.0 };
         Self {
-            pen: Pen::default(),
+            pen,
+            format,
+            left,
             x: Fitted::new(&plot.x.scale, points().map(|p| p.x)),
             y: Fitted::new(&plot.y.scale, heights.chain(levels)),
             top,
-            right: WIDTH - f64::max(34.0, flag + 12.0).min(WIDTH / 3.0),
-            bottom: top + HEIGHT,
+            right: match format {
+                Format::Wide => {
+                    format.width() - f64::max(34.0, flag + 12.0).min(format.width() / 3.0)
+                }
+                Format::Narrow => format.width() - f64::max(10.0, flag),
+            },
+            bottom: top + height,
         }
     }
 
     /// Where a number lies on the picture, from the left.
     fn across(&self, x: f64) -> Option<f64> {
-        Some(LEFT + self.x.place(x)? * (self.right - LEFT))
+        Some(self.left + self.x.place(x)? * (self.right - self.left))
     }
 
     /// Where a number lies on the picture, from above.
     fn down(&self, y: f64) -> Option<f64> {
-        Some(self.bottom - self.y.place(y)? * HEIGHT)
+        Some(self.bottom - self.y.place(y)? * (self.bottom - self.top))
     }
 
     /// The end of an error bar, which ends at the frame at the latest.
     fn down_within(&self, y: f64) -> f64 {
-        self.bottom - self.y.nearest_place(y) * HEIGHT
+        self.bottom - self.y.nearest_place(y) * (self.bottom - self.top)
     }
 
     fn place(&self, point: &Point) -> Option<(f64, f64)> {
         Some((self.across(point.x)?, self.down(point.y)?))
     }
 
-    fn head(&mut self, plot: &Plot) {
-        self.pen.text(LEFT, 28.0, Font { size: 17.0, is_bold: true, ..PLAIN }, &plot.title);
-        self.pen.text(LEFT, 47.0, Font { color: GREY, ..PLAIN }, &plot.subtitle);
-    }
-
     fn grid(&mut self, plot: &Plot) {
-        let (top, right, bottom) = (self.top, self.right, self.bottom);
+        let (top, right, bottom, left) = (self.top, self.right, self.bottom, self.left);
+        let mut used = f64::NEG_INFINITY;
         for tick in self.x.ticks.clone() {
             let Some(x) = self.across(tick.at) else { continue };
             if let Some(label) = &tick.label {
                 if !matches!(plot.x.scale, Scale::Words(_)) {
                     self.pen.path(&[(x, top), (x, bottom)], GRID, 1.0, "");
                 }
-                self.pen.text(x, bottom + 20.0, Font { anchor: "middle", ..PLAIN }, label);
+                let half = label.chars().count() as f64 * LETTER / 2.0;
+                if x - half >= used {
+                    self.pen.text(x, bottom + 20.0, Font { anchor: "middle", ..PLAIN }, label);
+                    used = x + half + LABEL_GAP;
+                }
             }
             let length = if tick.label.is_some() { 6.0 } else { 3.0 };
             self.pen.path(&[(x, bottom), (x, bottom + length)], INK, 1.0, "");
@@ -116,25 +174,32 @@ impl Canvas {
         for tick in self.y.ticks.clone() {
             let Some(y) = self.down(tick.at) else { continue };
             if let Some(label) = &tick.label {
-                self.pen.path(&[(LEFT, y), (right, y)], GRID, 1.0, "");
-                self.pen.text(LEFT - 10.0, y + 4.0, Font { anchor: "end", ..PLAIN }, label);
+                self.pen.path(&[(left, y), (right, y)], GRID, 1.0, "");
+                self.pen.text(left - 10.0, y + 4.0, Font { anchor: "end", ..PLAIN }, label);
             }
             let length = if tick.label.is_some() { 6.0 } else { 3.0 };
-            self.pen.path(&[(LEFT - length, y), (LEFT, y)], INK, 1.0, "");
+            self.pen.path(&[(left - length, y), (left, y)], INK, 1.0, "");
         }
-        self.pen.path(&[(LEFT, top), (LEFT, bottom), (right, bottom)], INK, 1.0, "");
-        let (middle, centre) = ((LEFT + right) / 2.0, (top + bottom) / 2.0);
+        self.pen.path(&[(left, top), (left, bottom), (right, bottom)], INK, 1.0, "");
+        let (middle, centre) = ((left + right) / 2.0, (top + bottom) / 2.0);
         let axis = Font { size: 13.0, anchor: "middle", ..PLAIN };
         self.pen.text(middle, bottom + 44.0, axis, &plot.x.label);
-        self.pen.text(24.0, centre, Font { turned: -90.0, ..axis }, &plot.y.label);
+        if self.format == Format::Wide {
+            self.pen.text(24.0, centre, Font { turned: -90.0, ..axis }, &plot.y.label);
+        }
     }
 
     fn levels(&mut self, plot: &Plot) {
         for level in &plot.levels {
             let Some(y) = self.down(level.y) else { continue };
-            self.pen.path(&[(LEFT, y), (self.right, y)], GREY, 1.0, " stroke-dasharray=\"6 4\"");
+            self.pen.path(
+                &[(self.left, y), (self.right, y)],
+                GREY,
+                1.0,
+                " stroke-dasharray=\"6 4\"",
+            );
             let font = Font { size: 11.0, color: GREY, ..PLAIN };
-            self.pen.text(LEFT + 8.0, y - 5.0, font, &level.label);
+            self.pen.text(self.left + 8.0, y - 5.0, font, &level.label);
         }
     }
 
@@ -148,7 +213,7 @@ impl Canvas {
             .collect();
         flags.sort_by(|a, b| a.0.total_cmp(&b.0));
         let wanted: Vec<f64> = flags.iter().map(|(x, _, _)| *x).collect();
-        let places = spread(&wanted, FLAG_GAP, LEFT, self.right);
+        let places = spread(&wanted, FLAG_GAP, self.left, self.right);
         for ((x, y, mark), place) in flags.into_iter().zip(places) {
             let color = color_of(mark);
             let line = [(x, y), (x, self.top), (place, self.top - BEND)];
@@ -198,31 +263,56 @@ impl Canvas {
         }
     }
 
-    /// The names of the series, in as many lines as they need; returns the height of those beyond
-    /// the first.
-    fn legend(&mut self, plot: &Plot) -> f64 {
+    /// The names of the series, in as many lines as they need, and what keys stand for; returns the height of
+    /// those beyond the first.
+    fn legend(&mut self, plot: &Plot, keys: &[String]) -> f64 {
         let first = self.bottom + 68.0;
-        let (left, mut y) = (LEFT + 6.0, first);
-        let mut x = left;
+        let left = match self.format {
+            Format::Wide => self.left + 6.0,
+            Format::Narrow => 16.0,
+        };
+        let (mut x, mut y) = (left, first);
         for (i, series) in plot.series.iter().enumerate() {
             let (color, dashes) = style_of(i);
             let width = series.name.chars().count() as f64 * LETTER;
-            if x > left && x + 12.0 + width > WIDTH {
+            if x > left && x + 12.0 + width > self.format.width() {
                 (x, y) = (left, y + LEGEND_STEP);
             }
             if series.is_joined && !dashes.is_empty() {
                 self.pen.path(&[(x - 14.0, y - 4.0), (x + 10.0, y - 4.0)], color, 1.8, dashes);
             }
             self.pen.circle(x, y - 4.0, color);
-            self.pen.text(x + 12.0, y, PLAIN, &series.name);
+            y = self.lines(x + 12.0, y, PLAIN, &series.name);
             x += 44.0 + width;
         }
         let is_drawn = |m: &Mark| !m.is_in_series && self.place(&m.point).is_some();
         if plot.marks.iter().any(is_drawn) {
+            let width = plot.marks_name.chars().count() as f64 * LETTER;
+            if self.format == Format::Narrow && x + 12.0 + width > self.format.width() {
+                (x, y) = (left, y + LEGEND_STEP);
+            }
             self.pen.diamond(x, y - 4.0, MARK);
-            self.pen.text(x + 12.0, y, PLAIN, &plot.marks_name);
+            y = self.lines(x + 12.0, y, PLAIN, &plot.marks_name);
+        }
+        for key in keys {
+            y = self.lines(0.0, y + LEGEND_STEP, PLAIN, key);
         }
         y - first
+    }
+
+    /// Text from a place on, on a phone in as many lines as it needs; returns where the last one is.
+    fn lines(&mut self, x: f64, mut y: f64, font: Font, text: &str) -> f64 {
+        if self.format == Format::Wide {
+            self.pen.text(x, y, font, text);
+            return y;
+        }
+        for (i, line) in wrapped(text, self.format.letters(x), 0).iter().enumerate() {
+            if i > 0 {
+                y += LEGEND_STEP - 3.0;
+            }
+            self.pen.text(x, y, font, line);
+        }
+        y
     }
 }
 

@@ -1,5 +1,6 @@
 //! Image files: PNG and OpenEXR.
 
+use image::ImageEncoder;
 use std::path::{Path, PathBuf};
 
 use super::exr;
@@ -57,16 +58,25 @@ impl Image {
     /// # Errors
     /// [`ImageError`] naming the file.
     pub fn save_png(&self, path: &Path) -> Result<(), ImageError> {
+        let error = |source| ImageError { path: path.to_owned(), source };
+        let bytes = self.png().map_err(error)?;
+        std::fs::write(path, bytes).map_err(|e| error(e.into()))
+    }
+
+    /// The bytes of such a file.
+    ///
+    /// # Errors
+    /// Those of the encoder.
+    pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
         let bytes: Vec<u8> = self.pixels.iter().flatten().map(|&x| srgb(x)).collect();
-        image::save_buffer_with_format(
-            path,
+        let mut png = Vec::new();
+        image::codecs::png::PngEncoder::new(&mut png).write_image(
             &bytes,
             self.width,
             self.height,
-            image::ColorType::Rgb8,
-            image::ImageFormat::Png,
-        )
-        .map_err(|source| ImageError { path: path.to_owned(), source })
+            image::ExtendedColorType::Rgb8,
+        )?;
+        Ok(png)
     }
 }
 

@@ -213,7 +213,7 @@ pub enum ChildAction {
 }
 
 /// Percent as typed, `3` or `3%`, as a share.
-fn percent(text: &str) -> Result<f64, String> {
+pub(super) fn percent(text: &str) -> Result<f64, String> {
     let number = text.strip_suffix('%').unwrap_or(text).trim().parse::<f64>();
     match number {
         Ok(percent) if (0.0..=1000.0).contains(&percent) => Ok(percent / 100.0),

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod baseline;
+mod bisect;
 mod check;
 mod compare;
 mod compare_tracers;
@@ -9,6 +10,7 @@ mod doctor;
 mod explain;
 mod exports;
 mod files;
+mod history;
 mod list;
 mod measuring;
 mod memory;
@@ -31,6 +33,7 @@ mod view;
 
 pub use accuracy::AccuracyArgs;
 pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
+pub use bisect::BisectArgs;
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
 pub use compare::{CompareArgs, CompareFormat};
 pub use compare_tracers::CompareTracersArgs;
@@ -41,6 +44,7 @@ pub use files::{
     CheckHitsArgs, ExportRaysArgs, HitsAction, HitsArgs, RayFormat, RaysAction, RaysArgs,
     settings_of,
 };
+pub use history::HistoryArgs;
 pub use list::{Format, ListArgs, Listed};
 pub use measuring::MeasuringArgs;
 pub use merge::MergeArgs;
@@ -163,8 +167,13 @@ pub enum Command {
     /// What accuracy costs in time: variants of tests, traversals, offsets, samples
     Accuracy(AccuracyArgs),
     /// Make an HTML report of the results in a folder: tables, plots, break-even counts
-    #[command(after_help = "Examples:\n  rtbench report out")]
+    #[command(
+        after_help = "Examples:\n  rtbench report out\n  rtbench report before after -o both.html    two runs side by side"
+    )]
     Report(ReportArgs),
+    /// Make a static site of many runs: ratios over commits, and at which commits they changed
+    #[command(after_help = "Examples:\n  rtbench history nights -o site")]
+    History(HistoryArgs),
     /// Compare our figures with published ones
     Reproduce(ReproduceArgs),
     /// What the time of a run's fastest rows is spent on: work, and lines from caches and memory
@@ -174,6 +183,11 @@ pub enum Command {
         after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check --against ./old --new ./new -- --frames 9"
     )]
     Check(CheckArgs),
+    /// Find the commit that made rows slower, by building commits and measuring them in turns
+    #[command(
+        after_help = "Examples:\n  rtbench bisect v1 main -- teapot/kd-tree\n  rtbench bisect v1 main --build ./build.sh --binary build/bench -- --frames 9"
+    )]
+    Bisect(BisectArgs),
     /// Keep results to check against
     Baseline(BaselineArgs),
     /// What `check` and `scale` start as processes of their own
@@ -223,6 +237,7 @@ impl Command {
                 | Self::Reproduce(_)
                 | Self::Profile(_)
                 | Self::Check(_)
+                | Self::Bisect(_)
                 | Self::Baseline(_)
                 | Self::Child(_)
         )

@@ -7,13 +7,17 @@ use clap::Args;
 /// `rtbench report`.
 #[derive(Debug, Clone, Args)]
 pub struct ReportArgs {
-    /// The folder that `rtbench run -o DIR` wrote; what other commands left there is shown too
-    #[arg(value_name = "DIR")]
-    pub folder: PathBuf,
-    /// Where the page goes, `-` for stdout [default: DIR/report.html]
+    /// The folder that `rtbench run -o DIR` wrote; what other commands left there is shown too. Several: runs, or
+    /// machines, side by side
+    #[arg(value_name = "DIR", required = true)]
+    pub folders: Vec<PathBuf>,
+    /// Where the page goes, `-` for stdout [default: DIR/report.html; of several folders report.html]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Write each plot of the page as an SVG file, too
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
+    /// No pictures of scenes: they are rendered where DIR/pictures has none of them
+    #[arg(long)]
+    pub no_pictures: bool,
 }

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod baseline;
+pub mod bisect;
 pub mod budget;
 pub mod by_files;
 pub mod check;
@@ -12,6 +13,7 @@ pub mod completions;
 pub mod cost;
 pub mod doctor;
 pub mod explain;
+pub mod history;
 pub mod list;
 pub mod measuring;
 pub mod merge;
@@ -28,6 +30,7 @@ pub mod row_deaths;
 pub mod run;
 mod run_outputs;
 pub mod scale;
+pub mod scene_pictures;
 pub mod scenes;
 pub mod show;
 pub mod sweep;

@@ -1,10 +1,11 @@
-//! `rtbench report`: the results in a folder as one page.
+//! `rtbench report`: the results in folders as one page.
 
 use std::fs;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::args::ReportArgs;
+use crate::commands::scene_pictures::scene_pictures;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::occupied::refuse_files;
@@ -25,19 +26,29 @@ const BEGINNING: u64 = 1024;
 /// # Errors
 /// [`Error`] for results that cannot be read and files that cannot be written.
 pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
-    let record = file::path_of(&args.folder);
-    let material = Material::read(&record)?;
-    let usual = material.folder.join(NAME);
+    let read = |folder: &PathBuf| Material::read(&file::path_of(folder));
+    let mut runs = args.folders.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let folder = match &runs[..] {
+        [run] => Some(run.folder.clone()),
+        _ => None,
+    };
+    let usual = folder.as_deref().unwrap_or(Path::new("")).join(NAME);
     let output = args.output.as_deref().unwrap_or(&usual);
     let is_stdout = output == Path::new("-");
     if !is_stdout && !context.overwrite && !is_page_of_ours(output) {
         refuse_files([output.to_owned()])?;
     }
+    if !args.no_pictures {
+        for run in &mut runs {
+            scene_pictures(context, &run.run, &mut run.pictures)?;
+        }
+    }
     // two plots a scene, about
-    let steps = 2 * material.run.scenes.len() as u64;
+    let steps = runs.iter().map(|run| 2 * run.run.scenes.len() as u64).sum();
     let progress = Progress::new(context.shows_progress(), steps, None);
     progress.message("costs of rows");
-    let page = page(&material, !is_stdout && is_within(output, &material.folder), progress);
+    let is_beside = folder.is_some_and(|folder| !is_stdout && is_within(output, &folder));
+    let page = page(&runs, is_beside, progress);
     if is_stdout {
         context.out.write_all(page.html.as_bytes())?;
         context.out.flush()?;

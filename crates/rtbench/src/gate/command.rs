@@ -54,6 +54,17 @@ pub enum CommandError {
     },
 }
 
+impl CommandError {
+    /// The program that gave none.
+    pub fn program(&self) -> &Path {
+        match self {
+            Self::Start { program, .. }
+            | Self::Failed { program, .. }
+            | Self::NoTimes { program, .. } => program,
+        }
+    }
+}
+
 /// The programs, and what each is called with.
 #[derive(Debug)]
 pub struct Commands<'a> {

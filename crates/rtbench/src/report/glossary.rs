@@ -1,5 +1,7 @@
 //! What the symbols mean: those of Havran and Sixta (1999), and those of the times.
 
+use presentation::page::tables::Look;
+
 /// Symbols and words of the tables' heads.
 pub static MEANINGS: &[(&str, &str)] = &[
     ("N_IN", "inner cells: nodes of a hierarchy, grids within grids"),
@@ -43,4 +45,14 @@ pub static MEANINGS: &[(&str, &str)] = &[
 /// What a column's head means.
 pub fn meaning(name: &str) -> Option<&'static str> {
     MEANINGS.iter().find(|(symbol, _)| *symbol == name).map(|(_, meaning)| *meaning)
+}
+
+/// Tables whose heads are explained.
+pub fn look() -> Look<'static> {
+    Look { meaning, ..Look::default() }
+}
+
+/// The same with the rows' numbers before them.
+pub fn numbered(numbers: &[usize]) -> Look<'_> {
+    Look { numbers, ..look() }
 }

@@ -1,5 +1,6 @@
 //! What a page is made from: the record of a run, and what other commands left beside it.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,6 +8,7 @@ use std::path::{Path, PathBuf};
 use scene_loading::source_hash::sha256_of_bytes;
 use serde::de::DeserializeOwned;
 
+use crate::report::date::utc;
 use crate::report::records::{LectureRow, Reproduced, TracersRecord};
 use measurement::record::file::{self, RecordError};
 use measurement::record::machines::MachinesRecord;
@@ -49,10 +51,12 @@ pub enum ReportError {
         path: PathBuf,
     },
     /// It is no picture.
-    #[error("{}: not a PNG image; expected what `rtbench cost --heat-maps` draws", path.display())]
+    #[error("{}: not a PNG image; expected what `{written_by}` draws", path.display())]
     NotAPicture {
         /// The file.
         path: PathBuf,
+        /// The command that draws such files.
+        written_by: &'static str,
     },
 }
 
@@ -64,6 +68,8 @@ pub struct Material {
     pub data: DataFile,
     /// The run.
     pub run: RunRecord,
+    /// By scene: its picture, a PNG file.
+    pub pictures: BTreeMap<String, Vec<u8>>,
     /// By scene: what its rows cost.
     pub profiles: Vec<Vec<Profile>>,
     /// Of `rtbench accuracy`.
@@ -150,11 +156,21 @@ impl Material {
                 &folder.join("zachmann2007.csv"),
                 "rtbench reproduce zachmann2007 --export-csv FILE",
             )?,
+            pictures: pictures(&folder.join("pictures"))?,
             profiles: run.scenes.iter().map(profiles).collect(),
             folder,
             data,
             run,
         })
+    }
+
+    /// Which run it is, in a few words: machine, moment, commit.
+    pub fn in_words(&self) -> String {
+        let run = &self.run;
+        let cpu = run.machine.cpu.as_deref().unwrap_or("unknown processor");
+        let commit = run.tool.git_revision.as_deref().unwrap_or("unknown commit");
+        let commit: String = commit.chars().take(12).collect();
+        format!("{cpu}, {} thread(s), {}, {commit}", run.machine.threads, utc(run.started_unix_s))
     }
 
     /// Each scene with what its rows cost.
@@ -213,19 +229,39 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
 /// The pictures in the folders of scenes.
 fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
     let mut maps = Vec::new();
-    let name =
-        |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     for scene in folders(folder)? {
-        let is_picture = |path: &PathBuf| path.extension().is_some_and(|e| e == "png");
-        for path in entries(&scene)?.into_iter().filter(is_picture) {
+        for path in entries(&scene)?.into_iter().filter(|path| is_png(path)) {
             let png = file::bytes(&path)?;
-            let size = size_of_png(&png);
-            let size = size.ok_or_else(|| ReportError::NotAPicture { path: path.clone() })?;
-            let (scene, name) = (name(scene.file_name()), name(path.file_stem()));
+            let size = size_of_png(&png).ok_or_else(|| ReportError::NotAPicture {
+                path: path.clone(),
+                written_by: "rtbench cost --heat-maps DIR",
+            })?;
+            let (scene, name) = (text(scene.file_name()), text(path.file_stem()));
             maps.push(HeatMap { scene, name, size, png });
         }
     }
     Ok(maps)
+}
+
+/// The pictures of scenes, by their names.
+fn pictures(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, ReportError> {
+    let mut pictures = BTreeMap::new();
+    for path in entries(folder)?.into_iter().filter(|path| is_png(path)) {
+        let png = file::bytes(&path)?;
+        if size_of_png(&png).is_none() {
+            return Err(ReportError::NotAPicture { path, written_by: "rtbench render -o FILE" });
+        }
+        pictures.insert(text(path.file_stem()), png);
+    }
+    Ok(pictures)
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e == "png")
+}
+
+fn text(part: Option<&std::ffi::OsStr>) -> String {
+    part.unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The plots of sweeps in a folder: `sweep-*.svg`.

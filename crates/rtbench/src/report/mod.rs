@@ -1,7 +1,7 @@
-//! The results in a folder as one page to read: no network, no script, no font of others.
+//! The results in a folder, or in several, as one page to read: no network, no font of others.
 //!
-//! A section is a file and a line in [`SECTIONS`]. What the folder lacks is said, with the command
-//! that makes it.
+//! A section is a file and a line in [`SECTIONS`]. One that the folder has nothing for is left out; the end
+//! of the page names the command that makes it.
 
 mod date;
 mod glossary;
@@ -10,18 +10,16 @@ pub mod page;
 mod plots;
 mod records;
 mod sections;
-mod tables;
+mod side_by_side;
 
+pub use date::utc;
 pub use material::ReportError;
-pub use page::{Page, Shown};
+pub use page::{Page, Shown, file_name};
 
 use crate::report::material::Material;
 use measurement::system::progress::Progress;
 use presentation::html::Html;
-use presentation::svg_plot::palette::dark_rules;
-
-/// How the page looks, but for the colours of plots in the dark.
-static STYLE: &str = include_str!("page.css");
+use presentation::page::{BEGINNING, begun, finished};
 
 /// A part of the page.
 pub struct Section {
@@ -35,16 +33,25 @@ pub struct Section {
     pub write: fn(&Material, &mut Page) -> Shown,
 }
 
+/// What makes all sections that every page has.
+const BY_RUN: &str = "rtbench run -o DIR";
+
 /// All parts, in their order on the page.
 pub static SECTIONS: &[Section] = &[
-    section("headlines", "In short", "rtbench run -o DIR", sections::headlines::write),
-    section("all-scenes", "All scenes together", "rtbench run -o DIR", sections::summary::write),
-    section("scenes", "Each scene", "rtbench run -o DIR", sections::scenes::write),
-    section("by-kind", "Each kind of ray", "rtbench run -o DIR", sections::by_kind::write),
+    section("headlines", "Answers", BY_RUN, sections::headlines::write),
+    section("all-scenes", "All scenes together", BY_RUN, sections::summary::write),
+    section("scenes", "Each scene", BY_RUN, sections::scenes::write),
+    section(
+        "heat-maps",
+        "Where in the image the work is",
+        "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE",
+        sections::heat_maps::write,
+    ),
+    section("by-kind", "Each kind of ray", BY_RUN, sections::by_kind::write),
     section(
         "break-even",
         "Which structure wins for how many rays",
-        "rtbench run -o DIR",
+        BY_RUN,
         sections::break_even::write,
     ),
     section(
@@ -77,15 +84,9 @@ pub static SECTIONS: &[Section] = &[
         "rtbench sweep SCENE -s STRUCTURE -p PARAM --from A --to B --export-svg DIR/sweep-PARAM.svg",
         sections::sweeps::write,
     ),
-    section(
-        "heat-maps",
-        "Where in the image the work is",
-        "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE",
-        sections::heat_maps::write,
-    ),
-    section("warnings", "Warnings and outliers", "rtbench run -o DIR", sections::warnings::write),
-    section("machine", "How to repeat it", "rtbench run -o DIR", sections::machine::write),
-    section("glossary", "What the symbols mean", "rtbench run -o DIR", sections::glossary::write),
+    section("warnings", "Warnings and outliers", BY_RUN, sections::warnings::write),
+    section("machine", "How to repeat it", BY_RUN, sections::machine::write),
+    section("glossary", "What the symbols mean", BY_RUN, sections::glossary::write),
 ];
 
 const fn section(
@@ -97,6 +98,9 @@ const fn section(
     Section { id, title, made_by, write }
 }
 
+/// What explains the others stands once on a page of several runs.
+const ONCE: &str = "glossary";
+
 /// A finished page.
 pub struct Finished {
     /// HTML that is well-formed XML, too.
@@ -105,49 +109,145 @@ pub struct Finished {
     pub plots: Vec<(String, String)>,
 }
 
-const BEGINNING: &str = "<!DOCTYPE html>\n";
-
 /// Whether a file's beginning is that of such a page.
 pub fn is_page(beginning: &str) -> bool {
     beginning.starts_with(BEGINNING) && beginning.contains("<title>rtbench: ")
 }
 
-/// The page of all sections. Where it lies beside the record it links to it.
-pub fn page(material: &Material, is_beside_record: bool, progress: Progress) -> Finished {
+/// A section that has something to show.
+struct Part {
+    id: String,
+    title: &'static str,
+    /// What is below its head.
+    body: String,
+}
+
+/// The page of all that the folders have. Where it lies beside the only record it links to it.
+pub fn page(runs: &[Material], is_beside_record: bool, progress: Progress) -> Finished {
     let mut page = Page { is_beside_record, progress, ..Page::default() };
-    let title = format!("rtbench: {}", scenes_in_words(material));
-    head(&mut page.html, &title);
-    page.html.open("body", &[]);
-    page.html.element("a", &[("class", "skip"), ("href", "#main")], "To the results");
-    page.html.open("header", &[]);
-    page.html.element("h1", &[], &title);
-    sections::machine::one_line(material, &mut page.html);
-    page.html.open("nav", &[("aria-label", "sections")]);
-    page.html.open("ul", &[]);
-    for section in SECTIONS {
-        page.html.open("li", &[]);
-        page.html.element("a", &[("href", &format!("#{}", section.id))], section.title);
-        page.html.close();
-    }
-    page.html.close();
-    page.html.close();
-    page.html.close();
-    page.html.open("main", &[("id", "main")]);
-    for section in SECTIONS {
-        let id = format!("{}-title", section.id);
-        page.html.open("section", &[("id", section.id), ("aria-labelledby", &id)]);
-        page.html.element("h2", &[("id", &id)], section.title);
-        if (section.write)(material, &mut page) == Shown::Missing {
-            page.html.open("p", &[("class", "missing")]);
-            page.html.text("The folder has nothing of this. To add it: ");
-            page.html.element("code", &[], section.made_by);
-            page.html.close();
+    let title = format!("rtbench: {}", title(runs));
+    let mut html = begun(&title);
+    html.open("header", &[]);
+    html.element("h1", &[], &title);
+    match runs {
+        [run] => {
+            sections::machine::one_line(run, &mut html);
+            let parts = parts(run, &mut page, |_| true);
+            nav(&mut html, parts.iter().map(|part| (part.id.as_str(), part.title)));
+            html.close();
+            html.open("main", &[("id", "main")]);
+            parts.iter().for_each(|part| write(&mut html, part));
+            missing(&mut html, &parts, &page);
         }
-        page.html.close();
+        _ => several(&mut html, &mut page, runs),
     }
-    let Page { html, plots, progress, .. } = page;
+    let Page { plots, progress, .. } = page;
     progress.finish();
-    Finished { html: format!("{BEGINNING}{}", html.finish()), plots }
+    Finished { html: finished(html), plots }
+}
+
+/// Answers of all runs, the runs side by side, and each by itself in a part that is folded.
+fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
+    let body = |page: &mut Page, write: &mut dyn FnMut(&mut Page)| {
+        write(page);
+        std::mem::take(&mut page.html).finish()
+    };
+    let part = |id: &str, title, body| Part { id: id.to_owned(), title, body };
+    let answers = body(page, &mut |page| side_by_side::answers(runs, page));
+    let beside = body(page, &mut |page| side_by_side::write(runs, page));
+    let mut top = vec![part("headlines", "Answers", answers)];
+    top.push(part("side-by-side", "Side by side", beside));
+    let names: Vec<(String, String)> = (1..)
+        .zip(runs)
+        .map(|(n, run)| (format!("run-{n}"), format!("Run {n}: {}", run.in_words())))
+        .collect();
+    let links = top.iter().map(|part| (part.id.as_str(), part.title));
+    let names_of_runs = names.iter().map(|(id, name)| (id.as_str(), name.as_str()));
+    nav(html, links.chain(names_of_runs).chain([(ONCE, "What the symbols mean")]));
+    html.close();
+    html.open("main", &[("id", "main")]);
+    top.iter().for_each(|part| write(html, part));
+    for (run, (id, name)) in runs.iter().zip(&names) {
+        page.prefix = format!("{id}-");
+        let parts = parts(run, page, |id| id != ONCE);
+        html.open("details", &[("id", id), ("class", "run")]);
+        html.element("summary", &[], name);
+        sections::machine::one_line(run, html);
+        nav(html, parts.iter().map(|part| (part.id.as_str(), part.title)));
+        parts.iter().for_each(|part| write(html, part));
+        missing(html, &parts, page);
+        html.close();
+    }
+    page.prefix = String::new();
+    if let Some(run) = runs.first() {
+        parts(run, page, |id| id == ONCE).iter().for_each(|part| write(html, part));
+    }
+}
+
+/// The sections that have something to show of a run.
+fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> Vec<Part> {
+    let mut parts = Vec::new();
+    for section in SECTIONS.iter().filter(|section| is_wanted(section.id)) {
+        let shown = (section.write)(run, page);
+        let body = std::mem::take(&mut page.html).finish();
+        if shown == Shown::Yes {
+            parts.push(Part { id: page.anchor(section.id), title: section.title, body });
+        }
+    }
+    parts
+}
+
+fn write(html: &mut Html, Part { id, title, body }: &Part) {
+    let heading = format!("{id}-title");
+    html.open("section", &[("id", id), ("aria-labelledby", &heading)]);
+    html.element("h2", &[("id", &heading)], title);
+    html.markup(body);
+    html.close();
+}
+
+fn nav<'a>(html: &mut Html, links: impl Iterator<Item = (&'a str, &'a str)>) {
+    html.open("nav", &[("aria-label", "sections")]);
+    // on a phone they would stand where the answers are looked for
+    html.open("details", &[]);
+    html.element("summary", &[], "Contents");
+    html.open("ul", &[]);
+    for (id, title) in links {
+        html.open("li", &[]);
+        html.element("a", &[("href", &format!("#{id}"))], title);
+        html.close();
+    }
+    html.close();
+    html.close();
+    html.close();
+}
+
+/// What else the page would show, and the command that makes it: folded, at the end.
+fn missing(html: &mut Html, parts: &[Part], page: &Page) {
+    let is_there = |id: &str| parts.iter().any(|part| part.id == page.anchor(id));
+    let missing: Vec<&Section> =
+        SECTIONS.iter().filter(|s| s.made_by != BY_RUN && !is_there(s.id)).collect();
+    if missing.is_empty() {
+        return;
+    }
+    html.open("details", &[("class", "more")]);
+    html.element("summary", &[], "What else this page can show, and the commands that make it");
+    html.open("ul", &[]);
+    for section in missing {
+        html.open("li", &[]);
+        html.text(&format!("{}: ", section.title));
+        html.element("code", &[], section.made_by);
+        html.close();
+    }
+    html.close();
+    html.close();
+}
+
+/// What the page is of.
+fn title(runs: &[Material]) -> String {
+    match runs {
+        [run] => scenes_in_words(run),
+        _ => format!("{} runs side by side", runs.len()),
+    }
 }
 
 fn scenes_in_words(material: &Material) -> String {
@@ -157,24 +257,6 @@ fn scenes_in_words(material: &Material) -> String {
         few if few.len() <= 3 => few.join(", "),
         many => format!("{} scenes", many.len()),
     }
-}
-
-fn head(html: &mut Html, title: &str) {
-    html.open("html", &[("lang", "en")]);
-    html.open("head", &[]);
-    html.void("meta", &[("charset", "utf-8")]);
-    let viewport = "width=device-width, initial-scale=1";
-    html.void("meta", &[("name", "viewport"), ("content", viewport)]);
-    html.void("meta", &[("name", "color-scheme"), ("content", "light dark")]);
-    // nothing may be loaded, whatever a name or a message says
-    let policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
-    html.void("meta", &[("http-equiv", "Content-Security-Policy"), ("content", policy)]);
-    html.element("title", &[], title);
-    html.markup(&format!(
-        "<style>\n{STYLE}@media screen and (prefers-color-scheme: dark) {{\n{}}}\n</style>\n",
-        dark_rules("figure svg")
-    ));
-    html.close();
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use measurement::system::progress::Progress;
 use presentation::html::Html;
+use presentation::page::figure;
+use presentation::svg_plot::Drawing;
 use scene_loading::source_hash::sha256_of_bytes;
 
 /// Whether there was something to show.
@@ -19,20 +21,24 @@ pub struct Page {
     pub(super) html: Html,
     pub(super) plots: Vec<(String, String)>,
     pub(super) is_beside_record: bool,
+    /// What the names of parts begin with, of one run among several.
+    pub(super) prefix: String,
     pub(super) progress: Progress,
 }
 
 impl Page {
     /// A plot within the page, kept by its name for files of its own, too.
-    pub(super) fn plot(&mut self, name: &str, svg: String) {
-        self.html.open("figure", &[]);
-        self.html.open_scroll(&format!("plot {name}"));
-        self.html.markup(&svg);
-        self.html.close();
-        self.html.close();
+    pub(super) fn plot(&mut self, name: &str, drawing: impl Into<Drawing>) {
+        let name = format!("{}{name}", self.prefix);
+        let svg = figure(&mut self.html, &format!("plot {name}"), &drawing.into());
         self.progress.message(format!("plot {name}"));
         self.progress.reach(self.plots.len() as u64);
-        self.plots.push((format!("{}.svg", file_name(name)), svg));
+        self.plots.push((format!("{}.svg", file_name(&name)), svg));
+    }
+
+    /// What links name a part of the page by.
+    pub(super) fn anchor(&self, name: &str) -> String {
+        file_name(&format!("{}{name}", self.prefix))
     }
 }
 
@@ -40,7 +46,7 @@ impl Page {
 const LONGEST: usize = 200;
 
 /// A name that is safe as a file's. One that is too long ends with a hash, so that names stay distinct.
-fn file_name(name: &str) -> String {
+pub fn file_name(name: &str) -> String {
     let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     let mut file: String = name.chars().map(safe).collect();
     if file.len() > LONGEST {

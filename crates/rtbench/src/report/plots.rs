@@ -4,8 +4,8 @@ use measurement::record::{
     Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, reference,
 };
 use presentation::numbers::short;
-use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column, chart};
-use presentation::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series, figure};
+use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column};
+use presentation::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series};
 use statistics::estimate::Estimate;
 use studies::run::costs::Profile;
 
@@ -21,7 +21,7 @@ struct Ratios {
 }
 
 /// Trace and build time of each row of a scene over the reference's.
-pub fn scene_bars(run: &RunRecord, scene: &SceneRecord) -> String {
+pub fn scene_bars(run: &RunRecord, scene: &SceneRecord) -> BarChart {
     let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
     let of = |row: &RowRecord| {
         let RowRecord { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
@@ -33,7 +33,7 @@ pub fn scene_bars(run: &RunRecord, scene: &SceneRecord) -> String {
 }
 
 /// The same over all scenes.
-pub fn summary_bars(run: &RunRecord) -> String {
+pub fn summary_bars(run: &RunRecord) -> BarChart {
     let reference = reference::of_means(&run.scenes, &run.settings.reference);
     let scenes = reference::scenes_over(&run.scenes, &reference);
     let title = format!("Times over those of {reference}, geometric means over {scenes} scene(s)");
@@ -45,7 +45,7 @@ pub fn summary_bars(run: &RunRecord) -> String {
     bars(title, run.summary.iter().map(of).collect())
 }
 
-fn bars(title: String, mut rows: Vec<Ratios>) -> String {
+fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
     // what is wrong, and what answers shadow rays only, comes last
     let key = |r: &Ratios| (!is_comparable(r), r.trace.map_or(f64::INFINITY, |e| e.median));
     rows.sort_by(|a, b| {
@@ -57,7 +57,7 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> String {
         axis: Axis { label: label.to_owned(), scale: Scale::Log },
         base: 1.0,
     };
-    chart(&BarChart {
+    BarChart {
         title,
         subtitle:
             "medians with 95% intervals; shorter to the left is faster; ringed: the fastest, \
@@ -71,10 +71,11 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> String {
                     Answered::AllRays => row.name.clone(),
                     Answered::ShadowRays => format!("{} (shadow rays)", row.name),
                 },
+                color: 0,
                 bars: vec![bar(row, row.trace, best), bar(row, row.build, None)],
             })
             .collect(),
-    })
+    }
 }
 
 fn is_comparable(row: &Ratios) -> bool {
@@ -102,7 +103,7 @@ fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
 
 /// Build time against time per ray: what is not dominated is ringed and named, the others have
 /// their numbers in the scene's table.
-pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> String {
+pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> Plot {
     let marks = profiles.iter().filter_map(|profile| {
         let ray = profile.ray_s(run.settings.seed)?;
         let is_on_front = !profiles.iter().any(|other| dominates(other, profile));
@@ -119,7 +120,7 @@ pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> St
     let marks: Vec<Mark> = marks.collect();
     let mut front: Vec<Point> = marks.iter().filter(|m| m.is_in_series).map(|m| m.point).collect();
     front.sort_by(|a, b| a.x.total_cmp(&b.x));
-    figure(&[Plot {
+    Plot {
         title: format!("{}: build against rays", scene.name),
         subtitle:
             "medians, 95% intervals of the time per ray; numbers are those of the scene's table"
@@ -134,7 +135,7 @@ pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> St
         marks,
         marks_name: "dominated".to_owned(),
         levels: Vec::new(),
-    }])
+    }
 }
 
 /// As fast in both, and faster in one of them.

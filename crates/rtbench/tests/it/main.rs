@@ -2,6 +2,8 @@
 
 mod accuracy;
 mod adoption;
+#[cfg(unix)]
+mod bisect;
 mod check;
 mod command_line;
 mod common;
@@ -9,6 +11,7 @@ mod compare_tracers;
 mod effects;
 mod explain;
 mod hard_cases;
+mod history;
 mod house;
 mod in_rust;
 mod occluders;

@@ -64,10 +64,14 @@ fn the_page_is_whole_accessible_and_asks_nobody_for_anything() {
     let folder = folder();
     let page = page(&folder);
     let tree = parsed(&page);
-    for known in SECTIONS {
-        let title = by_name(section(&tree, known.id), "h2").next().unwrap();
-        assert_eq!(text(title), known.title);
-    }
+    let sections: Vec<_> = by_name(tree.root(), "section").collect();
+    let shown =
+        SECTIONS.iter().filter(|s| sections.iter().any(|n| n.attribute("id") == Some(s.id)));
+    let shown: Vec<&str> = shown.map(|s| s.title).collect();
+    let titles: Vec<String> =
+        sections.iter().map(|n| text(by_name(*n, "h2").next().unwrap())).collect();
+    assert_eq!(titles, shown, "in their order, the answers first");
+    assert_eq!(titles[0], "Answers");
     for table in by_name(tree.root(), "table") {
         assert!(!text(by_name(table, "caption").next().expect("a caption")).is_empty());
         assert!(by_name(table, "th").all(|th| th.attribute("scope").is_some()));
@@ -80,15 +84,24 @@ fn the_page_is_whole_accessible_and_asks_nobody_for_anything() {
         assert_eq!(svg.attribute("role"), Some("img"));
         assert!(svg.attribute("aria-label").is_some_and(|l| !l.is_empty()));
     }
-    assert!(by_name(tree.root(), "svg").count() >= 5, "summary, bars and scatter of both scenes");
-    let foreign = ["script", "link", "iframe", "object", "embed", "base"];
+    let svgs = by_name(tree.root(), "svg").count();
+    assert!(svgs >= 10, "summary, bars and scatter of both scenes, wide and narrow");
+    let foreign = ["link", "iframe", "object", "embed", "base"];
     assert!(foreign.iter().all(|name| by_name(tree.root(), name).next().is_none()));
+    assert_eq!(by_name(tree.root(), "script").count(), 1, "the one whose hash the policy has");
+    let images = by_name(section(&tree, "scenes"), "img").count();
+    assert_eq!(images, 2, "a picture of each scene");
+    for tr in by_name(section(&tree, "scenes"), "thead") {
+        let heads: Vec<String> = by_name(tr, "th").map(text).take(5).collect();
+        assert_eq!(heads, ["#", "structure", "ratio [95%]", "build ms", "verdict"]);
+    }
     for node in tree.descendants() {
         for attribute in node.attributes() {
             let (name, value) = (attribute.name(), attribute.value());
             assert!(!name.starts_with("on"), "{name}");
             if ["src", "href"].contains(&name) {
-                assert!(!value.contains("//"), "{name}={value}");
+                let is_within = value.starts_with("data:image/");
+                assert!(is_within || !value.contains("//"), "{name}={value}");
             }
         }
     }
@@ -124,7 +137,7 @@ fn the_same_record_gives_the_same_page_and_its_plots_as_files() {
     let lines = |page: &str| page.lines().count();
     assert_eq!(lines(&ended.out), lines(&page), "the same page but for that");
     let files: Vec<_> = std::fs::read_dir(plots).unwrap().map(|f| f.unwrap().path()).collect();
-    assert_eq!(files.len(), by_name(parsed(&page).root(), "svg").count());
+    assert_eq!(2 * files.len(), by_name(parsed(&page).root(), "svg").count());
     for file in files {
         assert!(Document::parse(&std::fs::read_to_string(&file).unwrap()).is_ok(), "{file:?}");
     }
@@ -145,9 +158,10 @@ fn names_that_are_markup_stay_text() {
     });
     let page = page(&folder);
     let tree = parsed(&page);
-    assert!(by_name(tree.root(), "script").next().is_none() && !page.contains("<script"));
-    let has = |id: &str| text(section(&tree, id)).contains(name);
-    assert!(SECTIONS.iter().filter(|s| has(s.id)).count() >= 5);
+    assert_eq!(by_name(tree.root(), "script").count(), 1);
+    assert!(!page.contains("<script>alert"));
+    let sections = by_name(tree.root(), "section");
+    assert!(sections.filter(|section| text(*section).contains(name)).count() >= 5);
     assert!(text(section(&tree, "warnings")).matches(name).count() >= 2);
 }
 
@@ -177,9 +191,9 @@ fn a_wrong_row_shows_no_time_even_if_the_record_has_some() {
         let of_scenes = cells(section(&tree, "scenes"), structure);
         assert_eq!(of_scenes.len(), 2);
         for row in of_scenes {
-            // number, 8 counters, memory, rays, build, trace, image, ratio, four rates, verdict
-            assert!(row[11..15].iter().all(|cell| cell == "wrong"), "{row:?}");
-            assert!(row.last().unwrap().starts_with("wrong: "), "{row:?}");
+            // number, ratio, build, verdict, trace, memory, image, ...
+            assert!([1, 2, 4, 6].iter().all(|&i| row[i] == "wrong"), "{row:?}");
+            assert!(row[3].starts_with("wrong: "), "{row:?}");
         }
         let [summary] = &cells(section(&tree, "all-scenes"), structure)[..] else { panic!() };
         assert!(summary[2..4].iter().all(|cell| cell == "wrong"), "{summary:?}");
@@ -202,13 +216,15 @@ fn what_is_missing_is_named_with_the_command_that_makes_it() {
     });
     let page = page(&folder);
     let tree = parsed(&page);
+    let more = tree.descendants().find(|n| n.attribute("class") == Some("more")).unwrap();
     for id in ["counters", "lecture", "accuracy", "tracers", "sweeps", "heat-maps"] {
         let known = SECTIONS.iter().find(|s| s.id == id).unwrap();
         assert!(known.made_by.starts_with("rtbench "));
-        assert!(text(section(&tree, id)).contains(known.made_by), "{id}");
+        assert!(text(more).contains(known.made_by), "{id}");
+        let is_it = |n: &Node<'_, '_>| n.attribute("id") == Some(id);
+        assert!(!tree.descendants().any(|n| is_it(&n)), "no section that has nothing");
     }
-    let missing = tree.descendants().filter(|n| n.attribute("class") == Some("missing")).count();
-    assert_eq!(missing, 6, "and of nothing else");
+    assert_eq!(by_name(more, "li").count(), 6, "and of nothing else");
     assert!(text(section(&tree, "headlines")).contains("not finished: 2 of 3 scenes"));
 }
 
@@ -233,8 +249,9 @@ fn what_other_commands_left_is_shown() {
          --export-svg {dir}/sweep-density.svg"
     ));
     assert_eq!(ended.code, 0, "{}", ended.err);
-    let png = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x40\0\0\0\x20";
+    let png: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x40\0\0\0\x20";
     write(&folder, "heat-maps/tetra:2/tests.png", png);
+    write(&folder, "pictures/tetra:2.png", png);
     write(
         &folder,
         "havran1999.csv",
@@ -251,10 +268,12 @@ fn what_other_commands_left_is_shown() {
     );
     let page = page(&folder);
     let tree = parsed(&page);
-    assert!(!page.contains("class=\"missing\""));
+    assert!(!page.contains("class=\"more\""));
+    let shown = by_name(section(&tree, "scenes"), "img").next().unwrap();
+    assert!(shown.attribute("src").unwrap().ends_with("SUhEUgAAAEAAAAAg"), "the one in the folder");
     assert!(text(section(&tree, "accuracy")).contains("precision: tetra:2"));
     let tracers = section(&tree, "tracers");
-    assert!(text(tracers).contains("whitted 4 samples") && by_name(tracers, "svg").count() == 1);
+    assert!(text(tracers).contains("whitted 4 samples") && by_name(tracers, "svg").count() == 2);
     let image = by_name(section(&tree, "heat-maps"), "img").next().unwrap();
     let size = [image.attribute("width"), image.attribute("height")];
     assert_eq!(size, [Some("64"), Some("32")]);
@@ -281,6 +300,7 @@ fn what_cannot_be_read_is_an_error_that_names_the_file() {
         ("zachmann2007.csv", "scene\nballs\n", "rtbench reproduce zachmann2007"),
         ("sweep-density.svg", "<html>", "not an SVG"),
         ("heat-maps/tetra/time.png", "GIF89a", "not a PNG"),
+        ("pictures/tetra.png", "GIF89a", "rtbench render"),
     ] {
         let folder = Folder::new();
         write(&folder, "results.json", minimal());
@@ -297,6 +317,41 @@ fn what_cannot_be_read_is_an_error_that_names_the_file() {
     let ended = run_stepping(&format!("report {} -o /nowhere/report.html", folder.path()));
     assert_eq!(ended.code, 1);
     assert!(ended.err.contains("cannot write /nowhere/report.html"), "{}", ended.err);
+}
+
+#[test]
+fn several_runs_stand_side_by_side() {
+    let (a, b) = (folder(), folder());
+    change(&b, |record| record["machine"]["cpu"] = json!("Another <Processor>"));
+    let both = format!("{} {}", a.path(), b.path());
+    let ended = run_stepping(&format!("report {both} --no-pictures -o -"));
+    assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+    let tree = parsed(&ended.out);
+    let answers = text(section(&tree, "headlines"));
+    assert!(answers.contains("Run 1: ") && answers.contains("Run 2: Another <Processor>"));
+    let beside = section(&tree, "side-by-side");
+    assert_eq!(by_name(beside, "table").count(), 2, "a scene each");
+    let [row] = &cells(by_name(beside, "table").next().unwrap(), "uniform-grid")[..] else {
+        panic!()
+    };
+    assert!(row.len() == 2 && row[0] == row[1] && row[0].contains('['), "{row:?}");
+    let [wrong] = &cells(by_name(beside, "table").next().unwrap(), "dropper")[..] else { panic!() };
+    assert_eq!(wrong[..], ["wrong", "wrong"]);
+    // each by itself, under names of its own
+    let ids: Vec<&str> = tree.descendants().filter_map(|n| n.attribute("id")).collect();
+    let distinct: std::collections::BTreeSet<&str> = ids.iter().copied().collect();
+    assert_eq!(ids.len(), distinct.len(), "{ids:?}");
+    for id in ["run-1-scenes", "run-2-break-even", "run-2-scene-tetra_2", "glossary"] {
+        assert!(distinct.contains(id), "{id}: {ids:?}");
+    }
+    for link in by_name(tree.root(), "a").filter_map(|a| a.attribute("href")) {
+        let id = link.strip_prefix('#');
+        assert!(id.is_none_or(|id| distinct.contains(id)), "{link}");
+    }
+    // another scene of the same name is not the same
+    change(&b, |record| record["scenes"][0]["sha256"] = json!("0"));
+    let ended = run_stepping(&format!("report {both} --no-pictures -o -"));
+    assert_eq!(by_name(section(&parsed(&ended.out), "side-by-side"), "table").count(), 1);
 }
 
 /// The record of a run that finished no scene.

@@ -114,7 +114,7 @@ const SNAPSHOTS: &[Snapshot] = &[
     of("check-unknown", "check --baseline main --baselines DIR"),
     Snapshot { before: PARTS, ..of("merge", "merge DIR/1 DIR/2") },
     Snapshot { before: PARTS, ..of("merge-missing", "merge DIR/1") },
-    Snapshot { before: RUNS, ..of("report", "report DIR/a -o - -q") },
+    Snapshot { before: RUNS, ..of("report", "report DIR/a --no-pictures -o - -q") },
     of("doctor", "doctor"),
     of("schema", "schema bencher-metric-format"),
     of("man", "man doctor"),

@@ -109,7 +109,22 @@ impl TableColumn {
     }
 }
 
+/// The table with its columns in the order of their weight: where not all fit, the last ones are out of sight.
+pub fn by_weight(table: &Table) -> Table {
+    let weights = View::fastest_first().by_weight();
+    let place = |head: &&str| weights.iter().position(|h| h == head).unwrap_or(weights.len());
+    let mut places: Vec<usize> = (1..table.header.len()).collect();
+    places.sort_by_key(|c| table.header.get(*c).map(place));
+    places.insert(0, 0);
+    with_columns(table, &places)
+}
+
 impl View {
+    /// All columns, the fastest rows first.
+    pub fn fastest_first() -> Self {
+        Self { sort: Sort::Trace, columns: Columns::All, colors: false }
+    }
+
     /// How many characters a line may have; none: as many as it takes.
     pub fn width(&self) -> Option<usize> {
         match self.columns {
@@ -246,6 +261,9 @@ mod tests {
         let named = Columns::Named(vec![TableColumn::named("n_it").unwrap()]);
         assert_eq!(heads(view(Sort::Trace, named)), ["structure", "N_IT"]);
         assert_eq!(heads(view(Sort::Trace, Columns::All)), table.header);
+        let all = super::by_weight(&table);
+        assert_eq!(all.header[..4], ["structure", RATIO, "build ms", "verdict"]);
+        assert_eq!((all.header.len(), all.rows[0][3].text.as_str()), (table.header.len(), "ok"));
         let (_, left_out) = view(Sort::Trace, Columns::Within(40)).shown(&table);
         assert!(left_out.contains(&"N_EETS"));
     }

@@ -1,9 +1,9 @@
 //! What accuracy costs in time: each axis with its front.
 
+use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
-use crate::report::tables::{self, Look};
-use presentation::svg_plot::figure;
+use presentation::page::tables;
 use studies::accuracy::{plot, summary, tables as axis_tables};
 
 /// Axis by axis: in words, as a plot, as tables.
@@ -12,17 +12,22 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     page.html.list(axis_tables::facts(run));
     for axis in &run.axes {
         page.html.element("h3", &[], &axis.axis);
+        let mut in_words: Vec<String> = Vec::new();
         if let Some(cost) = summary::cost(axis, run.seed) {
-            page.html.paragraph(&summary::line(axis, &cost));
+            let line = summary::line(axis, &cost);
+            let (first, scenes) = line.split_once(". ").unwrap_or((&line, ""));
+            page.html.paragraph(&format!("{}.", first.trim_end_matches('.')));
+            in_words = scenes.split("; ").map(str::to_owned).collect();
         }
         for scene in &axis.scenes {
             let name = format!("accuracy-{}-{}", axis.axis, scene.scene);
-            page.plot(&name, figure(&[plot::panel(axis, scene)]));
+            page.plot(&name, plot::panel(axis, scene));
         }
         page.html.open("details", &[]);
-        page.html.element("summary", &[], &format!("{}: all variants", axis.axis));
+        page.html.element("summary", &[], &format!("{}: scene by scene", axis.axis));
+        page.html.list(in_words.into_iter().filter(|line| !line.is_empty()));
         for scene in &axis.scenes {
-            tables::write(&mut page.html, &axis_tables::table(axis, scene), Look::default());
+            tables::write(&mut page.html, &axis_tables::table(axis, scene), look());
         }
         page.html.close();
     }

@@ -1,12 +1,13 @@
 //! Build against trace: who wins for how many rays, and from how many rays on each structure is
 //! worth it against each other.
 
+use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
 use crate::report::plots;
-use crate::report::tables::{self, Look, words};
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
+use presentation::page::tables::{self, words};
 use presentation::table::{Cell, Style, Table};
 use studies::run::break_even::{BreakEven, break_even};
 use studies::run::conclusions::least_time;
@@ -36,8 +37,8 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
             &format!("build-against-rays-{}", scene.name),
             plots::scatter(&material.run, scene, profiles),
         );
-        tables::write(&mut page.html, &reigns(&scene.name, profiles, seed), Look::default());
-        tables::write(&mut page.html, &decades(&scene.name, profiles, seed), Look::default());
+        tables::write(&mut page.html, &reigns(&scene.name, profiles, seed), look());
+        tables::write(&mut page.html, &decades(&scene.name, profiles, seed), look());
         matrix(&mut page.html, &scene.name, profiles);
     }
     Shown::Yes

@@ -1,9 +1,12 @@
 //! Each kind of ray by itself, all scenes first, and the time to a picture.
 
+use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
-use crate::report::tables::{self, Look};
+use presentation::page::tables;
+use presentation::table::Table;
 use studies::run::kind_tables;
+use studies::run::view::View;
 
 /// Missing of records from before there were ratios by kind.
 pub fn write(material: &Material, page: &mut Page) -> Shown {
@@ -12,12 +15,14 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     if rows().all(|row| row.ratio_by_kind.is_empty()) {
         return Shown::Missing;
     }
-    let look = Look { is_numbered: true };
-    tables::write(&mut page.html, &kind_tables::summary_table(run, false), look);
-    tables::write(&mut page.html, &kind_tables::picture_table(run), Look::default());
+    let of = |table: &Table, page: &mut Page| tables::write(&mut page.html, table, look());
+    of(&kind_tables::picture_table(run), page);
+    if run.scenes.len() > 1 {
+        of(&kind_tables::summary_table(run, false), page);
+    }
+    let view = View::fastest_first();
     for scene in &run.scenes {
-        page.html.element("h3", &[], &scene.name);
-        tables::write(&mut page.html, &kind_tables::scene_table(run, scene, false), look);
+        of(&kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), false), page);
     }
     Shown::Yes
 }

@@ -2,12 +2,13 @@
 //!
 //! The figures and the verdicts are those of `rtbench reproduce havran1999`.
 
+use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
 use crate::report::records::Reproduced;
-use crate::report::tables::{self, Look, words};
 use presentation::numbers::short;
-use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
+use presentation::page::tables::{self, words};
+use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};
 use presentation::table::Table;
 
 /// The counters that are drawn, with their colours' order.
@@ -25,11 +26,11 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
          the same then and now.",
     );
     page.plot("counters-1999", plot(rows));
-    tables::write(&mut page.html, &verdicts(rows), Look::default());
+    tables::write(&mut page.html, &verdicts(rows), look());
     for counter in DRAWN {
         let table = best(rows, counter);
         if !table.rows.is_empty() {
-            tables::write(&mut page.html, &table, Look::default());
+            tables::write(&mut page.html, &table, look());
         }
     }
     Shown::Yes
@@ -73,7 +74,7 @@ fn verdicts(rows: &[Reproduced]) -> Table {
 }
 
 /// Then across, now up.
-fn plot(rows: &[Reproduced]) -> String {
+fn plot(rows: &[Reproduced]) -> Plot {
     let series = DRAWN.map(|counter| {
         let points = rows.iter().filter(|r| r.counter == counter).filter_map(|row| {
             let then: f64 = row.published.parse().ok()?;
@@ -91,7 +92,7 @@ fn plot(rows: &[Reproduced]) -> String {
         series.push(Series { name: "the same".to_owned(), points, is_joined: true });
     }
     let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
-    figure(&[Plot {
+    Plot {
         title: "Counters: 1999 and now".to_owned(),
         subtitle: "N_IT and N_TS are per ray; all scenes, structures and settings".to_owned(),
         x: axis("published in 1999"),
@@ -100,7 +101,7 @@ fn plot(rows: &[Reproduced]) -> String {
         marks: Vec::new(),
         marks_name: String::new(),
         levels: Vec::new(),
-    }])
+    }
 }
 
 /// One counter of the settings that the paper found best: scenes down, then and now across.

@@ -6,7 +6,7 @@ use measurement::record::{SceneRecord, Verdict};
 use presentation::html::Html;
 use studies::run::lines::{self, Line, Lines, names};
 
-/// Over all scenes, then each.
+/// Over all scenes; those of each stand with it.
 pub fn write(material: &Material, page: &mut Page) -> Shown {
     let (run, html) = (&material.run, &mut page.html);
     if !run.complete {
@@ -20,21 +20,40 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
             ),
         );
     }
-    let overall = lines::of_run(run).filter(|_| run.scenes.len() > 1);
-    let scenes = run.scenes.iter().map(lines::of_scene);
-    for lines in overall.into_iter().chain(scenes) {
+    if let Some(lines) = lines::of_run(run) {
         list(html, &lines);
     }
-    html.paragraph(lines::NOTE);
+    html.element("p", &[("class", "notes")], lines::NOTE);
+    if run.scenes.len() > 1 {
+        let anchors: Vec<(String, &str)> = run
+            .scenes
+            .iter()
+            .map(|scene| (page.anchor(&format!("scene-{}", scene.name)), scene.name.as_str()))
+            .collect();
+        links(&mut page.html, &anchors);
+    }
     for scene in &run.scenes {
         if let Some(text) = wrong_rows(scene) {
-            alert(html, &text);
+            alert(&mut page.html, &text);
         }
     }
     Shown::Yes
 }
 
-fn list(html: &mut Html, Lines { title, lines }: &Lines) {
+/// To the answers of each scene.
+fn links(html: &mut Html, scenes: &[(String, &str)]) {
+    html.open("p", &[]);
+    html.text("The answers of each scene: ");
+    for (i, (anchor, name)) in scenes.iter().enumerate() {
+        html.text(if i == 0 { "" } else { ", " });
+        html.element("a", &[("href", &format!("#{anchor}"))], name);
+    }
+    html.text(".");
+    html.close();
+}
+
+/// A question a line.
+pub fn list(html: &mut Html, Lines { title, lines }: &Lines) {
     html.element("p", &[("class", "headline")], title);
     html.open("ul", &[("class", "headlines")]);
     for Line { head, text } in lines {

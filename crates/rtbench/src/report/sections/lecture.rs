@@ -1,12 +1,13 @@
 //! The lecture's two tables (Zachmann 2007, after Havran and Sixta 1999) beside ours: all times over
 //! those of uniform D=1 on the same machine.
 
+use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
 use crate::report::records::LectureRow;
-use crate::report::tables::{self, Look};
 use measurement::record::Verdict;
 use presentation::numbers::{ratio, short};
+use presentation::page::tables;
 use presentation::table::{Cell, Style, Table};
 use statistics::estimate::Estimate;
 
@@ -47,6 +48,6 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         rows: lines.collect(),
         notes: Vec::new(),
     };
-    tables::write(&mut page.html, &table, Look::default());
+    tables::write(&mut page.html, &table, look());
     Shown::Yes
 }

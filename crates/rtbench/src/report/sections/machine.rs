@@ -1,12 +1,13 @@
 //! What is needed to repeat the run: machine, compiler, settings, commands, scenes, raw data.
 
 use crate::report::date::utc;
+use crate::report::glossary::look;
 use crate::report::material::{DataFile, Material};
 use crate::report::page::{Page, Shown};
-use crate::report::tables::{self, Look, words};
 use measurement::record::{RunRecord, SceneRecord, reference};
 use presentation::html::Html;
 use presentation::numbers::mebibytes;
+use presentation::page::tables::{self, words};
 
 const UNKNOWN: &str = "unknown";
 
@@ -38,7 +39,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     }
     html.close();
     if let Some(machines) = &material.machines {
-        tables::write(html, &studies::run::machines::table(machines), Look::default());
+        tables::write(html, &studies::run::machines::table(machines), look());
     }
     html.element("h3", &[], "Commands");
     let mut commands = vec![run.command_line.join(" ")];
@@ -65,7 +66,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     html.element("code", &[], "rtbench report DIR");
     html.text(".");
     html.close();
-    tables::write(html, &scenes(&run.scenes), Look::default());
+    tables::write(html, &scenes(&run.scenes), look());
     Shown::Yes
 }
 

@@ -1,11 +1,11 @@
 //! Samples, cones and beams on a scene: time against error, as `rtbench compare-tracers` found it.
 
+use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
 use crate::report::records::{Outcome, TracersRecord};
-use crate::report::tables::{self, Look, words};
 use presentation::numbers::{milliseconds, short};
-use presentation::svg_plot::figure;
+use presentation::page::tables::{self, words};
 use presentation::table::Table;
 use statistics::estimate::{Estimate, estimate};
 use studies::tracer_comparison::plot::{Placed, error_over_time};
@@ -17,8 +17,8 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     }
     for record in &material.tracers {
         page.html.element("h3", &[], &record.scene);
-        page.plot(&format!("tracers-{}", record.scene), figure(&[record.plot()]));
-        tables::write(&mut page.html, &record.table(), Look::default());
+        page.plot(&format!("tracers-{}", record.scene), record.plot());
+        tables::write(&mut page.html, &record.table(), look());
     }
     Shown::Yes
 }

@@ -1,10 +1,11 @@
 //! What a reader of the times must know: warnings of the run and of its scenes, and outliers, which
 //! are counted and never dropped.
 
+use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::{Page, Shown};
-use crate::report::tables::{self, Look, words};
 use measurement::record::{Outliers, SceneRecord};
+use presentation::page::tables::{self, words};
 use presentation::table::Table;
 
 /// Warnings, then outliers.
@@ -29,7 +30,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     if with > 0 {
         page.html.open("details", &[]);
         page.html.element("summary", &[], "Rows with outliers");
-        tables::write(&mut page.html, &table, Look::default());
+        tables::write(&mut page.html, &table, look());
         page.html.close();
     }
     Shown::Yes

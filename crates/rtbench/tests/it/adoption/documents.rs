@@ -187,7 +187,9 @@ fn unknown_in(line: &str) -> Vec<String> {
             options(command, &mut known);
             continue;
         }
-        let is_unknown = token.starts_with('-') && !known.iter().any(|option| option == token);
+        // what stands behind `--` alone is for another program
+        let is_option = token.starts_with('-') && *token != "--";
+        let is_unknown = is_option && !known.iter().any(|option| option == token);
         if place == 1 || is_unknown {
             unknown.push((*token).to_owned());
         }

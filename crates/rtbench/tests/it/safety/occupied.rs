@@ -154,7 +154,7 @@ fn every_command_that_writes_a_file_asks() {
         ("cost tetra:1 --size 4 --heat-maps DIR".to_owned(), "steps.png"),
         ("man -o DIR".to_owned(), "rtbench-check.1"),
         (format!("report {record} -o DIR/file"), "file"),
-        (format!("report {record} -o DIR/page --plots DIR"), "all-scenes.svg"),
+        (format!("report {record} -o DIR/page --plots DIR"), "bars-tetra_1.svg"),
     ]);
     for (command, name) in commands {
         let folder = Folder::new();

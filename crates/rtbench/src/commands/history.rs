@@ -1,0 +1,49 @@
+//! `rtbench history`: the results that CI keeps as a static site.
+
+use std::fs;
+use std::path::Path;
+
+use crate::args::HistoryArgs;
+use crate::context::Context;
+use crate::error::Error;
+use crate::exports::occupied::refuse_files;
+use crate::history::{History, site, visits};
+use crate::report::is_page;
+use measurement::system::files::{WriteError, write_text};
+use statistics::change_points::Sensitivity;
+
+/// Reads what is there, writes every page, and says what changed.
+///
+/// # Errors
+/// [`Error`] for results that cannot be read, commits that are not known and files that cannot be written.
+pub fn run(context: &mut Context<'_>, args: &HistoryArgs) -> Result<(), Error> {
+    let visits = visits(&args.folders, args.repository.as_deref())?;
+    let index = args.output.join("index.html");
+    // an earlier site is replaced, nothing else is
+    let is_ours = fs::read_to_string(&index).is_ok_and(|text| is_page(&text));
+    if !context.overwrite && !is_ours {
+        refuse_files([index])?;
+    }
+    // a test with that many permutations can be as significant as was asked
+    let permutations = (2.0 / args.significance).ceil() as u32 - 1;
+    let sensitivity = Sensitivity {
+        significance: args.significance,
+        permutations: permutations.max(199),
+        ..Sensitivity::default()
+    };
+    let history = History::new(visits, &sensitivity, args.seed);
+    let files = site(&history);
+    for (path, page) in &files {
+        let path = args.output.join(path);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        fs::create_dir_all(folder)
+            .map_err(|source| WriteError { path: folder.to_owned(), source })?;
+        write_text(&path, page)?;
+    }
+    let (runs, changes) = (history.visits.len(), history.changes().count());
+    context.wrote(
+        &args.output,
+        format_args!("{} pages of {runs} runs; {changes} changes found", files.len()),
+    );
+    Ok(())
+}

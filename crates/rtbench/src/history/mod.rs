@@ -1,0 +1,35 @@
+//! The results that CI keeps, as a static site: how the ratios of each row went from commit to commit, on each
+//! machine, and at which commits they changed.
+//!
+//! Ratios are to the reference of the same run, which is why a history can be read at all: seconds follow the
+//! machine's day. Runs are in the order of their commits. A line is of one machine and its settings; nothing is
+//! ever joined across two. Changes are found by E-divisive ([`statistics::change_points`]) on the logarithms of
+//! the ratios.
+
+mod error;
+mod index_page;
+mod lines;
+mod names;
+mod row_page;
+mod scene_page;
+mod shell;
+mod visit;
+
+pub use error::HistoryError;
+pub use lines::{Bench, Change, History, Key, Line, Point, Quantity};
+pub use visit::{Visit, visits};
+
+use crate::history::names::Names;
+
+/// The files of the site: their paths within it, and what is in them.
+pub fn site(history: &History) -> Vec<(String, String)> {
+    let names = Names::new(history);
+    let mut files = vec![(names::INDEX.to_owned(), index_page::page(history, &names))];
+    for (scene, path) in names.scenes() {
+        files.push((path.clone(), scene_page::page(history, &names, scene)));
+    }
+    for (page, path) in names.pages() {
+        files.push((path.clone(), row_page::page(history, &names, page)));
+    }
+    files
+}

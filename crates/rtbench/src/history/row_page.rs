@@ -1,0 +1,162 @@
+//! A page a scene, a structure and a kind of ray: each of its settings with its line, changes and points.
+
+use std::collections::BTreeSet;
+
+use crate::history::lines::{Change, History, Key, Line};
+use crate::history::names::{INDEX, Names, PageKey, anchor, page_of};
+use crate::history::shell::{begun, bench_name, class_of, from_below, in_words, section, verdict};
+use crate::report::utc;
+use measurement::record::label;
+use presentation::html::Html;
+use presentation::numbers::{ratio, short};
+use presentation::page::tables::{self, Look};
+use presentation::page::{figure, finished};
+use presentation::svg_plot::{Axis, Mark, Plot, Point as Place, Ring, Scale, Series};
+use presentation::table::{Cell, Style, Table};
+
+/// The page.
+pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
+    let (scene, structure, quantity) = own;
+    let rows: Vec<(&Key, &Vec<Line>)> =
+        history.lines.iter().filter(|(key, _)| page_of(key) == *own).collect();
+    let up = [("All scenes", from_below(INDEX)), (scene.as_str(), from_below(names.scene(scene)))];
+    let title = format!("{scene}: {structure}, {}", quantity.in_words());
+    let intro = "Ratios to the reference of the same run, with their 95% intervals: below 1 is faster than the \
+                 reference. A line is of one machine with its settings.";
+    let mut html = begun(&title, intro, &up);
+    siblings(&mut html, names, own);
+    for (key, lines) in rows {
+        section(&mut html, &anchor(&key.settings), &label(structure, &key.settings));
+        changes(&mut html, history, key, lines);
+        figure(&mut html, "ratio over commits", &plot(history, key, lines).into());
+        let (table, links) = points(history, lines);
+        tables::write(&mut html, &table, Look { links: &links, ..Look::default() });
+        html.close();
+    }
+    finished(html)
+}
+
+/// The same structure in the same scene: other kinds of rays.
+fn siblings(html: &mut Html, names: &Names, own: &PageKey) {
+    let is_sibling = |other: &PageKey| (&other.0, &other.1) == (&own.0, &own.1);
+    html.open("p", &[]);
+    html.text("Of the same structure: ");
+    for (i, (other, path)) in names.pages().filter(|(other, _)| is_sibling(other)).enumerate() {
+        html.text(if i == 0 { "" } else { ", " });
+        match other == own {
+            true => html.element("strong", &[], other.2.head()),
+            false => html.element("a", &[("href", &from_below(path))], other.2.head()),
+        }
+    }
+    html.text(".");
+    html.close();
+}
+
+/// What changed, with the command that finds the commit where several lie between two runs.
+fn changes(html: &mut Html, history: &History, key: &Key, lines: &[Line]) {
+    let all: Vec<(&Line, &Change)> =
+        lines.iter().flat_map(|line| line.changes.iter().map(move |c| (line, c))).collect();
+    if all.is_empty() {
+        html.paragraph("No change was found.");
+        return;
+    }
+    html.open("ul", &[]);
+    for (line, change) in all {
+        let Some([before, after]) = line.around(change) else { continue };
+        html.open("li", &[]);
+        html.element("strong", &[("class", class_of(&change.times))], verdict(&change.times));
+        html.text(&format!(" {}. ", in_words(history, line, change)));
+        let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
+        let row = format!("{}/{}", key.scene, label(&key.structure, &key.settings));
+        let command = format!("rtbench bisect {} {} -- '{row}'", id(before.visit), id(after.visit));
+        html.element("code", &[], &command);
+        html.close();
+    }
+    html.close();
+}
+
+/// The runs that some line has a point of, in their order.
+fn shown(lines: &[Line]) -> Vec<usize> {
+    let visits: BTreeSet<usize> = lines.iter().flat_map(|l| &l.points).map(|p| p.visit).collect();
+    visits.into_iter().collect()
+}
+
+fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
+    let shown = shown(lines);
+    let across = |visit: usize| shown.binary_search(&visit).unwrap_or(0) as f64;
+    let place = |point: &crate::history::lines::Point| Place {
+        x: across(point.visit),
+        y: point.ratio.median,
+        low: point.ratio.low,
+        high: point.ratio.high,
+    };
+    let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
+    let marks = lines.iter().flat_map(|line| {
+        line.changes.iter().filter_map(move |change| {
+            let [_, after] = line.around(change)?;
+            Some(Mark {
+                point: place(&after),
+                label: format!("{} {} x", id(after.visit), short(change.times.median)),
+                ring: Ring::AsGood,
+                is_in_series: true,
+            })
+        })
+    });
+    let series = lines.iter().map(|line| Series {
+        name: bench_name(line.bench),
+        points: line.points.iter().map(place).collect(),
+        is_joined: true,
+    });
+    Plot {
+        title: format!("{}: {}", label(&key.structure, &key.settings), key.quantity.in_words()),
+        subtitle: "ratio to the reference, medians with 95% intervals; ringed: changes".to_owned(),
+        x: Axis {
+            label: "commits, oldest first".to_owned(),
+            scale: Scale::Words(shown.iter().map(|visit| id(*visit)).collect()),
+        },
+        y: Axis { label: "ratio".to_owned(), scale: Scale::Linear },
+        series: series.collect(),
+        marks: marks.collect(),
+        marks_name: String::new(),
+        levels: Vec::new(),
+    }
+}
+
+/// Every point, the newest first, and where its commit stands in the index.
+fn points(history: &History, lines: &[Line]) -> (Table, Vec<Vec<String>>) {
+    let mut rows: Vec<(usize, Vec<Cell>)> = Vec::new();
+    for line in lines {
+        for (place, point) in line.points.iter().enumerate() {
+            let Some(visit) = history.visits.get(point.visit) else { continue };
+            let change = line.changes.iter().find(|change| change.place == place);
+            let changed = match change {
+                None => Cell { text: String::new(), style: Style::Plain },
+                Some(change) => Cell {
+                    text: ratio(&change.times).trim_end().to_owned(),
+                    style: if change.times.low > 1.0 { Style::Bad } else { Style::Best },
+                },
+            };
+            rows.push((
+                point.visit,
+                vec![
+                    visit.id().into(),
+                    ratio(&point.ratio).into(),
+                    changed,
+                    utc(visit.unix_s()).into(),
+                    bench_name(line.bench).into(),
+                    visit.name.clone().into(),
+                    visit.subject().to_owned().into(),
+                ],
+            ));
+        }
+    }
+    rows.sort_by_key(|(visit, _)| std::cmp::Reverse(*visit));
+    let links = rows.iter().map(|(visit, _)| vec![format!("../{INDEX}#run-{}", visit + 1)]);
+    let links = links.collect();
+    let header = vec!["commit", "ratio [95%]", "change", "when", "machine", "folder", "subject"];
+    let rows = rows.into_iter().map(|(_, cells)| cells).collect();
+    (
+        Table { title: "All runs, the newest first".to_owned(), header, rows, notes: Vec::new() },
+        links,
+    )
+}
