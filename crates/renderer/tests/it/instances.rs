@@ -1,13 +1,13 @@
 //! Instances of files become copies of a set.
 
 use renderer::Geometry;
-use scene_loading::SceneCatalogue;
+use scene_loading::{Scene, SceneCatalogue};
 
 #[test]
 fn columns_of_the_pavilion_are_copies() {
     let scenes = SceneCatalogue::embedded().unwrap().resolve(&["pavilion".to_owned()]).unwrap();
     let mut scene = scenes[0].load().unwrap().scene;
-    let copies = |scene| {
+    let copies = |scene: &Scene| {
         let geometry = Geometry::<f32>::of(scene).unwrap();
         let instances = geometry.instances().unwrap();
         (instances.objects(), instances.copies())
