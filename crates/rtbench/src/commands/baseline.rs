@@ -16,6 +16,7 @@ use measurement::record::{RunRecord, label};
 use measurement::system::pressure::Watch;
 use presentation::table::Table;
 use presentation::text::write_table;
+use studies::run::conclusions::conclude;
 use studies::run::text;
 use studies::run::view::View;
 
@@ -162,8 +163,10 @@ pub(super) fn rounds(record: &RunRecord) -> usize {
 }
 
 fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Result<(), Error> {
-    let Baseline { record, instructions, .. } =
+    let Baseline { mut record, instructions, .. } =
         read(&store.existing(name).map_err(gate)?).map_err(gate)?;
+    // those from before conclusions have none
+    conclude(&mut record);
     for scene in &record.scenes {
         text::write_scene(context.out, &record, scene, view)?;
     }
