@@ -3,17 +3,7 @@
 //! The set holds all copies, so that every structure and every oracle sees the same primitives; what is said
 //! here is which of them are copies of which. Structures of two levels divide an object once.
 
-use std::collections::HashMap;
-
-use glam::{DAffine3, DMat3, DVec3};
-
-use crate::geometry::scalar::Scalar;
-use crate::primitives::PrimSet;
-use crate::primitives::support::Ball;
-
-/// The largest factor by which a copy is larger or smaller than another one of its object, on any axis:
-/// beyond it, the rounding of one is no small part of the other.
-const LARGEST_FACTOR: f64 = 1024.0;
+use glam::{DAffine3, DMat3};
 
 /// Consecutive primitives that are an object at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,46 +39,10 @@ pub(crate) struct Object {
 /// Objects that stand in a set several times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Instances {
-    objects: Vec<Object>,
+    pub(super) objects: Vec<Object>,
 }
 
 impl Instances {
-    /// Those of the claims that hold for this set: disjoint ranges of its ids, each primitive of a copy where
-    /// the transform between placements takes that of the first copy, up to the rounding of coordinates. What
-    /// does not hold is an instance of nothing, and left out; so is what is alone then.
-    pub fn confirmed<S: Scalar, P: PrimSet<S>>(prims: &P, claims: &[Instance]) -> Self {
-        let mut claims: Vec<&Instance> = claims.iter().filter(|claim| claim.count > 0).collect();
-        claims.sort_by_key(|claim| claim.first);
-        let mut end = 0;
-        claims.retain(|claim| {
-            let is_apart = claim.first >= end
-                && claim.first.checked_add(claim.count).is_some_and(|e| e as usize <= prims.len());
-            if is_apart {
-                end = claim.first + claim.count;
-            }
-            is_apart
-        });
-        let mut objects: Vec<(&Instance, Object)> = Vec::new();
-        let mut places = HashMap::new();
-        let mut hulls = Hulls::default();
-        for claim in claims {
-            let place = places.entry((claim.object, claim.count)).or_insert(objects.len());
-            let Some((first, object)) = objects.get_mut(*place) else {
-                let copies = vec![Copied { first: claim.first, to_first: DAffine3::IDENTITY }];
-                objects.push((claim, Object { count: claim.count, copies }));
-                continue;
-            };
-            let from_first = claim.placement * first.placement.inverse();
-            if let Some(to_first) = inverse(from_first)
-                && hulls.agree::<S, P>(prims, first, claim, from_first)
-            {
-                object.copies.push(Copied { first: claim.first, to_first });
-            }
-        }
-        let objects = objects.into_iter().map(|(_, object)| object);
-        Self { objects: objects.filter(|object| object.copies.len() > 1).collect() }
-    }
-
     /// How many objects stand several times.
     pub fn objects(&self) -> usize {
         self.objects.len()
@@ -119,124 +73,4 @@ impl Instances {
 pub(crate) fn stretch(matrix: &DMat3) -> f64 {
     let rows = matrix.transpose().to_cols_array_2d();
     rows.iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)
-}
-
-/// The inverse where neither it nor the transform stretches much.
-fn inverse(transform: DAffine3) -> Option<DAffine3> {
-    let inverse = transform.inverse();
-    let is_usable = |t: &DAffine3| t.is_finite() && stretch(&t.matrix3) <= LARGEST_FACTOR;
-    (is_usable(&transform) && is_usable(&inverse)).then_some(inverse)
-}
-
-/// The factor by which a transform scales balls, if it keeps them balls.
-fn uniform_scale(matrix: &DMat3) -> Option<f64> {
-    let scale = matrix.determinant().abs().cbrt();
-    let excess = *matrix * matrix.transpose() * (1.0 / (scale * scale)) - DMat3::IDENTITY;
-    (stretch(&excess) < 1e-9).then_some(scale)
-}
-
-/// Room for the hulls of two primitives.
-#[derive(Default)]
-struct Hulls([Vec<Ball>; 2]);
-
-impl Hulls {
-    fn agree<S: Scalar, P: PrimSet<S>>(
-        &mut self,
-        prims: &P,
-        first: &Instance,
-        copy: &Instance,
-        from_first: DAffine3,
-    ) -> bool {
-        let scale = uniform_scale(&from_first.matrix3);
-        let rounding = S::EPSILON.to_f64() * prims.magnitude().to_f64();
-        let tolerance = 2.0 * rounding * (1.0 + stretch(&from_first.matrix3));
-        let is_copy = |a: &Ball, b: &Ball| {
-            let off = (from_first.transform_point3(a.center) - b.center).abs();
-            let has_radius = match scale {
-                _ if a.radius == 0.0 => b.radius == 0.0,
-                Some(scale) => (a.radius * scale - b.radius).abs() <= tolerance,
-                None => false,
-            };
-            off.cmple(DVec3::splat(tolerance)).all() && has_radius
-        };
-        let [own, other] = &mut self.0;
-        (0..copy.count).all(|k| {
-            own.clear();
-            other.clear();
-            prims.hull(first.first + k, own);
-            prims.hull(copy.first + k, other);
-            prims.kind(first.first + k) == prims.kind(copy.first + k)
-                && own.len() == other.len()
-                && own.iter().zip(other.iter()).all(|(a, b)| is_copy(a, b))
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::primitives::{MixedSetBuilder, TriangleSet};
-
-    fn moved(by: f64) -> DAffine3 {
-        DAffine3::from_translation(DVec3::X * by) * DAffine3::from_rotation_z(by)
-    }
-
-    fn triangles(placements: &[DAffine3]) -> (TriangleSet<f32>, Vec<Instance>) {
-        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.3, 1.0, 0.2)];
-        let mut all = Vec::new();
-        let mut claims = Vec::new();
-        for (i, placement) in placements.iter().enumerate() {
-            for z in [0.0, 0.7] {
-                let at = |p: DVec3| placement.transform_point3(p + DVec3::Z * z).as_vec3();
-                all.push(corners.map(|p| at(p).to_array()));
-            }
-            claims.push(Instance {
-                object: 3,
-                first: 2 * i as u32,
-                count: 2,
-                placement: *placement,
-            });
-        }
-        (TriangleSet::new(all, |_| false).unwrap(), claims)
-    }
-
-    #[test]
-    fn what_is_claimed_is_looked_at() {
-        let places = [0.0, 5.0, -3.0].map(moved);
-        let (set, claims) = triangles(&places);
-        let found = Instances::confirmed(&set, &claims);
-        assert_eq!((found.objects(), found.copies(), found.copied_primitives()), (1, 3, 4));
-        let back = found.all()[0].copies[1].to_first.transform_point3(places[1].translation);
-        assert!(back.length() < 1e-12, "{back}");
-
-        // planted: another place, ranges that overlap or end beyond the set, transforms without an inverse
-        let mut wrong = claims.clone();
-        wrong[1].placement.translation.x += 1e-5;
-        assert_eq!(Instances::confirmed(&set, &wrong).copies(), 2);
-        wrong[2].first = 3;
-        assert_eq!(Instances::confirmed(&set, &wrong), Instances::default());
-        for placement in [DAffine3::ZERO, DAffine3::from_scale(DVec3::splat(f64::NAN))] {
-            let wrong: Vec<_> = claims.iter().map(|c| Instance { placement, ..*c }).collect();
-            assert_eq!(Instances::confirmed(&set, &wrong), Instances::default());
-        }
-        let beyond = claims.iter().map(|c| Instance { count: u32::MAX, ..*c }).collect::<Vec<_>>();
-        assert_eq!(Instances::confirmed(&set, &beyond), Instances::default());
-    }
-
-    #[test]
-    fn spheres_are_copies_only_where_they_stay_spheres() {
-        let copies = |scale: DVec3, radius: f64| {
-            let placement = DAffine3::from_scale(scale);
-            let mut set = MixedSetBuilder::<f64>::default();
-            set.sphere(DVec3::ONE, 0.5).unwrap();
-            set.sphere(placement.transform_point3(DVec3::ONE), radius).unwrap();
-            let set = set.finish();
-            let claim = |first, placement| Instance { object: 0, first, count: 1, placement };
-            Instances::confirmed(&set, &[claim(0, DAffine3::IDENTITY), claim(1, placement)])
-                .copies()
-        };
-        assert_eq!(copies(DVec3::splat(2.0), 1.0), 2);
-        assert_eq!(copies(DVec3::splat(2.0), 1.1), 0);
-        assert_eq!(copies(DVec3::new(2.0, 2.0, 1.9), 1.0), 0);
-    }
 }

@@ -9,6 +9,7 @@ pub(crate) mod block_tests;
 pub(crate) mod blocks;
 mod collinear;
 mod cone;
+mod confirmed_copies;
 pub(crate) mod instances;
 pub(crate) mod mixed;
 pub(crate) mod motion;

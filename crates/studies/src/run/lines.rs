@@ -60,7 +60,8 @@ fn lines(conclusions: &[Conclusion], least_time: &[LeastTime]) -> Vec<Line> {
     if lines.is_empty() {
         lines.push(Line {
             head: "none".into(),
-            text: "each row has a known defect, or answers that are wrong or were not compared".into(),
+            text: "each row has a known defect, or answers that are wrong or were not compared"
+                .into(),
         });
     }
     lines

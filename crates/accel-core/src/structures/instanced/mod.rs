@@ -16,10 +16,9 @@ mod sinks;
 
 use glam::DAffine3;
 
-use crate::Vec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
@@ -27,7 +26,7 @@ use crate::primitives::instances::stretch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::{BuildError, Shape, Structure};
-use object::{Boxes, Members};
+use object::{Boxes, Copy, Members, Object};
 use sinks::Upper;
 
 /// Of which structure both levels are.
@@ -44,41 +43,6 @@ pub struct Instanced<S: Scalar, T> {
     upper: T,
     copies: Vec<Copy<S>>,
     objects: Vec<Object<T>>,
-}
-
-struct Object<T> {
-    structure: T,
-    members: Members,
-    count: u32,
-}
-
-/// An object at a place.
-struct Copy<S: Scalar> {
-    /// The box of its primitives, padded.
-    bounds: Aabb<S>,
-    object: u32,
-    /// The id of its first primitive.
-    first: u32,
-    /// To the first copy; none for that itself.
-    to_first: Option<DAffine3>,
-}
-
-impl<S: Scalar> Copy<S> {
-    /// The ray in the space of the first copy, with the same parameters; `None` if its direction is no common
-    /// one there.
-    #[inline(always)]
-    fn carried(&self, ray: &Ray<S>) -> Option<Ray<S>> {
-        let Some(to_first) = &self.to_first else { return Some(*ray) };
-        let direction = to_first.transform_vector3(ray.direction.to_dvec3());
-        let length = direction.abs().element_sum();
-        let [least, most] = S::DIRECTION_LENGTHS.map(S::to_f64);
-        if !(length >= least && length <= most) {
-            return None;
-        }
-        let origin = to_first.transform_point3(ray.origin.to_dvec3());
-        let [origin, direction] = [origin, direction].map(Vec3::<S>::from_dvec3);
-        Some(Ray { origin, direction, ..*ray })
-    }
 }
 
 /// An object of a set, before anything is built.
@@ -133,7 +97,7 @@ impl Planned {
 impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
     #[inline(never)]
     fn walk_erased<const COUNTED: bool>(&self, ray: &Ray<S>, query: ErasedSink<'_, S, COUNTED>) {
-        self.upper.walk(ray, &mut Upper::new(self, ray, query));
+        self.upper.walk(ray, &mut Upper::new(&self.copies, &self.objects, ray, query));
     }
 }
 

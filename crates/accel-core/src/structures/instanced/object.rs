@@ -1,10 +1,10 @@
-//! What the structures of both levels are built over: boxes.
+//! Objects and where they stand, and what the structures of both levels are built over: boxes.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::Scalar;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
 /// Ids of the primitives of an object.
@@ -31,6 +31,42 @@ impl Members {
             Self::Consecutive => 0,
             Self::List(ids) => size_of_val(ids.as_slice()),
         }
+    }
+}
+
+/// An object with its structure.
+pub(super) struct Object<T> {
+    pub structure: T,
+    pub members: Members,
+    pub count: u32,
+}
+
+/// An object at a place.
+pub(super) struct Copy<S: Scalar> {
+    /// The box of its primitives, padded.
+    pub bounds: Aabb<S>,
+    pub object: u32,
+    /// The id of its first primitive.
+    pub first: u32,
+    /// To the first copy; none for that itself.
+    pub to_first: Option<DAffine3>,
+}
+
+impl<S: Scalar> Copy<S> {
+    /// The ray in the space of the first copy, with the same parameters; `None` if its direction is no common
+    /// one there.
+    #[inline(always)]
+    pub fn carried(&self, ray: &Ray<S>) -> Option<Ray<S>> {
+        let Some(to_first) = &self.to_first else { return Some(*ray) };
+        let direction = to_first.transform_vector3(ray.direction.to_dvec3());
+        let length = direction.abs().element_sum();
+        let [least, most] = S::DIRECTION_LENGTHS.map(S::to_f64);
+        if !(length >= least && length <= most) {
+            return None;
+        }
+        let origin = to_first.transform_point3(ray.origin.to_dvec3());
+        let [origin, direction] = [origin, direction].map(Vec3::<S>::from_dvec3);
+        Some(Ray { origin, direction, ..*ray })
     }
 }
 

@@ -4,8 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use super::Instanced;
-use super::object::Members;
+use super::object::{Copy, Members, Object};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::query::sink::{ErasedSink, Sink};
@@ -16,7 +15,8 @@ const REMEMBERED: usize = 8;
 
 /// What the upper level sees of a query.
 pub(super) struct Upper<'a, 'q, S: Scalar, T, const COUNTED: bool> {
-    structure: &'a Instanced<S, T>,
+    copies: &'a [Copy<S>],
+    objects: &'a [Object<T>],
     ray: &'a Ray<S>,
     query: ErasedSink<'q, S, COUNTED>,
     is_any_hit: bool,
@@ -26,12 +26,13 @@ pub(super) struct Upper<'a, 'q, S: Scalar, T, const COUNTED: bool> {
 
 impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T, COUNTED> {
     pub fn new(
-        structure: &'a Instanced<S, T>,
+        copies: &'a [Copy<S>],
+        objects: &'a [Object<T>],
         ray: &'a Ray<S>,
         query: ErasedSink<'q, S, COUNTED>,
     ) -> Self {
         let (is_any_hit, t_max) = (query.is_any_hit(), query.t_max());
-        Self { structure, ray, query, is_any_hit, t_max, visited: [u32::MAX; REMEMBERED] }
+        Self { copies, objects, ray, query, is_any_hit, t_max, visited: [u32::MAX; REMEMBERED] }
     }
 
     #[inline]
@@ -43,12 +44,12 @@ impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T
             }
             *slot = index;
         }
-        let copy = &self.structure.copies[index as usize];
+        let copy = &self.copies[index as usize];
         let Ray { origin, direction, t_min, .. } = *self.ray;
         if copy.bounds.clip(origin, direction, t_min, self.t_max).is_none() {
             return ControlFlow::Continue(());
         }
-        let object = &self.structure.objects[copy.object as usize];
+        let object = &self.objects[copy.object as usize];
         let mut query = Lower {
             query: &mut self.query,
             members: &object.members,
