@@ -35,14 +35,13 @@ impl Instances {
         for claim in claims {
             let place = places.entry((claim.object, claim.count)).or_insert(objects.len());
             let Some((first, object)) = objects.get_mut(*place) else {
-                let copies = vec![Copied { first: claim.first, to_first: DAffine3::IDENTITY }];
+                let copies = vec![Copied { first: claim.first, to_first: None }];
                 objects.push((claim, Object { count: claim.count, copies }));
                 continue;
             };
             let from_first = claim.placement * first.placement.inverse();
-            if let Some(to_first) = inverse(from_first)
-                && hulls.agree::<S, P>(prims, first, claim, from_first)
-            {
+            let to_first = inverse(from_first);
+            if to_first.is_some() && hulls.agree::<S, P>(prims, first, claim, from_first) {
                 object.copies.push(Copied { first: claim.first, to_first });
             }
         }
@@ -136,7 +135,8 @@ mod tests {
         let (set, claims) = triangles(&places);
         let found = Instances::confirmed(&set, &claims);
         assert_eq!((found.objects(), found.copies(), found.copied_primitives()), (1, 3, 4));
-        let back = found.all()[0].copies[1].to_first.transform_point3(places[1].translation);
+        let back =
+            found.all()[0].copies[1].to_first.unwrap().transform_point3(places[1].translation);
         assert!(back.length() < 1e-12, "{back}");
 
         // planted: another place, ranges that overlap or end beyond the set, transforms without an inverse

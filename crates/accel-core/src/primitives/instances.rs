@@ -23,8 +23,8 @@ pub struct Instance {
 pub(crate) struct Copied {
     /// The id of its first primitive.
     pub first: u32,
-    /// From this copy to the first copy of its object.
-    pub to_first: DAffine3,
+    /// From this copy to the first copy of its object; none for that itself.
+    pub to_first: Option<DAffine3>,
 }
 
 /// An object and where it stands.

@@ -22,7 +22,7 @@ use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
-use crate::primitives::instances::stretch;
+use crate::primitives::instances::{self, Copied, stretch};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::{BuildError, Shape, Structure};
@@ -45,53 +45,36 @@ pub struct Instanced<S: Scalar, T> {
     objects: Vec<Object<T>>,
 }
 
-/// An object of a set, before anything is built.
-struct Planned {
-    members: Members,
-    count: u32,
-    /// The first id of each copy, and where it is carried.
-    copies: Vec<(u32, Option<DAffine3>)>,
-}
-
-/// Objects that stand several times, and whatever is left.
-fn plan<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<Planned> {
+/// Objects that stand several times and whatever is left, before anything is built.
+fn plan<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<(Members, instances::Object)> {
     let known = prims.instances().map(|instances| instances.all()).unwrap_or_default();
     let mut is_copied = vec![false; prims.len()];
-    let mut planned = Vec::new();
     for object in known {
         for copy in &object.copies {
             is_copied[copy.first as usize..][..object.count as usize].fill(true);
         }
-        let carried = |k: usize, to_first| if k == 0 { None } else { Some(to_first) };
-        let copies = object.copies.iter().enumerate();
-        planned.push(Planned {
-            members: Members::Consecutive,
-            count: object.count,
-            copies: copies.map(|(k, copy)| (copy.first, carried(k, copy.to_first))).collect(),
-        });
     }
+    let mut planned: Vec<_> =
+        known.iter().map(|object| (Members::Consecutive, object.clone())).collect();
     let left: Vec<u32> = (0..prims.len() as u32).filter(|&id| !is_copied[id as usize]).collect();
     if !left.is_empty() {
-        let count = left.len() as u32;
+        let copies = vec![Copied { first: 0, to_first: None }];
+        let rest = instances::Object { count: left.len() as u32, copies };
         let members = if known.is_empty() { Members::Consecutive } else { Members::List(left) };
-        planned.push(Planned { members, count, copies: vec![(0, None)] });
+        planned.push((members, rest));
     }
     planned
 }
 
-impl Planned {
-    /// By how much the boxes of primitives are larger than those of the first copy: twice what padded boxes
-    /// are, for the coordinates of the world where copies are rounded, brought here, and for those of the ray
-    /// here. Nothing where the object is the scene.
-    fn margin(&self, magnitude: f64) -> f64 {
-        let carried = |(_, to_first): &(u32, Option<DAffine3>)| {
-            let Some(to_first) = to_first else { return magnitude };
-            let there = stretch(&to_first.matrix3) * magnitude;
-            there + to_first.translation.abs().max_element()
-        };
-        let largest = self.copies.iter().map(carried).fold(magnitude, f64::max);
-        2.0 * PADDING_ULPS * (magnitude + largest)
-    }
+/// By how many epsilons the boxes of an object's primitives are larger than those of its first copy: twice what
+/// padded boxes are, for the coordinates of the world where copies are rounded, brought here, and for those of
+/// the ray here.
+fn margin(copies: &[Copied], magnitude: f64) -> f64 {
+    let carried = |to_first: &DAffine3| {
+        stretch(&to_first.matrix3) * magnitude + to_first.translation.abs().max_element()
+    };
+    let others = copies.iter().filter_map(|copy| copy.to_first.as_ref());
+    2.0 * PADDING_ULPS * (magnitude + others.map(carried).fold(magnitude, f64::max))
 }
 
 impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
@@ -111,27 +94,26 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
         // a mark and a box of each primitive
         params.fits((1 + size_of::<Aabb<S>>()) as u128 * prims.len() as u128)?;
         let planned = plan(prims);
-        let is_whole = planned.len() == 1 && planned[0].copies.len() == 1;
+        let is_whole = matches!(&planned[..], [(_, object)] if object.copies.len() == 1);
         let magnitude = prims.magnitude();
         let padding = S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS);
         let padding = padding.greater(S::from_f64(2e-30));
         let (mut objects, mut copies) = (Vec::new(), Vec::<Copy<S>>::new());
         let mut boxes = Vec::new();
-        for object in planned {
-            for &(first, to_first) in object.copies.iter().rev() {
+        for (members, instances::Object { count, copies: placed }) in planned {
+            for &Copied { first, to_first } in placed.iter().rev() {
                 // the first copy comes last, and its boxes stay
                 boxes.clear();
-                let ids = (0..object.count).map(|own| object.members.id(first, own));
+                let ids = (0..count).map(|own| members.id(first, own));
                 boxes.extend(ids.map(|id| prims.bounds(id)));
                 let bounds = boxes.iter().fold(Aabb::empty(), |all, own| all.union(*own));
                 copies.push(Copy { bounds, object: objects.len() as u32, first, to_first });
             }
             if !is_whole {
-                let margin = S::EPSILON.to_f64() * object.margin(magnitude.to_f64());
+                let margin = S::EPSILON.to_f64() * margin(&placed, magnitude.to_f64());
                 let margin = S::from_f64(margin).greater(padding);
                 boxes.iter_mut().for_each(|own| *own = own.expanded(margin));
             }
-            let Planned { members, count, .. } = object;
             let structure = T::build(&Boxes(&boxes), &over_objects)?;
             objects.push(Object { structure, members, count });
         }
