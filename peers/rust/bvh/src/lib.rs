@@ -231,14 +231,14 @@ peer::export!(BvhPeer);
 
 #[cfg(test)]
 mod tests {
-    use peer::trial::{Trial, rays, triangles};
+    use peer::trial::{Trial, glass, rays, triangles};
 
     use super::*;
 
     #[test]
     fn answers_are_right() {
         let triangles = triangles(3000);
-        let glass: Vec<u8> = (0..3000).map(|id| u8::from(id % 3 == 0)).collect();
+        let glass = glass(3000);
         let rays = rays(1000);
         for way in ["nearest", "nearest-child", "iterator", "list", "flat"] {
             for test in ["library", "plain"] {

@@ -235,6 +235,11 @@ pub fn triangles(count: usize) -> Vec<Triangle> {
         .collect()
 }
 
+/// A byte for each of so many triangles: every third one lets shadow rays pass.
+pub fn glass(count: usize) -> Vec<u8> {
+    (0..count).map(|id| u8::from(id % 3 == 0)).collect()
+}
+
 /// So many rays through the cube: from outside and inside, of all lengths and with all kinds of intervals.
 pub fn rays(count: usize) -> Vec<Ray> {
     (0..count)

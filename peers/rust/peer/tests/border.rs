@@ -1,6 +1,6 @@
 //! The glue: right answers come through, and planted mistakes are seen.
 
-use peer::trial::{Trial, rays, triangles};
+use peer::trial::{Trial, glass, rays, triangles};
 use peer::{Description, Hit, Kind, Peer, Ray, Scene, Setting, Shadows, Stats, Triangle};
 
 /// Every triangle, with a mistake that a setting plants.
@@ -88,14 +88,10 @@ extern "C" fn plugin<const SHADOWS: u8>() -> *const peer::abi::Plugin {
     peer::describe::<Brute<SHADOWS>>().as_ptr()
 }
 
-fn some_glass(count: usize) -> Vec<u8> {
-    (0..count).map(|id| u8::from(id % 3 == 0)).collect()
-}
-
 #[test]
 fn right_answers_come_through() {
     let (triangles, rays) = (triangles(200), rays(600));
-    let glass = some_glass(200);
+    let glass = glass(200);
     for plugin in [plugin::<NONE> as Describe, plugin::<FILTERED>, plugin::<ALL>] {
         for (transmissive, threads) in [(&[][..], 1), (&glass, 2)] {
             let trial = Trial::build(plugin, &triangles, transmissive, "", threads).unwrap();
@@ -113,7 +109,7 @@ fn right_answers_come_through() {
 #[test]
 fn planted_mistakes_are_seen() {
     let (triangles, rays) = (triangles(200), rays(600));
-    let glass = some_glass(200);
+    let glass = glass(200);
     for plugin in [plugin::<NONE> as Describe, plugin::<FILTERED>] {
         let faults = |fault: &str| {
             let settings = format!("fault={fault}");
@@ -173,7 +169,7 @@ fn a_second_structure_stands_for_what_is_opaque() {
     let stats = |plugin: Describe, transmissive: &[u8]| {
         Trial::build(plugin, &triangles, transmissive, "", 1).unwrap().stats()
     };
-    let glass = some_glass(90);
+    let glass = glass(90);
     assert_eq!(stats(plugin::<ALL>, &glass).references, 90 + 60);
     assert_eq!(stats(plugin::<ALL>, &[]).references, 90);
     assert_eq!(stats(plugin::<ALL>, &[0; 90]).references, 90);

@@ -210,14 +210,14 @@ peer::export!(Rtbvh);
 
 #[cfg(test)]
 mod tests {
-    use peer::trial::{Trial, rays, triangles};
+    use peer::trial::{Trial, glass, rays, triangles};
 
     use super::*;
 
     #[test]
     fn answers_are_right() {
         let triangles = triangles(3000);
-        let glass: Vec<u8> = (0..3000).map(|id| u8::from(id % 3 == 0)).collect();
+        let glass = glass(3000);
         let rays = rays(1000);
         let of = |settings: &str| {
             let plugin = rtbench_plugin_describe;
