@@ -73,7 +73,7 @@ struct Embree {
     FUNCTION(void, ReleaseScene, Scene);
     FUNCTION(void, SetSceneBuildQuality, Scene, int);
     FUNCTION(void, SetSceneFlags, Scene, int);
-    FUNCTION(void, CommitScene, Scene);
+    FUNCTION(void, JoinCommitScene, Scene);
     FUNCTION(Geometry, NewGeometry, Device, int);
     FUNCTION(void *, SetNewGeometryBuffer, Geometry, int, unsigned, int, size_t, size_t);
     FUNCTION(void, SetGeometryOccludedFilterFunction, Geometry, void (*)(const FilterArguments *));
@@ -156,7 +156,7 @@ void attach(Built &built, const rtbench_scene &from, unsigned which) {
 int build(const rtbench_scene *scene, void **out, char *message, size_t size) {
     if (!embree().fault.empty()) return std::snprintf(message, size, "%s", embree().fault.c_str()), 1;
     auto *built = new Built;
-    std::string config = "threads=" + std::to_string(scene->threads);
+    std::string config = "user_threads=1,threads=" + std::to_string(scene->threads);
     built->device = embree().NewDevice(config.c_str());
     if (!built->device) {
         std::snprintf(message, size, "rtcNewDevice fails with error %d", embree().GetDeviceError(nullptr));
@@ -171,7 +171,7 @@ int build(const rtbench_scene *scene, void **out, char *message, size_t size) {
         built->ids[scene->transmissive && scene->transmissive[id]].push_back(id);
     attach(*built, *scene, 0);
     attach(*built, *scene, 1);
-    embree().CommitScene(built->scene);
+    embree().JoinCommitScene(built->scene);
     if (int error = embree().GetDeviceError(built->device)) {
         std::snprintf(message, size, "Embree reports error %d", error);
         return destroy(built), 1;
