@@ -9,6 +9,7 @@
 #include <cstring>
 #include <numeric>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "rtbench.h"
@@ -132,10 +133,13 @@ void closest(void *built, const rtbench_ray *rays, rtbench_hit *hits, size_t cou
     if (bvh.fault == "crash") std::raise(SIGSEGV);
     if (bvh.fault == "wild-write") const_cast<rtbench_ray *>(rays)->t_max = 0;
     if (bvh.fault == "exit") std::exit(0);
+    std::thread spins;
+    if (bvh.fault == "spin") spins = std::thread([] { for (volatile int i = 0; i < 10000000; i = i + 1) {} });
     for (size_t i = 0; i < count; i++) {
         bvh.trace(rays[i], false, hits[i]);
         if (bvh.fault == "id" && hits[i].id != RTBENCH_MISS) hits[i].id = (hits[i].id + 1) % uint32_t(bvh.ids.size());
     }
+    if (spins.joinable()) spins.join();
 }
 
 void occluded(void *built, const rtbench_ray *rays, uint8_t *blocked, size_t count) {
@@ -159,7 +163,7 @@ void destroy(void *built) { delete static_cast<Bvh *>(built); }
 const rtbench_setting settings[] = {
     {"leaf", "most triangles of a leaf", "4", RTBENCH_INTEGER, 1, 64, nullptr},
     {"fault", "a planted mistake, for tests", "none", RTBENCH_CHOICE, 0, 0,
-     "none drop id t-min occlusion hang crash wild-write exit memory"},
+     "none drop id t-min occlusion hang crash wild-write exit memory spin"},
 };
 
 const rtbench_plugin plugin = {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::abi;
 use crate::indexed::Indexed;
 use crate::library::Library;
-use crate::stopwatch::Stopwatch;
+use crate::stopwatch::{Stopwatch, Took};
 
 /// Rays that one thread traces at a time when there are several.
 const CHUNK: usize = 4096;
@@ -105,7 +105,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         let code = unsafe {
             build(&raw const *scene, &raw mut built, message.as_mut_ptr().cast(), message.len())
         };
-        let seconds = start.seconds();
+        let Took { seconds, .. } = start.took();
         if code != 0 {
             let end = message.iter().position(|&b| b == 0).unwrap_or(message.len());
             let said = String::from_utf8_lossy(message.get(..end).unwrap_or_default());
@@ -131,8 +131,8 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         ))
     }
 
-    /// Writes the closest hits; returns the seconds that took. Slices are of one length.
-    pub fn closest(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) -> f64 {
+    /// Writes the closest hits; returns what that took. Slices are of one length.
+    pub fn closest(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) -> Took {
         let start = Stopwatch::start(self.threads);
         if self.threads > 1 {
             let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
@@ -140,11 +140,11 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         } else {
             self.hits(rays, hits);
         }
-        start.seconds()
+        start.took()
     }
 
-    /// Writes 1 for blocked rays and 0 for others; returns the seconds that took.
-    pub fn occluded(&self, rays: &[abi::Ray], blocked: &mut [u8]) -> f64 {
+    /// Writes 1 for blocked rays and 0 for others; returns what that took.
+    pub fn occluded(&self, rays: &[abi::Ray], blocked: &mut [u8]) -> Took {
         let start = Stopwatch::start(self.threads);
         if self.threads > 1 {
             let chunks = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
@@ -152,7 +152,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         } else {
             self.blocked(rays, blocked);
         }
-        start.seconds()
+        start.took()
     }
 
     fn hits(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) {

@@ -17,6 +17,7 @@ use crate::instance::{Query, Stats};
 use crate::memory_watch::MemoryWatch;
 use crate::process::{BuiltOr, Launch, Order};
 use crate::shared::{Shared, folder};
+use crate::stopwatch::Took;
 use crate::wire::{Part, Reply, Request, receive, send};
 
 /// How long a process may take to start.
@@ -134,32 +135,32 @@ impl Remote {
             return Ok(BuiltOr::TooLarge(bytes.saturating_sub((COPY * triangles) as u64)));
         }
         match reply? {
-            Reply::Done { seconds } => Ok(BuiltOr::Built(seconds)),
+            Reply::Done(took) => Ok(BuiltOr::Built(took.seconds)),
             Reply::Refused { message } => Ok(BuiltOr::Refused(message)),
             _ => Err(self.ends("its process sent an unexpected reply".into())),
         }
     }
 
-    /// Closest hits of rays; `hits` holds what counts where none is written. Returns the seconds of the call.
+    /// Closest hits of rays; `hits` holds what counts where none is written. Returns what the call took.
     pub(crate) fn closest(
         &mut self,
         rays: &[accel_core::Ray<f32>],
         hits: &mut [accel_core::Hit<f32>],
-    ) -> Result<f64, String> {
+    ) -> Result<Took, String> {
         self.put(rays)?;
         let answers = self.part(Part::Answers, 8 * hits.len())?;
         let (answers, _) = answers.split_at_mut(8 * hits.len());
         for (answer, hit) in bytemuck::cast_slice_mut(answers).iter_mut().zip(&*hits) {
             *answer = abi::Hit { t: hit.t, id: hit.id };
         }
-        let seconds = self.trace(Query::Closest, rays.len())?;
+        let took = self.trace(Query::Closest, rays.len())?;
         let answers = self.part(Part::Answers, 8 * hits.len())?;
         let (answers, _) = answers.split_at(8 * hits.len());
         let answers: &[abi::Hit] = bytemuck::cast_slice(answers);
         for ((hit, answer), ray) in hits.iter_mut().zip(answers).zip(rays) {
             *hit = answer.as_ours(ray);
         }
-        Ok(seconds)
+        Ok(took)
     }
 
     /// The same of occlusions.
@@ -167,14 +168,14 @@ impl Remote {
         &mut self,
         rays: &[accel_core::Ray<f32>],
         blocked: &mut [bool],
-    ) -> Result<f64, String> {
+    ) -> Result<Took, String> {
         self.put(rays)?;
         let answers = self.part(Part::Answers, blocked.len())?;
         answers.iter_mut().zip(&*blocked).for_each(|(answer, blocked)| *answer = (*blocked).into());
-        let seconds = self.trace(Query::Occlusion, rays.len())?;
+        let took = self.trace(Query::Occlusion, rays.len())?;
         let answers = self.part(Part::Answers, blocked.len())?;
         blocked.iter_mut().zip(&*answers).for_each(|(blocked, answer)| *blocked = *answer != 0);
-        Ok(seconds)
+        Ok(took)
     }
 
     fn put(&mut self, rays: &[accel_core::Ray<f32>]) -> Result<(), String> {
@@ -186,7 +187,7 @@ impl Remote {
         Ok(())
     }
 
-    fn trace(&mut self, query: Query, rays: usize) -> Result<f64, String> {
+    fn trace(&mut self, query: Query, rays: usize) -> Result<Took, String> {
         let what = match query {
             Query::Closest => "closest hits",
             Query::Occlusion => "occlusion",
@@ -246,9 +247,9 @@ impl Remote {
         Ok(part.map(Shared::bytes_mut).unwrap_or_default())
     }
 
-    fn done(&mut self, request: &Request, doing: &str) -> Result<f64, String> {
+    fn done(&mut self, request: &Request, doing: &str) -> Result<Took, String> {
         match self.ask(request, doing)? {
-            Reply::Done { seconds } => Ok(seconds),
+            Reply::Done(took) => Ok(took),
             Reply::Refused { message } => Err(self.ends(format!("fails while {doing}: {message}"))),
             _ => Err(self.ends("its process sent an unexpected reply".into())),
         }

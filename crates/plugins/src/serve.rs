@@ -9,6 +9,7 @@ use accel_core::primitives::TriangleSet;
 use crate::instance::{Instance, Query};
 use crate::library::Library;
 use crate::shared::Shared;
+use crate::stopwatch::Took;
 use crate::wire::{Part, Reply, Request, receive, send};
 
 /// A structure with the triangles it was built over, which are the child's own copy.
@@ -56,7 +57,7 @@ pub fn serve(_: &Path, _: &Path) -> io::Result<()> {
 
 impl State {
     fn reply(&mut self, library: &Arc<Library>, request: Request) -> Result<Reply, String> {
-        let mut seconds = 0.0;
+        let mut took = Took::default();
         match request {
             Request::Describe => {
                 return Ok(Reply::Description(Box::new(library.description.clone())));
@@ -76,17 +77,17 @@ impl State {
                 let pool = pool.map_err(|e| e.to_string())?;
                 let library = Arc::clone(library);
                 let built = pool.install(|| Instance::build(library, set, &values));
-                let (built, took) = built?;
-                seconds = took;
+                let (built, seconds) = built?;
+                took = Took { seconds, by_others: 0.0 };
                 (self.built, self.pool) = (Some(built), Some(pool));
             }
-            Request::Trace { query, rays } => seconds = self.trace(query, rays)?,
+            Request::Trace { query, rays } => took = self.trace(query, rays)?,
             Request::Count { on } => self.built()?.count(on),
             Request::Stats => return Ok(Reply::Stats(self.built()?.stats())),
             Request::Nothing => {}
             Request::Destroy => self.built = None,
         }
-        Ok(Reply::Done { seconds })
+        Ok(Reply::Done(took))
     }
 
     fn built(&self) -> Result<&Built, String> {
@@ -106,7 +107,7 @@ impl State {
         TriangleSet::new(corners, lets_pass).map_err(|e| e.to_string())
     }
 
-    fn trace(&mut self, query: Query, count: usize) -> Result<f64, String> {
+    fn trace(&mut self, query: Query, count: usize) -> Result<Took, String> {
         let Self { rays, answers, built: Some(built), pool: Some(pool), .. } = self else {
             return Err("nothing is built".into());
         };

@@ -2,43 +2,78 @@
 //!
 //! A run of one thread times our structures by that thread's processor time, so that waiting for a processor
 //! does not count. A plugin may have threads of its own whatever it was asked for; its time is the
-//! processor time of the whole process, in which nothing else has work.
+//! processor time of the whole process, in which nothing else has work. What threads other than the one that
+//! called had of it is told apart: threads that only wait for work, and spin, make a library look slow.
 
+use std::ops::AddAssign;
 use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+/// What a call took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Took {
+    /// Seconds.
+    pub seconds: f64,
+    /// Those of them that threads other than the one that called had; 0 where that is not known.
+    pub by_others: f64,
+}
+
+impl AddAssign for Took {
+    fn add_assign(&mut self, other: Self) {
+        self.seconds += other.seconds;
+        self.by_others += other.by_others;
+    }
+}
 
 /// When a call began.
 pub struct Stopwatch {
     by_processor: bool,
     start: Duration,
+    own: Duration,
 }
 
 impl Stopwatch {
     /// Starts: for one thread by processor time where the system tells it, else by time of day.
     pub fn start(threads: usize) -> Self {
         let by_processor = cfg!(unix) && threads == 1;
-        Self { by_processor, start: read(by_processor) }
+        let [start, own] = read(by_processor);
+        Self { by_processor, start, own }
     }
 
-    /// Seconds since.
-    pub fn seconds(&self) -> f64 {
-        read(self.by_processor).saturating_sub(self.start).as_secs_f64()
+    /// What has passed since, asked by the thread that started it.
+    pub fn took(&self) -> Took {
+        let [now, own] = read(self.by_processor);
+        let seconds = now.saturating_sub(self.start).as_secs_f64();
+        let by_others = match self.by_processor {
+            true => (seconds - own.saturating_sub(self.own).as_secs_f64()).max(0.0),
+            false => 0.0,
+        };
+        Took { seconds, by_others }
     }
 }
 
+/// Processor time of the process, and of the thread; or the time of day.
 #[cfg(unix)]
-fn read(by_processor: bool) -> Duration {
+fn read(by_processor: bool) -> [Duration; 2] {
     use rustix::time::{ClockId, clock_gettime};
-    let clock = if by_processor { ClockId::ProcessCPUTime } else { ClockId::Monotonic };
-    let time = clock_gettime(clock);
-    Duration::new(u64::try_from(time.tv_sec).unwrap_or(0), u32::try_from(time.tv_nsec).unwrap_or(0))
+    let clocks = match by_processor {
+        true => [ClockId::ProcessCPUTime, ClockId::ThreadCPUTime],
+        false => [ClockId::Monotonic; 2],
+    };
+    clocks.map(|clock| {
+        let time = clock_gettime(clock);
+        let nanoseconds = u32::try_from(time.tv_nsec).unwrap_or(0);
+        Duration::new(u64::try_from(time.tv_sec).unwrap_or(0), nanoseconds)
+    })
 }
 
 #[cfg(not(unix))]
-fn read(_: bool) -> Duration {
+fn read(_: bool) -> [Duration; 2] {
     use std::sync::OnceLock;
     use std::time::Instant;
     static BEGIN: OnceLock<Instant> = OnceLock::new();
-    BEGIN.get_or_init(Instant::now).elapsed()
+    [BEGIN.get_or_init(Instant::now).elapsed(); 2]
 }
 
 #[cfg(test)]
@@ -50,10 +85,13 @@ mod tests {
         let sleep = || std::thread::sleep(Duration::from_millis(30));
         let by_day = Stopwatch::start(2);
         sleep();
-        assert!(by_day.seconds() >= 0.03);
-        let by_processor = Stopwatch::start(1);
+        let took = by_day.took();
+        assert!(took.seconds >= 0.03 && took.by_others == 0.0, "{took:?}");
         let spin = || (0..3_000_000u64).fold(1, |a: u64, b| std::hint::black_box(a ^ b));
+        let by_processor = Stopwatch::start(1);
         std::thread::spawn(spin).join().unwrap();
-        assert!(by_processor.seconds() > 1e-4, "work of another thread counts");
+        let took = by_processor.took();
+        assert!(took.seconds > 1e-4, "work of another thread counts");
+        assert!(took.by_others > 0.5 * took.seconds, "{took:?}");
     }
 }

@@ -14,6 +14,7 @@ use crate::instance::{Instance, Stats};
 use crate::plugin::Plugin;
 use crate::process::{BuiltOr, Order};
 use crate::remote::Remote;
+use crate::stopwatch::Took;
 
 /// Where a structure is.
 enum Place<'a> {
@@ -26,6 +27,8 @@ struct State<'a> {
     place: Place<'a>,
     /// Of calls since they were asked for.
     seconds: f64,
+    /// Of all calls.
+    all: Took,
     failure: Option<String>,
 }
 
@@ -88,7 +91,7 @@ impl<'a> PluginTracer<'a> {
                 }
             }
         };
-        let state = Mutex::new(State { place, seconds: 0.0, failure: None });
+        let state = Mutex::new(State { place, seconds: 0.0, all: Took::default(), failure: None });
         Ok(Self { plugin, row, origin, build_seconds, stats, state })
     }
 
@@ -98,9 +101,12 @@ impl<'a> PluginTracer<'a> {
 }
 
 impl State<'_> {
-    fn took(&mut self, seconds: Result<f64, String>) {
-        match seconds {
-            Ok(seconds) => self.seconds += seconds,
+    fn took(&mut self, took: Result<Took, String>) {
+        match took {
+            Ok(took) => {
+                self.seconds += took.seconds;
+                self.all += took;
+            }
             Err(how) => {
                 self.failure.get_or_insert(how);
             }
@@ -108,36 +114,36 @@ impl State<'_> {
     }
 
     fn closest(&mut self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
-        let seconds = match &mut self.place {
+        let took = match &mut self.place {
             Place::Here(instance) => {
                 let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
                 let mut answers: Vec<abi::Hit> =
                     hits.iter().map(|hit| abi::Hit { t: hit.t, id: hit.id }).collect();
-                let seconds = instance.closest(&asked, &mut answers);
+                let took = instance.closest(&asked, &mut answers);
                 for ((hit, answer), ray) in hits.iter_mut().zip(&answers).zip(rays) {
                     *hit = answer.as_ours(ray);
                 }
-                Ok(seconds)
+                Ok(took)
             }
             Place::Elsewhere(Some(remote)) => remote.closest(rays, hits),
-            Place::Elsewhere(None) => Ok(0.0),
+            Place::Elsewhere(None) => Ok(Took::default()),
         };
-        self.took(seconds);
+        self.took(took);
     }
 
     fn occluded(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
-        let seconds = match &mut self.place {
+        let took = match &mut self.place {
             Place::Here(instance) => {
                 let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
                 let mut answers: Vec<u8> = blocked.iter().map(|&b| u8::from(b)).collect();
-                let seconds = instance.occluded(&asked, &mut answers);
+                let took = instance.occluded(&asked, &mut answers);
                 blocked.iter_mut().zip(&answers).for_each(|(b, answer)| *b = *answer != 0);
-                Ok(seconds)
+                Ok(took)
             }
             Place::Elsewhere(Some(remote)) => remote.occluded(rays, blocked),
-            Place::Elsewhere(None) => Ok(0.0),
+            Place::Elsewhere(None) => Ok(Took::default()),
         };
-        self.took(seconds);
+        self.took(took);
     }
 
     /// What is asked while the plugin counts, and its work.
@@ -155,7 +161,7 @@ impl State<'_> {
         match &mut self.place {
             Place::Here(instance) => instance.count(on),
             Place::Elsewhere(Some(remote)) => {
-                let done = remote.count(on).map(|()| 0.0);
+                let done = remote.count(on).map(|()| Took::default());
                 self.took(done);
             }
             Place::Elsewhere(None) => {}
@@ -246,6 +252,11 @@ impl Foreign for PluginTracer<'_> {
 
     fn take_seconds(&self) -> f64 {
         std::mem::take(&mut self.state().seconds)
+    }
+
+    fn share_of_other_threads(&self) -> f64 {
+        let Took { seconds, by_others } = self.state().all;
+        if seconds > 0.0 { by_others / seconds } else { 0.0 }
     }
 
     fn failure(&self) -> Option<String> {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
 use crate::instance::{Query, Stats};
+use crate::stopwatch::Took;
 
 /// What a part of the shared memory holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,8 +46,8 @@ pub(crate) enum Request {
 /// What the child replies.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Reply {
-    /// It is done, and the call of the plugin took so many seconds.
-    Done { seconds: f64 },
+    /// It is done, and what the call of the plugin took.
+    Done(Took),
     /// What the plugin is.
     Description(Box<Description>),
     /// What was built.

@@ -118,7 +118,7 @@ pub fn check<S: Buildable>(
         example: example(examples, built.foreign().is_some()),
         answers_sha256: sha256_of_bytes(&answered),
         full_pass_s,
-        plugin: built.foreign().map(|f| PluginRecord::new(f.origin(), edges as u64)),
+        plugin: built.foreign().map(|f| PluginRecord::new(f, edges as u64)),
     })
 }
 

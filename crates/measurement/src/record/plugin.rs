@@ -1,6 +1,6 @@
 //! Where a row comes from whose code is not of this program.
 
-use accel_core::query::tracer::Origin;
+use accel_core::query::tracer::Foreign;
 use serde::{Deserialize, Serialize};
 
 /// The plugin that a row is of.
@@ -19,13 +19,18 @@ pub struct PluginRecord {
     pub own_test: bool,
     /// Seconds of a call that asks for nothing, to its process and back. Part of no time.
     pub empty_call_s: f64,
+    /// With one thread, the part of its time that threads other than the one that asked had, while its answers
+    /// were checked. It counts.
+    #[serde(default)]
+    pub other_threads: f64,
     /// Rays that were answered otherwise than expected where rounding decides, of the checked ones.
     pub edge_mismatches: u64,
 }
 
 impl PluginRecord {
     /// Of a row that answered so many rays otherwise at edges.
-    pub fn new(origin: &Origin, edge_mismatches: u64) -> Self {
+    pub fn new(foreign: &dyn Foreign, edge_mismatches: u64) -> Self {
+        let origin = foreign.origin();
         Self {
             file: origin.file.clone(),
             sha256: origin.sha256.clone(),
@@ -33,6 +38,7 @@ impl PluginRecord {
             own_process: origin.own_process,
             own_test: origin.has_own_test,
             empty_call_s: origin.empty_call_s,
+            other_threads: foreign.share_of_other_threads(),
             edge_mismatches,
         }
     }

@@ -200,6 +200,8 @@ fn saved_note(row: &RowRecord) -> Option<String> {
 
 /// Rays of a batch, for what the border of a process costs.
 const BATCH: f64 = 1e5;
+/// What part of the time of a row of one thread may be of other threads without a word.
+const SPINNING: f64 = 0.05;
 
 /// Where a row comes from that is not of this program, what its process costs, and how often its own
 /// test differs.
@@ -217,6 +219,10 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
             let part = 100.0 * plugin.empty_call_s / seconds;
             note += &format!(": {part:.2}% of a batch of 10^5 rays");
         }
+    }
+    if plugin.other_threads > SPINNING {
+        let part = 100.0 * plugin.other_threads;
+        note += &format!("; {part:.0}% of its time went to threads that nobody asked for (they count: do they spin?)");
     }
     note += match plugin.own_test {
         true => "; its own triangle test",

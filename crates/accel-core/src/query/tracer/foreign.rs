@@ -11,6 +11,9 @@ pub trait Foreign: Sync {
     fn build_seconds(&self) -> f64;
     /// Seconds of the calls that answered rays since this was asked last.
     fn take_seconds(&self) -> f64;
+    /// What part of the time of all calls that answered rays went to threads other than the one that asked;
+    /// 0 where that is not known.
+    fn share_of_other_threads(&self) -> f64;
     /// Why nothing that it answers counts: how its process ended.
     fn failure(&self) -> Option<String>;
     /// Whether it counts its work.

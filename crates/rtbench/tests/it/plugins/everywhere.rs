@@ -31,6 +31,21 @@ fn several_processes_load_the_plugin_each() {
 }
 
 #[test]
+fn time_of_threads_that_nobody_asked_for_is_told() {
+    let folder = Folder::new();
+    let Some(plugin) = minimal(&folder) else { return };
+    let (code, record, said) = run(&plugin, "minimal-cpp,minimal-cpp:fault=spin", &[]);
+    assert_eq!(code, 0, "{said}");
+    let part = |label| row(&record, label).plugin.as_ref().unwrap().other_threads;
+    assert!(part("minimal-cpp") < 0.05 && part("minimal-cpp fault=spin") > 0.5, "{said}");
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(words.matches("threads that nobody asked for").count(), 1, "{said}");
+    // with several threads others than the one that calls are asked for
+    let (_, record, _) = run(&plugin, "minimal-cpp:fault=spin", &["-j", "2"]);
+    assert_eq!(row(&record, "minimal-cpp fault=spin").plugin.as_ref().unwrap().other_threads, 0.0);
+}
+
+#[test]
 fn baselines_have_rows_of_plugins() {
     let folder = Folder::new();
     let Some(plugin) = minimal(&folder) else { return };

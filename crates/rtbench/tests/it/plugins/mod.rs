@@ -42,7 +42,7 @@ fn compiled(folder: &Folder, source: &str, more: &[&str]) -> Option<PathBuf> {
 }
 
 fn minimal(folder: &Folder) -> Option<PathBuf> {
-    compiled(folder, "peers/minimal-cpp/minimal.cpp", &[])
+    compiled(folder, "peers/minimal-cpp/minimal.cpp", &["-pthread"])
 }
 
 fn rtbench(arguments: &[&str]) -> Output {
