@@ -55,21 +55,37 @@ pub fn reach<S: Scalar>(magnitude: S) -> S {
 /// Judges a ray.
 #[inline(always)]
 pub fn place<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
-    if !(ray.origin.is_finite() && ray.t_min <= ray.t_max) {
-        return Place::Nowhere;
+    let [x, y, z] = ray.origin.to_array();
+    // NaN fails all comparisons
+    let is_near = (x.abs() <= reach) & (y.abs() <= reach) & (z.abs() <= reach);
+    if is_near & has_common_length(ray) & (ray.t_min <= ray.t_max) {
+        Place::Near
+    } else {
+        place_of_other(ray, reach)
     }
+}
+
+#[inline(always)]
+fn has_common_length<S: Scalar>(ray: &Ray<S>) -> bool {
     // a sum: infinity and NaN show in it
     let [x, y, z] = ray.direction.to_array();
     let length = x.abs() + y.abs() + z.abs();
-    if !(length >= S::DIRECTION_LENGTHS[0] && length <= S::DIRECTION_LENGTHS[1]) {
-        return resized(ray, reach);
-    }
-    let [x, y, z] = ray.origin.to_array();
-    if x.abs().greater(y.abs()).greater(z.abs()) <= reach { Place::Near } else { moved(ray, reach) }
+    (length >= S::DIRECTION_LENGTHS[0]) & (length <= S::DIRECTION_LENGTHS[1])
 }
 
+/// Of a ray that is not near, or of no common length, or no ray.
 #[cold]
 #[inline(never)]
+fn place_of_other<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+    if !(ray.origin.is_finite() && ray.t_min <= ray.t_max) {
+        Place::Nowhere
+    } else if !has_common_length(ray) {
+        resized(ray, reach)
+    } else {
+        moved(ray, reach)
+    }
+}
+
 fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
     if !ray.is_traceable() {
         return Place::Nowhere;
@@ -90,8 +106,6 @@ fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
     }
 }
 
-#[cold]
-#[inline(never)]
 fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
     // in f64: far origins overflow the squares of f32
     let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());

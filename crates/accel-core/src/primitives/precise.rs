@@ -4,10 +4,11 @@
 //! `triangle.rs`), but where products cancel, what is left of their difference is rounding: weights
 //! of nothing, and `t` any parameter between those of the corners, wherever the ray is then. With
 //! weights off by `e` each, the ray at `t` passes the triangle's point of these weights at up to
-//! `3 e m / det`, `m` being the largest coordinate of the sheared corners and `e` at most
-//! `epsilon m^2`. [`weights_suffice`] admits 12 epsilons of the scene's largest coordinate; the
-//! padding of boxes (`bounds_rule.rs`) has room for that, and no structure loses the hit. Beyond it,
-//! the weights are computed here, off by no more than a few ulps of their own.
+//! `3 e m / det`, `m` being the largest coordinate of the sheared corners and `e` at most `epsilon p`,
+//! where `p` is the largest sum of the two products of an edge function, without their signs: of a thin
+//! triangle along an axis far less than `m^2`. [`weights_suffice`] admits 12 epsilons of the scene's
+//! largest coordinate; the padding of boxes (`bounds_rule.rs`) has room for that, and no structure loses
+//! the hit. Beyond it, the weights are computed here, off by no more than a few ulps of their own.
 //! **A hit so near the origin** that it may lie behind it: with weights off by 2 epsilons of `m^2` each,
 //! and a sum of three terms off by 1.5 epsilons of the largest depth, depth times `det` is off by 18
 //! epsilons of the largest depth and of `m^2` (`det` is 4 `m^2` at most); nearer than 20, the depth is
@@ -53,11 +54,12 @@ pub(super) fn exact_difference<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
     }
 }
 
-/// Whether the weights of a hit are precise enough in the scalar: `largest` is the largest of the
-/// sheared corners' coordinates, `fine` that of [`Shear`]. NaN does not suffice.
+/// Whether the weights of a hit are precise enough in the scalar: `terms` is the largest sum of an edge
+/// function's products without signs, `largest` the largest of the sheared corners' coordinates, `fine` that
+/// of [`Shear`]. NaN does not suffice.
 #[inline(always)]
-pub(super) fn weights_suffice<S: Scalar>(largest: S, det: S, fine: S) -> bool {
-    largest * largest * largest < fine * det.abs()
+pub(super) fn weights_suffice<S: Scalar>(terms: S, largest: S, det: S, fine: S) -> bool {
+    terms * largest < fine * det.abs()
 }
 
 /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.

@@ -176,9 +176,9 @@ impl<S: Scalar> TriangleBlock<S> {
             return Some((0, self.filled(), [S::ZERO; LANES]));
         }
         let [a, b, c] = sheared(&self.corners, shear);
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
+        let products =
+            [[c[0] * b[1], c[1] * b[0]], [a[0] * c[1], a[1] * c[0]], [b[0] * a[1], b[1] * a[0]]];
+        let [u, v, w] = products.map(|[p, q]| p - q);
         let zero = splat(S::ZERO);
         let (least, most) = (u.lesser(v).lesser(w), u.greater(v).greater(w));
         // missed where two of them have different signs, whatever the sign of one that rounds to zero
@@ -193,7 +193,9 @@ impl<S: Scalar> TriangleBlock<S> {
         let y = a[1].absolute().greater(b[1].absolute()).greater(c[1].absolute());
         let largest = x.greater(y);
         let square = largest * largest;
-        let suffice = (square * largest).below(splat(shear.fine) * det.absolute());
+        let [of_u, of_v, of_w] = products.map(|[p, q]| p.absolute() + q.absolute());
+        let terms = of_u.greater(of_v).greater(of_w);
+        let suffice = (terms * largest).below(splat(shear.fine) * det.absolute());
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * splat(shear.depth_scale()) / det;
         // NaN fails all comparisons

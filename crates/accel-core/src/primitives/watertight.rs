@@ -13,6 +13,13 @@ fn largest<S: Scalar>([a, b, c]: &[[S; 3]; 3]) -> S {
     x.greater(y)
 }
 
+/// The largest sum of an edge function's two products, without their signs.
+#[inline(always)]
+fn terms<S: Scalar>([a, b, c]: &[[S; 3]; 3]) -> S {
+    let of = |p: &[S; 3], q: &[S; 3]| (p[0] * q[1]).abs() + (p[1] * q[0]).abs();
+    of(c, b).greater(of(a, c)).greater(of(b, a))
+}
+
 /// `a*b - c*d` with the right sign: where the rounded products cancel, the sign of the exact
 /// difference (of the rounding errors) decides. Never contract this into one FMA: that breaks
 /// the antisymmetry that makes shared edges tight.
@@ -42,11 +49,11 @@ pub(crate) fn intersect<S: Scalar>(
     let det = u + v + w;
     let depth = u * a[2] + v * b[2] + w * c[2];
     let t = depth * shear.shear[2] / det;
-    let largest = largest(&[a, b, c]);
+    let (terms, largest) = (terms(&[a, b, c]), largest(&[a, b, c]));
     // NaN fails all comparisons
     let is_begun = t >= ray.t_min;
     // also where the determinant is zero, or NaN; whatever was hit before, lest answers depend on order
-    if !weights_suffice(largest, det, shear.fine)
+    if !weights_suffice(terms, largest, det, shear.fine)
         || is_begun && depth.abs() < shear.near * (largest * largest)
     {
         return precise::intersect(tri, ray, shear, t_max);
