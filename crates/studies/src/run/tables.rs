@@ -222,7 +222,9 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
     }
     if plugin.other_threads > SPINNING {
         let part = 100.0 * plugin.other_threads;
-        note += &format!("; {part:.0}% of its time went to threads that nobody asked for (they count: do they spin?)");
+        note += &format!(
+            "; {part:.0}% of its time went to threads that nobody asked for (they count: do they spin?)"
+        );
     }
     note += match plugin.own_test {
         true => "; its own triangle test",
