@@ -157,7 +157,7 @@ pub enum BuildError {
     #[error(transparent)]
     OutOfMemory(#[from] OutOfMemory),
     /// A library that builds the structure refuses to.
-    #[error("{structure}: the library reports an error: {message}")]
+    #[error("{structure}: cannot be built: {message}")]
     Library {
         /// Structure.
         structure: &'static str,

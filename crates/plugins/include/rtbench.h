@@ -4,7 +4,7 @@
  * FILE.so` loads it and measures it beside the structures of rtbench. docs/bring-your-own.md shows how.
  *
  * Strings are UTF-8, end with a zero, and live as long as the library. Nothing may throw through this
- * interface. All lengths and ids are zero-based counts; all coordinates are world units.
+ * interface: that ends the process. All lengths and ids are zero-based counts; all coordinates are world units.
  *
  * License: MIT OR Apache-2.0, as rtbench. Copy this file into your own tree.
  */
@@ -47,7 +47,8 @@ extern "C" {
 #define RTBENCH_CHOICE 2u
 
 /* A ray: a hit counts when t_min <= t <= t_max, from both sides of a triangle. The direction need not be
- * of unit length; t is in multiples of it. t_max may be infinite. */
+ * of unit length; t is in multiples of it. t_max may be infinite. `rtbench verify` also issues rays with zero,
+ * infinite and NaN components and empty intervals: they miss, and each call must return. */
 typedef struct rtbench_ray {
     float origin[3];
     float t_min;
@@ -102,8 +103,8 @@ typedef struct rtbench_scene {
 
 /* What was built. Set what you know; all is zero before. */
 typedef struct rtbench_stats {
-    uint32_t size;                /* sizeof(rtbench_stats) */
-    uint32_t has_counters;        /* not 0 where the last two fields are counted */
+    uint32_t size;                /* set by rtbench: sizeof(rtbench_stats) */
+    uint32_t has_counters;        /* not 0 if the last two fields are counted: the same at every call */
     uint64_t bytes;               /* of the structure, without rtbench's copy of the triangles */
     uint64_t inner_nodes;         /* N_IN */
     uint64_t leaves;              /* N_V: leaves, cells */
@@ -140,8 +141,8 @@ typedef struct rtbench_plugin {
     /* Says what was built. Not timed. May be NULL. */
     void (*stats)(void *built, rtbench_stats *stats);
 
-    /* Turns counting on (not 0) or off; it is off after the build, and while rays are timed. NULL: nothing
-     * is counted. */
+    /* Turns counting on (not 0) or off; it is off after the build, and while rays are timed. With -j N several
+     * threads trace while it is on: counters are then atomic, or one for each thread. NULL: nothing is counted. */
     void (*count)(void *built, int on);
 
     /* Frees what was built. Not timed. */

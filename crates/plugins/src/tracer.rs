@@ -264,7 +264,7 @@ impl Foreign for PluginTracer<'_> {
     }
 
     fn has_counters(&self) -> bool {
-        self.plugin.description.has_counters
+        self.plugin.description.has_counters && self.stats.work.is_some()
     }
 
     fn answers_batches(&self) -> bool {

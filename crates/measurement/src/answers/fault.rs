@@ -39,8 +39,8 @@ fn of_hit<S: Scalar>(
         () if t > ray.t_max.to_f64() => "accepts t > t_max",
         () if !expected.is_hit() => "invents a hit",
         () if said.id != expected.id && !is_apart(said, expected, ray) => "wrong id",
-        () if t > right => "drops a hit, and takes one behind it",
         () if said.id == expected.id => "wrong t",
+        () if t > right => "drops a hit, and takes one behind it",
         () => "invents a hit, nearer than all",
     }
 }
@@ -63,6 +63,7 @@ mod tests {
             (hit(0.25, 3), "accepts t < t_min"),
             (hit(9.5, 3), "accepts t > t_max"),
             (hit(1.0, 3), "wrong t"),
+            (hit(2.5, 3), "wrong t"),
             (hit(1.0, 4), "invents a hit, nearer than all"),
             (hit(f32::NAN, 0), "no answer written"),
         ];

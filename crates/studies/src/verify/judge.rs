@@ -290,5 +290,9 @@ fn unexpected<S: Scalar>(hit: &Hit<S>, expected: &Expected) -> String {
 }
 
 fn told<S: Scalar>(hit: &Hit<S>) -> String {
+    // as in `unwritten`
+    if hit.id == MISS - 1 && hit.t.to_f64().is_nan() {
+        return "nothing (no answer written)".into();
+    }
     if hit.is_hit() { format!("{} at {:?}", hit.id, hit.t.to_f64()) } else { "miss".into() }
 }
