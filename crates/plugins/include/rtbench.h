@@ -47,8 +47,9 @@ extern "C" {
 #define RTBENCH_CHOICE 2u
 
 /* A ray: a hit counts when t_min <= t <= t_max, from both sides of a triangle. The direction need not be
- * of unit length; t is in multiples of it. t_max may be infinite. `rtbench verify` also issues rays with zero,
- * infinite and NaN components and empty intervals: they miss, and each call must return. */
+ * of unit length; t is in multiples of it. t_max may be infinite. rtbench asks
+ * only what is a ray, as it does of its own structures: direction finite and not zero, interval not empty, the
+ * origin at most 8 times as far from the world's as the scene (what begins farther is brought near first). */
 typedef struct rtbench_ray {
     float origin[3];
     float t_min;

@@ -22,6 +22,7 @@ pub mod instance;
 pub mod library;
 #[cfg(unix)]
 mod memory_watch;
+mod near_rays;
 mod plugin;
 #[cfg_attr(not(unix), allow(dead_code))]
 mod process;

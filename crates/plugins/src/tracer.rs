@@ -2,8 +2,9 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use accel_core::geometry::far_ray;
 use accel_core::memory::{MemoryLimit, OutOfMemory};
-use accel_core::primitives::TriangleSet;
+use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{Foreign, Origin, ShadowCount, ShadowRule, Tracer};
 use accel_core::structure::{BuildError, Shape};
@@ -11,6 +12,7 @@ use accel_core::{Hit, Ray};
 
 use crate::abi;
 use crate::instance::{Instance, Stats};
+use crate::near_rays::NearRays;
 use crate::plugin::Plugin;
 use crate::process::{BuiltOr, Order};
 use crate::remote::Remote;
@@ -29,6 +31,8 @@ struct State<'a> {
     seconds: f64,
     /// Of all calls.
     all: Took,
+    /// Origins within it are near.
+    reach: f32,
     failure: Option<String>,
 }
 
@@ -91,7 +95,9 @@ impl<'a> PluginTracer<'a> {
                 }
             }
         };
-        let state = Mutex::new(State { place, seconds: 0.0, all: Took::default(), failure: None });
+        let reach = far_ray::reach(set.magnitude());
+        let (all, failure) = (Took::default(), None);
+        let state = Mutex::new(State { place, seconds: 0.0, all, reach, failure });
         Ok(Self { plugin, row, origin, build_seconds, stats, state })
     }
 
@@ -114,6 +120,20 @@ impl State<'_> {
     }
 
     fn closest(&mut self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+        match NearRays::of(rays, self.reach) {
+            Some(near) => near.closest(rays, hits, |rays, hits| self.closest_of_near(rays, hits)),
+            None => self.closest_of_near(rays, hits),
+        }
+    }
+
+    fn occluded(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
+        match NearRays::of(rays, self.reach) {
+            Some(near) => near.occluded(blocked, |rays, own| self.occluded_of_near(rays, own)),
+            None => self.occluded_of_near(rays, blocked),
+        }
+    }
+
+    fn closest_of_near(&mut self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
         let took = match &mut self.place {
             Place::Here(instance) => {
                 let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
@@ -131,7 +151,7 @@ impl State<'_> {
         self.took(took);
     }
 
-    fn occluded(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
+    fn occluded_of_near(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
         let took = match &mut self.place {
             Place::Here(instance) => {
                 let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
