@@ -130,7 +130,9 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
             Verdict::Ok => {}
             v if !v.is_judged() => {
                 let reason = row.error.as_deref().unwrap_or(row.verdict.name());
-                notes.push(format!("{name}: {reason}"));
+                // what refuses names itself
+                let own = reason.strip_prefix(&row.structure).and_then(|r| r.strip_prefix(": "));
+                notes.push(format!("{name}: {}", own.unwrap_or(reason)));
             }
             _ => {
                 let said: Vec<&str> = reasons.iter().filter_map(|r| r.as_deref()).collect();
