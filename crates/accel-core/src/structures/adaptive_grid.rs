@@ -112,6 +112,9 @@ pub static INFO: StructureInfo = StructureInfo {
 /// and of a sub-voxel grid: fitted to the published counters of all scenes together.
 const HISTORICAL_ROUNDING: [f64; 2] = [0.5, 0.4];
 
+/// Smaller clusters got no grid in 1999: their members were orphans.
+const HISTORICAL_CLUSTER: usize = 8;
+
 /// Clusters under a hierarchy of boxes.
 pub struct AdaptiveGrid<S: Scalar> {
     tree: ClusterBvh<S>,
@@ -153,8 +156,9 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
             max_surface: params.real("m") * surface(&scene),
             exact_up_to: params.integer("exact-clusters") as usize,
         };
+        let fewest = if historical { HISTORICAL_CLUSTER } else { 2 };
         let (clusters, orphans): (Vec<_>, Vec<_>) =
-            agglomerate(&boxes, &rule).into_iter().partition(|c| c.len() > 1);
+            agglomerate(&boxes, &rule).into_iter().partition(|c| c.len() >= fewest);
         let orphans = orphans.concat();
         let maker = Maker {
             boxes: &boxes,
@@ -200,18 +204,24 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
     }
 
     /// N_IN is the number of the hierarchy's inner nodes and of all grids; N_V of all cells that
-    /// are not divided again; an orphan that is a leaf is one cell with one reference, but for
-    /// `boxes=historical`.
+    /// are not divided again; an orphan that is a leaf is one cell with one reference. With
+    /// `boxes=historical` such an orphan counts as two references, and a node once more: in N_V
+    /// if an orphan is right below it, else in N_IN.
     fn shape(&self) -> Shape {
         let census = self.grids.census();
         let mut lone = 0;
         self.tree.visit(&mut |_, _, item| lone += u64::from(matches!(item, Some(Item::Orphan(_)))));
-        let lone = if self.from_origin { 0 } else { lone };
+        let (mut inner, mut cells, mut references) = (self.tree.inner_nodes(), lone, lone);
+        if self.from_origin {
+            cells = self.tree.inner_nodes_with_orphans();
+            inner += inner - cells;
+            references += lone;
+        }
         Shape {
-            inner_cells: self.tree.inner_nodes() + self.grids.len() as u64,
-            cells: census.cells + lone,
+            inner_cells: inner + self.grids.len() as u64,
+            cells: census.cells + cells,
             empty_cells: census.empty_cells,
-            references: census.references + lone,
+            references: census.references + references,
             resolution: None,
             bytes: self.grids.bytes() + self.tree.bytes(),
             ..Shape::default()

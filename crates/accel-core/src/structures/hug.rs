@@ -26,7 +26,7 @@ use crate::grid::voxel_walk::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
@@ -69,6 +69,13 @@ pub static INFO: StructureInfo = StructureInfo {
         },
         specs::BOXES,
         ParamSpec {
+            name: "root-objects",
+            summary: "with boxes=historical, primitives that the root grid is sized for; 0: those \
+                      of the largest class",
+            default: "0",
+            kind: ParamKind::Integer { min: 0, max: 1 << 30 },
+        },
+        ParamSpec {
             default: "134217728",
             kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 },
             ..specs::MAX_CELLS
@@ -87,10 +94,17 @@ pub static INFO: StructureInfo = StructureInfo {
 /// The rules of `boxes=historical`, fitted to published counters (Havran and Sixta 1999).
 pub const HISTORY: &str = "an axis thinner than 0.01 becomes 0.01; neighbours overlap by more than \
     a touch; s_i (n / volume)^(1/3) voxels an axis, rounded up, with n the primitives of the \
-    grid's own class";
+    grid's own class; primitives but spheres inserted with boxes 0.01 larger on every side, the root's \
+    box 0.001 larger";
 
 /// Thinnest box of the historical setting.
 const HISTORICAL_THICKNESS: f64 = 0.01;
+
+/// Added on insertion to every side of the box of what is no sphere in the historical setting.
+const HISTORICAL_MARGIN: f64 = 0.01;
+
+/// Added to every side of the historical root's box.
+const HISTORICAL_ROOT_MARGIN: f64 = 0.001;
 
 /// Rounds up all but what is a whole number already.
 const HISTORICAL_ROUNDING: f64 = 1.0 - 1e-6;
@@ -120,8 +134,19 @@ impl<S: Scalar> Structure<S> for Hug<S> {
         let historical = params.text("boxes") == "historical";
         let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
             .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
-        let (plans, owners) = plan(&boxes, scene, padding, historical, params);
-        let grids = fill(&boxes, &plans, &owners, historical, padding, params)?;
+        let (mut plans, owners) = plan(&boxes, scene, padding, historical, params);
+        let grids = if historical {
+            if let Some(root) = plans.first_mut() {
+                root.bounds = root.bounds.expanded(S::from_f64(HISTORICAL_ROOT_MARGIN));
+                root.own = match params.integer("root-objects") {
+                    0 => root.own,
+                    n => n as usize,
+                };
+            }
+            fill(&inserted(prims), &plans, &owners, historical, padding, params)?
+        } else {
+            fill(&boxes, &plans, &owners, historical, padding, params)?
+        };
         Ok(Self { grids, from_origin: historical })
     }
 
@@ -196,6 +221,16 @@ fn at_least<S: Scalar>(b: Aabb<S>) -> Aabb<S> {
         }
     }
     Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
+}
+
+/// The boxes as they were inserted in 1999: those of spheres exact, all others larger.
+fn inserted<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<Aabb<S>> {
+    let margin = S::from_f64(HISTORICAL_MARGIN);
+    let of = |id| match prims.kind(id) {
+        PrimitiveKind::Sphere => prims.bounds(id),
+        _ => prims.bounds(id).expanded(margin),
+    };
+    (0..prims.len() as u32).map(of).collect()
 }
 
 /// Class of every box, 0 for the smallest: equal bins in the logarithm of the longest side.

@@ -16,8 +16,9 @@
 //! number of cuts; a thin axis of the root grows to the longest; neighbours are found through a
 //! stack of ancestors, not father links; a ray from so far away that rounding outgrows the padding
 //! of boxes is walked top-down whatever the setting. `boxes=historical` (with `max-leaf=1
-//! useless-splits=20 order=reverse`) is what Havran and Sixta (1999) measured: no padding, no limit
-//! for growth, walks from the ray's origin, and steps of 1e-6 beyond a cell's exit.
+//! useless-splits=20` and an `order` that alternates) is what Havran and Sixta (1999) measured: no padding, no limit
+//! for growth, walks from the ray's origin (top-down ones from 0.01 on), and steps of 1e-6 beyond a
+//! cell's exit.
 
 mod cells;
 mod neighbour;
@@ -87,7 +88,12 @@ pub static INFO: StructureInfo = StructureInfo {
             kind: ParamKind::Real { min: 1.0, max: 1e9 },
         },
         specs::BOXES,
-        specs::ORDER,
+        ParamSpec {
+            summary: "order of ids in a leaf: as in the file or reversed; alternate turns it round from \
+                      each level to the next, as in 1999",
+            kind: ParamKind::Choice(&["file", "reverse", "alternate", "alternate-reverse"]),
+            ..specs::ORDER
+        },
         ParamSpec { kind: ParamKind::Integer { min: 1, max: 1 << 30 }, ..specs::MAX_CELLS },
         ParamSpec {
             default: "268435456",
@@ -115,6 +121,10 @@ pub static INFO: StructureInfo = StructureInfo {
 const HISTORICAL_CONE_MARGIN: f64 = 0.001;
 /// How far beyond a cell's exit the next cell was looked for in 1999.
 const HISTORICAL_NUDGE: f64 = 1e-6;
+
+/// Where on every ray, those from the eye too, the top-down walk began in 1999; the others began at
+/// the origin.
+const HISTORICAL_START: f64 = 0.01;
 
 /// How a ray finds the cells it meets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -182,7 +192,11 @@ impl<S: Scalar> Structure<S> for Octree<S> {
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let t_start = if self.historical { S::ZERO } else { ray.t_min };
+        let t_start = match (self.historical, self.traversal) {
+            (false, _) => ray.t_min,
+            (true, Traversal::TopDown) => S::from_f64(HISTORICAL_START),
+            (true, _) => S::ZERO,
+        };
         let clipped = self.bounds.clip(ray.origin, ray.direction, t_start, ray.t_max);
         let Some((t_in, t_out)) = clipped else { return };
         let planes = RayPlanes::new(ray);

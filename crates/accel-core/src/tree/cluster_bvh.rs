@@ -79,6 +79,19 @@ impl<S: Scalar> ClusterBvh<S> {
         self.nodes.iter().filter(|n| matches!(n.content, Content::Inner(_))).count() as u64
     }
 
+    /// Inner nodes with a primitive right below them.
+    pub(crate) fn inner_nodes_with_orphans(&self) -> u64 {
+        let is_orphan = |n: usize| {
+            let content = self.nodes.get(n).map(|node| node.content);
+            matches!(content, Some(Content::Leaf(Item::Orphan(_))))
+        };
+        let has_orphan = |(n, node): (usize, &Node<S>)| match node.content {
+            Content::Inner(right) => is_orphan(n + 1) || is_orphan(right as usize),
+            Content::Leaf(_) => false,
+        };
+        self.nodes.iter().enumerate().filter(|&at| has_orphan(at)).count() as u64
+    }
+
     /// Calls `each` with the box, the depth and the item, if any, of every node: a node before those below.
     pub(crate) fn visit(&self, each: &mut impl FnMut(Aabb<S>, u32, Option<Item>)) {
         let mut waiting = vec![(0, 0)];

@@ -1,6 +1,10 @@
 //! HUG's five settings of 1999: HNG size classes, gap HCN, historical boxes.
 
-use accel_core::query::tracer::ShadowRule;
+use std::cmp::Ordering;
+
+use accel_core::query::tracer::{ShadowRule, Tracer};
+use accel_core::structure::Shape;
+use renderer::Geometry;
 
 use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
@@ -22,17 +26,64 @@ pub(super) fn counters(
     scene: &PublishedScene,
     setting: &Setting,
 ) -> Result<Counted, ReproduceError> {
+    let own = build(&scene.geometry, setting.params, 0)?;
+    let cells = own.shape().cells;
+    let sized = sized_as_published(&scene.geometry, setting, own.shape())?;
+    let work = scene.count(sized.unwrap_or(own).as_ref(), ShadowRule::Historical);
+    let mut counters = grid_counters(scene, &work);
+    for (name, value) in &mut counters {
+        if *name == "N_V" {
+            *value = cells as f64;
+        }
+    }
+    Ok(counters)
+}
+
+type Built<'g> = Box<dyn Tracer<f64> + 'g>;
+
+/// HUG with a root sized for so many primitives; 0 for as many as its class has.
+fn build<'g>(
+    geometry: &'g Geometry<f64>,
+    params: &str,
+    root_objects: usize,
+) -> Result<Built<'g>, ReproduceError> {
     let entry = registered("hug")?;
-    let params = entry.params(settings(setting.params)?)?;
-    let tracer = entry.build(scene.geometry.prims(), &params)?;
-    Ok(grid_counters(scene, &scene.count(tracer.as_ref(), ShadowRule::Historical)))
+    let root_objects = root_objects.to_string();
+    let mut settings = settings(params)?;
+    settings.push(("root-objects", &root_objects));
+    Ok(entry.build(geometry.prims(), &entry.params(settings)?)?)
+}
+
+/// Where both we and the paper have one grid over all primitives, but of different sizes: the grid
+/// with the published number of cells. What sized it is not known; as for uniform grids, what is
+/// counted in it can be compared nevertheless. N_V itself is compared as our own rule has it.
+fn sized_as_published<'g>(
+    geometry: &'g Geometry<f64>,
+    setting: &Setting,
+    own: Shape,
+) -> Result<Option<Built<'g>>, ReproduceError> {
+    let published = |name| setting.figures.get(name).and_then(|text| text.parse::<u64>().ok());
+    let (Some(1), Some(cells)) = (published("N_IN"), published("N_V")) else { return Ok(None) };
+    if own.inner_cells != 1 || own.cells == cells {
+        return Ok(None);
+    }
+    let (mut few, mut enough) = (0, 8 * geometry.len());
+    while few + 1 < enough {
+        let n = few.midpoint(enough);
+        let grid = build(geometry, setting.params, n)?;
+        match grid.shape().cells.cmp(&cells) {
+            Ordering::Less => few = n,
+            Ordering::Equal => return Ok(Some(grid)),
+            Ordering::Greater => enough = n,
+        }
+    }
+    Ok(None)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::published::{figures, table};
     use super::*;
-    use renderer::Geometry;
     use scene_loading::procedural::generate_as_printed;
 
     #[test]
@@ -49,5 +100,30 @@ mod tests {
             assert_eq!(shape.cells.to_string(), counters["N_V"], "{name}");
         }
         assert!(settings("HNG=2 X=3").is_err());
+    }
+
+    #[test]
+    fn grids_of_the_published_size_hold_as_many_references() {
+        let figures = figures().unwrap();
+        for (name, params, tolerance) in [
+            ("lattice", "HNG=3 HCN=0", 0.0),
+            ("mount", "HNG=3 HCN=0", 0.02),
+            ("mount", "HNG=4 HCN=0", 0.002),
+        ] {
+            let geometry = Geometry::<f64>::of(&generate_as_printed(name).unwrap()).unwrap();
+            let published = table(&figures, "hug", name);
+            let (_, counters) = published.into_iter().find(|p| p.0 == params).unwrap();
+            let setting = Setting { structure: "hug", params, scene: name, figures: counters };
+            let own = build(&geometry, params, 0).unwrap();
+            let grid = sized_as_published(&geometry, &setting, own.shape()).unwrap().unwrap();
+            assert_eq!(grid.shape().cells.to_string(), setting.figures["N_V"], "{name} {params}");
+            for (counter, ours) in
+                [("N_EV", grid.shape().empty_cells), ("N_OIV", grid.shape().references)]
+            {
+                let value: f64 = setting.figures[counter].parse().unwrap();
+                let off = (ours as f64 - value).abs();
+                assert!(off <= tolerance * value, "{name} {params} {counter}: {ours}");
+            }
+        }
     }
 }

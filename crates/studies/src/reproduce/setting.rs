@@ -98,6 +98,8 @@ pub(crate) struct Work {
     pub(super) secondary_hits: u64,
     /// Blocked shadow rays, plus glass hit by the others.
     pub(super) shadow_hits: u64,
+    /// Blocked shadow rays.
+    pub(super) blocked: u64,
 }
 
 impl PublishedScene {
@@ -142,7 +144,8 @@ impl PublishedScene {
         counters += tracer.count_occlusions(rays, rule, &mut answers);
         let shadow_hits =
             answers.iter().map(|a| if a.blocked { 1 } else { u64::from(a.glass) }).sum();
-        Work { shape: tracer.shape(), counters, primary_hits, secondary_hits, shadow_hits }
+        let blocked = answers.iter().filter(|a| a.blocked).count() as u64;
+        Work { shape: tracer.shape(), counters, primary_hits, secondary_hits, shadow_hits, blocked }
     }
 
     /// The figures that no structure changes.

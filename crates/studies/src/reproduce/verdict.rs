@@ -31,10 +31,10 @@ pub fn tolerance(structure: &str, counter: &str) -> f64 {
     let octree = structure.strip_prefix("Octree").unwrap_or_default();
     match (structure, counter) {
         ("invariants", _) => 0.003,
-        ("uniform", "N_EV" | "N_OIV") => 0.025,
-        ("uniform", "N_TS" | "N_ETS") => 0.005,
-        ("uniform", "N_EETS") => 0.012,
-        ("uniform" | "recursive", "N_IT") => 0.03,
+        ("uniform" | "hug", "N_EV" | "N_OIV") => 0.025,
+        ("uniform" | "hug", "N_TS" | "N_ETS") => 0.005,
+        ("uniform" | "hug", "N_EETS") => 0.012,
+        ("uniform" | "recursive" | "hug", "N_IT") => 0.03,
         ("recursive", "N_IN" | "N_V" | "N_EV" | "N_OIV") => 0.0002,
         ("recursive", "N_TS" | "N_ETS" | "N_EETS") => 0.01,
         // clusters depend on ties and on the original's constants, which are not known
@@ -43,8 +43,8 @@ pub fn tolerance(structure: &str, counter: &str) -> f64 {
             // one cell of a tree with a few hundred is 0.15%
             ("84-C" | "89-C" | "93-C", "N_IN" | "N_V" | "N_EV" | "N_OIV") => 0.0015,
             ("84-A" | "93-A", "N_IN" | "N_V" | "N_EV" | "N_OIV") => 0.01,
-            ("84-A" | "84-C" | "89-C", "N_TS" | "N_ETS" | "N_EETS") => 0.01,
-            ("84-A" | "84-C" | "89-C", "N_IT") => 0.02,
+            ("84-A" | "84-C" | "89-C" | "93-A" | "93-C", "N_TS" | "N_ETS" | "N_EETS") => 0.01,
+            ("84-A" | "84-C" | "89-C" | "93-A" | "93-C", "N_IT") => 0.02,
             _ => 0.0,
         },
     }
@@ -88,15 +88,11 @@ static KNOWN: &[KnownReason] = &[
     KnownReason { of: ["Octree84-C", "", "gears"], counters: &["N_IT"], up_to: 0.03, why: GLASS },
     KnownReason { of: ["Octree89-C", "", "gears"], counters: &["N_IT"], up_to: 0.03, why: GLASS },
     KnownReason { of: ["Octree84-A", "", "lattice"], counters: ALL, up_to: 0.4, why: EQUAL_COSTS },
-    KnownReason {
-        of: ["Octree93-A", "", "lattice"],
-        counters: CELLS,
-        up_to: 0.4,
-        why: EQUAL_COSTS,
-    },
+    KnownReason { of: ["Octree93-A", "", "lattice"], counters: ALL, up_to: 0.4, why: EQUAL_COSTS },
     KnownReason { of: ["Octree84-A", "", "tetra"], counters: ALL, up_to: 0.25, why: EQUAL_COSTS },
     KnownReason { of: ["Octree84-A", "", ""], counters: ALL, up_to: 0.08, why: EQUAL_COSTS },
-    KnownReason { of: ["Octree93-A", "", ""], counters: CELLS, up_to: 0.09, why: EQUAL_COSTS },
+    KnownReason { of: ["Octree93-A", "", "tetra"], counters: ALL, up_to: 0.25, why: EQUAL_COSTS },
+    KnownReason { of: ["Octree93-A", "", ""], counters: ALL, up_to: 0.09, why: EQUAL_COSTS },
     KnownReason { of: ["Octree", "", "lattice"], counters: CELLS, up_to: 0.08, why: CONE_BOX },
     KnownReason { of: ["Octree", "", "rings"], counters: CELLS, up_to: 0.04, why: CONE_BOX },
     KnownReason { of: ["Octree84-C", "", "rings"], counters: STEPS, up_to: 0.03, why: CONE_BOX },
@@ -104,6 +100,7 @@ static KNOWN: &[KnownReason] = &[
     KnownReason { of: ["Octree", "", "tree"], counters: CELLS, up_to: 0.04, why: CONE_BOX },
     KnownReason { of: ["Octree84-C", "", "tree"], counters: &["N_IT"], up_to: 0.04, why: CONE_BOX },
     KnownReason { of: ["Octree89-C", "", "tree"], counters: &["N_IT"], up_to: 0.04, why: CONE_BOX },
+    KnownReason { of: ["Octree93-C", "", "tree"], counters: &["N_IT"], up_to: 0.04, why: CONE_BOX },
 ];
 
 /// Judges one figure. `published` is the text as printed, which tells its number of decimals.

@@ -30,11 +30,12 @@ pub(super) fn cells<S: Scalar>(
             "historical" => f64::INFINITY,
             _ => params.real("max-growth"),
         },
+        alternates: params.text("order").starts_with("alternate"),
         room: Room::new(params, [&CELLS, &REFERENCES]),
     };
     let root = || {
         let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
-        if params.text("order") == "reverse" {
+        if params.text("order").ends_with("reverse") {
             ids.reverse();
         }
         Task { ids, bounds, depth: 0, descent: Descent::ROOT }
@@ -57,6 +58,8 @@ struct Rules<'a, S: Scalar> {
     /// As fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
     /// and faces across the axis only count half.
     historical: bool,
+    /// The lists of children are in the reverse order of their parent's.
+    alternates: bool,
     max_depth: u64,
     max_leaf: usize,
     useless_splits: u64,
@@ -134,6 +137,7 @@ impl<S: Scalar> Builder<'_, S> {
         self.cells.links.resize(9 + 8 * inner, LEAF);
         for octant in 0..8 {
             for i in from..end {
+                let i = if self.rules.alternates { from + end - 1 - i } else { i };
                 let id = self.waiting[i];
                 if touches(&self.rules.boxes[id as usize], &planes, octant) {
                     self.waiting.push(id);
@@ -174,7 +178,10 @@ impl<S: Scalar> Rules<'_, S> {
         let Some((planes, descent)) = divided else { return self.alone(task) };
         let below = |octant: usize| {
             let inside = |id: &u32| touches(&self.boxes[*id as usize], &planes, octant);
-            let ids = task.ids.iter().copied().filter(inside).collect();
+            let mut ids: Vec<u32> = task.ids.iter().copied().filter(inside).collect();
+            if self.alternates {
+                ids.reverse();
+            }
             let bounds = octant_of(&task.bounds, &planes, octant);
             self.forked(Task { ids, bounds, depth: task.depth + 1, descent }, forks - 1)
         };
