@@ -63,15 +63,23 @@ impl<S: Scalar> Shear<S> {
         let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
         // by tables: which axis is the longest is as good as random, and a branch would guess
         let order = usize::from(ax > ay) | usize::from(ax > az) << 1 | usize::from(ay > az) << 2;
-        let kz = LONGEST[order];
-        let [kx, ky] = OTHERS[kz][usize::from(d[kz] < S::ZERO)];
-        let inv = S::ONE / d[kz];
+        debug_assert!(order < 8);
+        // SAFETY: three bits; both tables hold axes, and a sign is one bit
+        let (kx, ky, kz, of) = unsafe {
+            let kz = *LONGEST.get_unchecked(order);
+            let others = OTHERS.get_unchecked(kz);
+            let [kx, ky] = *others.get_unchecked(usize::from(*d.get_unchecked(kz) < S::ZERO));
+            let of = |v: &[S; 3]| [kx, ky, kz].map(|k| *v.get_unchecked(k));
+            (kx, ky, kz, [of(&o), of(&d)])
+        };
+        let [origin, [dx, dy, dz]] = of;
+        let inv = S::ONE / dz;
         Self {
             axes: [kx, ky, kz],
-            origin: [o[kx], o[ky], o[kz]],
-            shear: [d[kx] * inv, d[ky] * inv, inv],
+            origin,
+            shear: [dx * inv, dy * inv, inv],
             fine: S::from_i32(4) * magnitude,
-            near: S::from_i32(20) * S::EPSILON * (magnitude + o[kz].abs()),
+            near: S::from_i32(20) * S::EPSILON * (magnitude + origin[2].abs()),
         }
     }
 

@@ -380,22 +380,32 @@ const LEAD_SLACK: f32 = 32.0 * f32::EPSILON;
 impl<S: Scalar> BoxRay<S> {
     #[inline(always)]
     fn robust(ray: &Ray<S>, unit: S, length: Length) -> Self {
-        let starts_earlier = ray.t_min < S::ZERO;
         let is_own = length == Length::Own && size_of::<S>() == size_of::<f32>();
-        let mut shorter = S::ONE;
-        if !is_own || starts_earlier {
-            let [x, y, z] = ray.direction.to_array();
-            shorter = x.abs().greater(y.abs()).greater(z.abs()).to_unit_size();
+        if ray.t_min < S::ZERO {
+            return Self::starting_earlier(ray, unit);
         }
-        let mut origin = Vec3A::from(to_f32::<S>(ray.origin * unit));
+        let mut shorter = if is_own { S::ONE } else { to_unit_length(ray) };
         let mut lead = 0.0;
-        if starts_earlier {
-            let (start, by) = earlier_start(ray, unit, shorter);
-            (origin, lead) = (start.into(), by);
-        } else if length == Length::Brief {
+        if length == Length::Brief {
             shorter = shorter * S::from_f64(f64::from(BRIEF));
             lead = LEAD;
         }
+        let origin = to_f32::<S>(ray.origin * unit);
+        Self::scaled(ray, origin, unit, shorter, lead)
+    }
+
+    /// Of a ray whose interval begins before its origin.
+    #[cold]
+    #[inline(never)]
+    fn starting_earlier(ray: &Ray<S>, unit: S) -> Self {
+        let shorter = to_unit_length(ray);
+        let (start, lead) = earlier_start(ray, unit, shorter);
+        Self::scaled(ray, start, unit, shorter, lead)
+    }
+
+    #[inline(always)]
+    fn scaled(ray: &Ray<S>, origin: Vec3, unit: S, shorter: S, lead: f32) -> Self {
+        let origin = Vec3A::from(origin);
         let direction = Vec3A::from(to_f32::<S>(ray.direction * shorter)) + Vec3A::ZERO;
         let scale = unit / shorter;
         // all axes at once
@@ -449,10 +459,15 @@ impl<S: Scalar> BoxParameters<S> {
     }
 }
 
+/// What brings the largest component of a direction into [1, 2).
+#[inline(always)]
+fn to_unit_length<S: Scalar>(ray: &Ray<S>) -> S {
+    let [x, y, z] = ray.direction.to_array();
+    x.abs().greater(y.abs()).greater(z.abs()).to_unit_size()
+}
+
 /// The start of a ray whose interval begins before its origin, and its lead: at the begin of the
 /// interval, or where the ray enters the cube around the scene if that is later.
-#[cold]
-#[inline(never)]
 fn earlier_start<S: Scalar>(ray: &Ray<S>, unit: S, shorter: S) -> (Vec3, f32) {
     let origin = ray.origin.to_dvec3() * unit.to_f64();
     let direction = ray.direction.to_dvec3() * shorter.to_f64();

@@ -9,8 +9,9 @@ use crate::geometry::lanes::{Eight, Lanes};
 /// Set in the child of a node that is a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Eight boxes in f32, by plane; 224 bytes, three and a half cache lines.
-#[repr(C)]
+/// Eight boxes in f32, by plane; 224 bytes in four cache lines of their own, which is faster than without
+/// the gap.
+#[repr(C, align(64))]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
     /// Lower planes on x, y, z, then upper ones; a box that is none has them the wrong way round.
@@ -48,23 +49,47 @@ impl Node {
 /// * Where it enters: all that a hit's point may lie outside of its triangle's box
 ///   (`primitives/precise.rs`), as a shift of the origin.
 /// * Where it leaves: the rounding of corners at the hit's distance, as a factor (an angle); on axes
-///   along which the ray hardly runs, as a shift. No more, so that a ray which leaves a face is not
+///   along which the ray hardly runs, as a shift; and the rounding of the ray's products, about an ulp of its
+///   origin's coordinate. No more, so that a ray which leaves a face is not
 ///   within the boxes of that face. A triangle whose box ends behind the origin is not hit: that holds of
 ///   the watertight test in f32; for other primitives both ends are shifted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NodeRay {
-    /// Of planes where boxes are entered, and of those where they are left.
-    origin: [[f32x8; 3]; 2],
+    /// A plane is met at `plane * inverse - product`: planes where boxes are entered, and those where they are
+    /// left.
     inverse: [[f32x8; 3]; 2],
-    /// Numbers of the planes that the ray meets first, by axis; below 6.
-    near: [usize; 3],
+    product: [[f32x8; 3]; 2],
+    /// Of the planes where boxes are entered, by axis, and of those where they are left: see [`PLANES`].
+    planes: &'static [[usize; 3]; 2],
 }
+
+/// By which octant a direction lies in: axis `k` is bit `k`, set where it is negative.
+const OCTANTS: usize = 8;
+
+/// By octant, where the planes that its rays meet first, and last, stand in a node: bytes from its begin.
+static PLANES: [[[usize; 3]; 2]; OCTANTS] = {
+    let mut all = [[[0; 3]; 2]; OCTANTS];
+    let mut octant = 0;
+    while octant < OCTANTS {
+        let mut k = 0;
+        while k < 3 {
+            let is_negative = octant >> k & 1;
+            all[octant][0][k] = (k + 3 * is_negative) * size_of::<f32x8>();
+            all[octant][1][k] = (k + 3 * (1 - is_negative)) * size_of::<f32x8>();
+            k += 1;
+        }
+        octant += 1;
+    }
+    all
+};
 
 /// Components of a direction that are a smaller part of the largest one make too large a factor.
 const LEAST_PART: f32 = 1.0 / 512.0;
 /// More than the reciprocal of any component that counts, and less than overflows in a scene of unit
 /// size.
 const LARGE: f32 = 1e37;
+/// Where a plane's product is rounded before the ray's is subtracted: coordinates are below 2.
+const PLANE_ROUNDING: f32 = if cfg!(target_feature = "fma") { 0.0 } else { f32::EPSILON };
 
 impl NodeRay {
     /// Of a ray in a scene of unit size, its direction neither longer than 1e18 nor shorter than 1e-18, no
@@ -74,8 +99,8 @@ impl NodeRay {
         const EPSILON: f32 = f32::EPSILON;
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
         // 24 epsilons of the largest coordinate, below 2, for weights; 5 of distances for corners; 4 for
-        // the slab; the rounding of the origin in f64
-        let shift = Vec3A::splat((64.0 + 9.0 * o.abs().max_element()) * EPSILON).copysign(d);
+        // the slab; 1 of each for products; the rounding of the origin in f64
+        let shift = Vec3A::splat((66.0 + 10.0 * o.abs().max_element()) * EPSILON).copysign(d);
         let longest = d.abs().max_element();
         let is_shifted = match is_exact {
             true => d.abs().cmplt(Vec3A::splat(longest * LEAST_PART)),
@@ -85,12 +110,22 @@ impl NodeRay {
         let angle = inverse.abs() * (longest * (5.0 * EPSILON)) + (1.0 + 3.0 * EPSILON);
         let longer = Vec3A::select(is_shifted, Vec3A::splat(1.0 + 4.0 * EPSILON), angle);
         let leave = o - Vec3A::select(is_shifted, shift, Vec3A::ZERO);
-        let splat = |v: Vec3A| v.to_array().map(f32x8::splat);
-        let negative = inverse.is_negative_bitmask() as usize;
+        let leave_inverse = inverse * longer;
+        let (enter, leave) = ((o + shift) * inverse, leave * leave_inverse);
+        // the rounding of the product
+        let leave = leave - leave.abs() * (2.0 * EPSILON) - leave_inverse.abs() * PLANE_ROUNDING;
+        Self::with([inverse, leave_inverse], [enter, leave])
+    }
+
+    #[inline(always)]
+    fn with(inverse: [Vec3A; 2], product: [Vec3A; 2]) -> Self {
+        // one by one: `map` of arrays of arrays becomes a call
+        let splat = |v: Vec3A| [f32x8::splat(v.x), f32x8::splat(v.y), f32x8::splat(v.z)];
+        let octant = inverse[0].is_negative_bitmask() as usize;
         Self {
-            origin: [splat(o + shift), splat(leave)],
-            inverse: [splat(inverse), splat(inverse * longer)],
-            near: std::array::from_fn(|k| k + 3 * (negative >> k & 1)),
+            inverse: [splat(inverse[0]), splat(inverse[1])],
+            product: [splat(product[0]), splat(product[1])],
+            planes: &PLANES[octant & (OCTANTS - 1)],
         }
     }
 
@@ -99,22 +134,17 @@ impl NodeRay {
     #[inline(always)]
     pub(super) fn plain(o: Vec3A, d: Vec3A) -> Self {
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
-        let negative = inverse.is_negative_bitmask() as usize;
-        let [origin, inverse] = [o, inverse].map(|v| v.to_array().map(f32x8::splat));
-        let near = std::array::from_fn(|k| k + 3 * (negative >> k & 1));
-        Self { origin: [origin; 2], inverse: [inverse; 2], near }
+        Self::with([inverse; 2], [o * inverse; 2])
     }
 
     /// Boxes that the ray meets up to parameter `end`, a bit each, and where it enters them.
     #[inline(always)]
     pub(super) fn test(&self, node: &Node, end: f32) -> (u32, f32x8) {
-        // axis k has planes k and k + 3
         let plane = |k: usize, side: usize| {
-            let number = if side == 0 { self.near[k] } else { 2 * k + 3 - self.near[k] };
-            debug_assert!(number < 6);
-            // SAFETY: `near` is only ever set by `of`, to k or k + 3
-            let plane = unsafe { *node.planes.get_unchecked(number) };
-            (plane - self.origin[side][k]) * self.inverse[side][k]
+            // SAFETY: `PLANES` has the places of planes, which come first in a node
+            let plane =
+                unsafe { *std::ptr::from_ref(node).byte_add(self.planes[side][k]).cast::<f32x8>() };
+            plane.mul_sub(self.inverse[side][k], self.product[side][k])
         };
         let enter = plane(0, 0).greater(plane(1, 0));
         let enter = enter.greater(plane(2, 0).greater(f32x8::ZERO));

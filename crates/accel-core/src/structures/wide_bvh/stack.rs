@@ -118,15 +118,18 @@ impl<'a> Stack<'a> {
             let key = u64::from(enter[child].to_bits() & !SIGN);
             key << 32 | u64::from(node.children[child])
         };
+        let first = met.trailing_zeros();
+        met &= met - 1;
+        if met == 0 {
+            // where the ray enters it is not waited for
+            return Some(node.children[first as usize & (WIDTH - 1)]);
+        }
+        let a = entry(first);
         let mut next = || {
             let child = met.trailing_zeros();
             met &= met.wrapping_sub(1);
             (entry(child), met == 0)
         };
-        let (a, is_last) = next();
-        if is_last {
-            return Some(a as u32);
-        }
         let (b, is_last) = next();
         let (a, b) = (a.min(b), a.max(b));
         if is_last {
