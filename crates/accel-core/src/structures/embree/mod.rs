@@ -30,8 +30,9 @@ use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
-use crate::structures::obvhs::adapter::{Padding, RaySetup, boxes};
+use crate::structures::obvhs::box_ray::RaySetup;
 use crate::structures::obvhs::direct::is_served;
+use crate::structures::obvhs::items::{Padding, boxes};
 use library::{Input, Library};
 use scene::Scene;
 

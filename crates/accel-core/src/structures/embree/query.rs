@@ -8,7 +8,7 @@ use super::scene::Scene;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::query::sink::Sink;
-use crate::structures::obvhs::adapter::{BoxParameters, Length};
+use crate::structures::obvhs::box_ray::{BoxParameters, Length};
 
 struct Query<'q, S: Scalar, K> {
     structure: &'q Scene<S>,

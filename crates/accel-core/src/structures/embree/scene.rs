@@ -3,7 +3,7 @@
 use super::ffi;
 use super::library::Library;
 use crate::geometry::scalar::Scalar;
-use crate::structures::obvhs::adapter::RaySetup;
+use crate::structures::obvhs::box_ray::RaySetup;
 
 /// A scene of Embree over our primitives.
 pub(super) struct Scene<S: Scalar> {

@@ -3,8 +3,8 @@
 //! Papers: D. Meister, J. Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume
 //! Hierarchy Construction", TVCG 2018, and "Parallel Reinsertion for Bounding Volume Hierarchy
 //! Optimization", 2018, as implemented by obvhs 0.4. Its builder and its traversal are used;
-//! primitives are tested by our own sets. See `obvhs_adapter.rs` for the robust adapter, and
-//! `obvhs_builder.rs` for scenes that the builder does not serve.
+//! primitives are tested by our own sets. See `adapter.rs` for the robust adapter, and
+//! `builder.rs` for scenes that the builder does not serve.
 
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::fast_stack;
@@ -18,11 +18,12 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, BoxRay, DEVIATIONS, Groups, Items, Length, PARAMS, RaySetup, VARIANTS,
-    build_params, items, known_defect,
+    ALSO_TESTED, DEVIATIONS, PARAMS, VARIANTS, build_params, known_defect,
 };
+use crate::structures::obvhs::box_ray::{BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
+use crate::structures::obvhs::items::{Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks};
 
 /// Registry line.

@@ -2,8 +2,8 @@
 //!
 //! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. Its builder, node test and
-//! traversal are used; primitives are tested by our own sets. See `obvhs_adapter.rs`, and
-//! `obvhs_builder.rs` for scenes that the builder does not serve.
+//! traversal are used; primitives are tested by our own sets. See `adapter.rs`, and
+//! `builder.rs` for scenes that the builder does not serve.
 
 use std::ops::ControlFlow;
 
@@ -19,11 +19,12 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, DEVIATIONS, Groups, Items, Length, PARAMS, RaySetup, VARIANTS, build_params,
-    items, known_defect,
+    ALSO_TESTED, DEVIATIONS, PARAMS, VARIANTS, build_params, known_defect,
 };
+use crate::structures::obvhs::box_ray::{Length, RaySetup};
 use crate::structures::obvhs::builder::{TooDeep, eight_wide};
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
+use crate::structures::obvhs::items::{Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks};
 
 /// Registry line.

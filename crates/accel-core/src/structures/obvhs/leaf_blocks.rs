@@ -11,7 +11,8 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::OutOfMemory;
 use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
-use crate::structures::obvhs::adapter::{Groups, is_robust};
+use crate::structures::obvhs::adapter::is_robust;
+use crate::structures::obvhs::items::Groups;
 
 /// Triangles in a block.
 const LANES: u32 = TriangleBlock::<f32>::LANES as u32;
@@ -85,8 +86,9 @@ pub(crate) fn references<S: Scalar>(blocks: &[TriangleBlock<S>]) -> u64 {
 mod tests {
     use super::*;
     use crate::primitives::TriangleSet;
-    use crate::structures::obvhs::adapter::{build_params, items};
+    use crate::structures::obvhs::adapter::build_params;
     use crate::structures::obvhs::builder;
+    use crate::structures::obvhs::items::items;
 
     fn triangles(n: usize) -> TriangleSet<f32> {
         let part = |i: usize, by: f64| (i as f64 * by).fract() as f32;

@@ -8,7 +8,7 @@
 use obvhs::bvh2::Bvh2;
 
 use crate::primitives::TriangleBlock;
-use crate::structures::obvhs::adapter::Groups;
+use crate::structures::obvhs::items::Groups;
 
 /// Children of a node at most.
 pub(super) const WIDTH: usize = 8;

@@ -27,11 +27,10 @@ use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
-use crate::structures::obvhs::adapter::{
-    BoxParameters, BoxRay, Length, PRESET, Padding, RaySetup, UNPADDED, build_params, is_unpadded,
-    items_of,
-};
+use crate::structures::obvhs::adapter::{PRESET, UNPADDED, build_params, is_unpadded};
+use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
+use crate::structures::obvhs::items::{Padding, items_of};
 use collapse::{Collapse, Costs, WIDTH};
 use node::{LEAF, Node, NodeRay};
 use stack::{LEVELS, Room, Stack};

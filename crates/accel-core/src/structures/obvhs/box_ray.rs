@@ -1,0 +1,208 @@
+//! Rays as boxes in f32 are tested with them, and what a ray's parameters are there.
+
+use glam::{Vec3, Vec3A};
+use obvhs::ray::Ray as ObvhsRay;
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+
+/// How rays are told to obvhs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum RaySetup<S: Scalar> {
+    /// Unchanged.
+    AsShipped,
+    /// Origins times `unit`, so that the scene's largest coordinate lies in [1, 2).
+    Robust {
+        /// A power of two.
+        unit: S,
+    },
+}
+
+impl<S: Scalar> RaySetup<S> {
+    /// For a scene whose largest coordinate is `magnitude`.
+    pub(super) fn robust(magnitude: S) -> Self {
+        Self::Robust { unit: magnitude.to_unit_size() }
+    }
+
+    /// What coordinates are multiplied by.
+    pub(crate) fn unit(&self) -> f64 {
+        match self {
+            Self::AsShipped => 1.0,
+            Self::Robust { unit } => unit.to_f64(),
+        }
+    }
+
+    /// A box as the tree has it, in world units.
+    pub(crate) fn world(&self, [low, high]: [[f32; 3]; 2]) -> Aabb<f64> {
+        let [min, max] = [low, high].map(|p| Vec3::from_array(p).as_dvec3() / self.unit());
+        Aabb { min, max }
+    }
+
+    /// The ray for obvhs.
+    #[inline(always)]
+    pub(crate) fn ray(&self, ray: &Ray<S>, length: Length) -> BoxRay<S> {
+        match *self {
+            Self::AsShipped => BoxRay::as_shipped(ray),
+            Self::Robust { unit } => BoxRay::robust(ray, unit, length),
+        }
+    }
+
+    /// Whether obvhs is to get bounds that rounding cannot make too small.
+    #[inline(always)]
+    pub(crate) fn is_robust(&self) -> bool {
+        matches!(self, Self::Robust { .. })
+    }
+}
+
+/// What the direction of a ray for boxes is as long as.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Length {
+    /// The ray's own in f32, its largest component in [1, 2) in f64 or where it starts earlier.
+    Own,
+    /// Its largest component lies in [1, 2).
+    Unit,
+    /// [`BRIEF`] times that.
+    Brief,
+}
+
+/// A ray for box tests.
+pub(crate) struct BoxRay<S: Scalar> {
+    pub(crate) ray: ObvhsRay,
+    pub(crate) parameters: BoxParameters<S>,
+}
+
+/// What our parameters are on a [`BoxRay`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BoxParameters<S> {
+    /// So many times ours.
+    scale: S,
+    /// Our `t` is at most `t * scale + lead`: how far the ray starts before the true origin, or a little
+    /// more.
+    lead: f32,
+}
+
+/// CwBvh ignores boxes that begin or end before t = 1e-4. A ray that starts this much before its origin
+/// finds them, in units of the scene's size if the largest component of its direction is in [1, 2).
+const LEAD: f32 = 1.0625e-4;
+/// Of a direction this much shorter, 1e-4 is a tenth of an ulp: no padded box ends before it.
+const BRIEF: f32 = f32::from_bits((127 - 14) << 23);
+
+/// Half the side of a cube around the origin that holds the scene, in units of its size.
+const CUBE: f64 = 3.0;
+
+/// More than the rounding of both terms where a negative parameter and a lead are added: origins
+/// lie within 16 of the cube's centre, and so leads are below 20.
+const LEAD_SLACK: f32 = 32.0 * f32::EPSILON;
+
+impl<S: Scalar> BoxRay<S> {
+    #[inline(always)]
+    fn robust(ray: &Ray<S>, unit: S, length: Length) -> Self {
+        let is_own = length == Length::Own && size_of::<S>() == size_of::<f32>();
+        if ray.t_min < S::ZERO {
+            return Self::starting_earlier(ray, unit);
+        }
+        let mut shorter = if is_own { S::ONE } else { to_unit_length(ray) };
+        let mut lead = 0.0;
+        if length == Length::Brief {
+            shorter = shorter * S::from_f64(f64::from(BRIEF));
+            lead = LEAD;
+        }
+        let origin = to_f32::<S>(ray.origin * unit);
+        Self::scaled(ray, origin, unit, shorter, lead)
+    }
+
+    /// Of a ray whose interval begins before its origin.
+    #[cold]
+    #[inline(never)]
+    fn starting_earlier(ray: &Ray<S>, unit: S) -> Self {
+        let shorter = to_unit_length(ray);
+        let (start, lead) = earlier_start(ray, unit, shorter);
+        Self::scaled(ray, start, unit, shorter, lead)
+    }
+
+    #[inline(always)]
+    fn scaled(ray: &Ray<S>, origin: Vec3, unit: S, shorter: S, lead: f32) -> Self {
+        let origin = Vec3A::from(origin);
+        let direction = Vec3A::from(to_f32::<S>(ray.direction * shorter)) + Vec3A::ZERO;
+        let scale = unit / shorter;
+        // all axes at once
+        let is_small = direction.abs().cmplt(Vec3A::splat(1e-30));
+        let large = Vec3A::splat(f32::from_bits(0x7180_0000)).copysign(direction);
+        let ray = ObvhsRay {
+            origin,
+            direction,
+            inv_direction: Vec3A::select(is_small, large, direction.recip()),
+            tmin: 0.0,
+            tmax: f32::INFINITY,
+        };
+        Self { ray, parameters: BoxParameters { scale, lead } }
+    }
+
+    #[inline(always)]
+    fn as_shipped(ray: &Ray<S>) -> Self {
+        let (t_min, t_max) = (ray.t_min.to_f64() as f32, ray.t_max.to_f64() as f32);
+        let (o, d) = (to_f32::<S>(ray.origin), to_f32::<S>(ray.direction));
+        Self {
+            ray: ObvhsRay::new(o.into(), d.into(), t_min, t_max),
+            parameters: BoxParameters::SAME,
+        }
+    }
+}
+
+impl<S: Scalar> BoxParameters<S> {
+    /// Ours.
+    const SAME: Self = Self { scale: S::ONE, lead: 0.0 };
+
+    /// Whether its origin is not the true one.
+    #[inline(always)]
+    pub(crate) fn starts_earlier(&self) -> bool {
+        self.lead > 0.0
+    }
+
+    /// Where hits from `t_min` on may begin; no rounding makes it too large. A ray whose interval
+    /// begins before its origin starts there, at 0.
+    #[cfg(feature = "embree")]
+    #[inline(always)]
+    pub(crate) fn start(&self, t_min: S) -> f32 {
+        ((t_min * self.scale).to_f64() as f32).max(0.0) * (1.0 - 4.0 * f32::EPSILON)
+    }
+
+    /// A bound for obvhs's box tests that no rounding makes too small.
+    #[inline(always)]
+    pub(crate) fn bound(&self, t_max: S) -> f32 {
+        let t = (t_max * self.scale).to_f64() as f32;
+        // 0 * infinity: `max` gives 0 for NaN
+        (t + self.lead).max(0.0) * (1.0 + 4.0 * f32::EPSILON)
+    }
+}
+
+/// What brings the largest component of a direction into [1, 2).
+#[inline(always)]
+fn to_unit_length<S: Scalar>(ray: &Ray<S>) -> S {
+    let [x, y, z] = ray.direction.to_array();
+    x.abs().greater(y.abs()).greater(z.abs()).to_unit_size()
+}
+
+/// The start of a ray whose interval begins before its origin, and its lead: at the begin of the
+/// interval, or where the ray enters the cube around the scene if that is later.
+fn earlier_start<S: Scalar>(ray: &Ray<S>, unit: S, shorter: S) -> (Vec3, f32) {
+    let origin = ray.origin.to_dvec3() * unit.to_f64();
+    let direction = ray.direction.to_dvec3() * shorter.to_f64();
+    let (o, d) = (origin.to_array(), direction.to_array());
+    let mut start = ray.t_min.to_f64() * (unit / shorter).to_f64();
+    for k in 0..3 {
+        if d[k] != 0.0 {
+            start = start.max((-CUBE.copysign(d[k]) - o[k]) / d[k]);
+        }
+    }
+    // never later than rays without negative parameters
+    let start = start.min(0.0) - f64::from(LEAD);
+    ((origin + direction * start).as_vec3(), -start as f32 + LEAD_SLACK)
+}
+
+#[inline(always)]
+fn to_f32<S: Scalar>(v: crate::Vec3<S>) -> Vec3 {
+    let [x, y, z] = v.to_array();
+    Vec3::new(x.to_f64() as f32, y.to_f64() as f32, z.to_f64() as f32)
+}

@@ -1,0 +1,226 @@
+//! What a BVH of obvhs's builders is built over: boxes in f32, checked, padded and grouped.
+
+use glam::Vec3A;
+use obvhs::aabb::Aabb as ObvhsAabb;
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
+use crate::params::Params;
+use crate::primitives::PrimSet;
+use crate::structure::{BuildError, refuse_out_of_scale};
+use crate::structures::obvhs::adapter::{is_robust, is_unpadded};
+use crate::structures::obvhs::box_ray::RaySetup;
+
+/// The boxes a BVH is built over, and which primitives each stands for.
+pub(crate) struct Items<S: Scalar> {
+    pub(crate) boxes: Vec<ObvhsAabb>,
+    pub(crate) groups: Groups,
+    pub(crate) setup: RaySetup<S>,
+}
+
+/// Primitives of a box: one each, unless many boxes share a centre.
+pub(crate) enum Groups {
+    Single,
+    /// `ids[starts[i]..starts[i + 1]]` belong to box `i`.
+    Many {
+        starts: Vec<u32>,
+        ids: Vec<u32>,
+    },
+}
+
+impl Groups {
+    /// The primitives of the box whose number stands in `item`.
+    #[inline(always)]
+    pub(crate) fn ids<'a>(&'a self, item: &'a u32) -> &'a [u32] {
+        match self {
+            Self::Single => std::slice::from_ref(item),
+            Self::Many { starts, ids } => {
+                let i = *item as usize;
+                &ids[starts[i] as usize..starts[i + 1] as usize]
+            }
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        match self {
+            Self::Single => 0,
+            Self::Many { starts, ids } => (starts.len() + ids.len()) as u64 * 4,
+        }
+    }
+}
+
+/// More primitives with the same centre than this, in a sample, and they are grouped.
+const TOLERATED_COINCIDENT: usize = 3;
+const CENTRE_SAMPLE: usize = 4096;
+
+/// The boxes of all primitives, checked, padded and grouped as the adapter setting says.
+pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    params: &Params,
+) -> Result<Items<S>, BuildError> {
+    let padding = match (is_robust(params), is_unpadded(params)) {
+        (false, _) => Padding::None,
+        (true, false) => Padding::OfScene,
+        (true, true) => Padding::Rounding,
+    };
+    items_of(prims, params, padding)
+}
+
+/// By how much the box of a primitive grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Padding {
+    /// Not at all, and coordinates are kept as they are: boxes for obvhs as shipped.
+    None,
+    /// By no more than the rounding of coordinates to f32, in units of the scene's size.
+    Rounding,
+    /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
+    OfScene,
+    /// By [`CORNER_EPSILONS`] of its own extent.
+    OfExtent,
+}
+
+/// A ray hits a triangle of which no corner is off by more than 4 epsilons of its distance on any axis
+/// from the ray's origin (7 half epsilons in the sheared space, `primitives/shear.rs`, and a half in
+/// depth); that is at most its extent and the hit's distance.
+pub(crate) const CORNER_EPSILONS: f64 = 5.0;
+
+/// [`items`], the padding given.
+pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    params: &Params,
+    padding: Padding,
+) -> Result<Items<S>, BuildError> {
+    // a box and an id of each primitive, twice as many nodes
+    params.fits(96 * prims.len() as u128)?;
+    let (single, setup) = boxes(prims, params.structure(), padding)?;
+    let (boxes, groups) = if padding != Padding::None && centres_coincide(&single) {
+        grouped(&single)
+    } else {
+        (single, Groups::Single)
+    };
+    Ok(Items { boxes, groups, setup })
+}
+
+/// The boxes of all primitives in f32, by id, checked; if padded, in units of the scene's size.
+pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    structure: &'static str,
+    padding: Padding,
+) -> Result<(Vec<ObvhsAabb>, RaySetup<S>), BuildError> {
+    if padding == Padding::None {
+        // obvhs knows f32 alone
+        refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
+    }
+    let boxes = BoundsOf::new(prims, BoundsRule::Padded)
+        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
+    let magnitude = boxes.scene().magnitude();
+    let setup = match padding {
+        Padding::None => RaySetup::AsShipped,
+        Padding::Rounding | Padding::OfScene | Padding::OfExtent => RaySetup::robust(magnitude),
+    };
+    let epsilon = f64::from(f32::EPSILON);
+    let margin = |tight: &Aabb<S>| match padding {
+        Padding::None | Padding::Rounding => 0.0,
+        Padding::OfScene => epsilon * PADDING_ULPS * magnitude.to_f64(),
+        Padding::OfExtent => epsilon * CORNER_EPSILONS * tight.size().to_dvec3().max_element(),
+    };
+    let padded = |tight: Aabb<S>| outward(&tight, margin(&tight), setup.unit());
+    let single = (0..prims.len() as u32).map(|id| padded(prims.bounds(id))).collect();
+    Ok((single, setup))
+}
+
+/// Grown by a margin, in f32 and in the unit given (its reciprocal in world units), rounded outwards.
+#[inline(always)]
+fn outward<S: Scalar>(b: &Aabb<S>, margin: f64, unit: f64) -> ObvhsAabb {
+    let lo = b.min.to_array().map(|x| {
+        let exact = (x.to_f64() - margin) * unit;
+        let y = exact as f32;
+        if f64::from(y) > exact { y.next_down() } else { y }
+    });
+    let hi = b.max.to_array().map(|x| {
+        let exact = (x.to_f64() + margin) * unit;
+        let y = exact as f32;
+        if f64::from(y) < exact { y.next_up() } else { y }
+    });
+    ObvhsAabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
+}
+
+fn centre_key(b: &ObvhsAabb) -> [u32; 3] {
+    // + 0.0 makes -0.0 and 0.0 the same key
+    (b.center() + Vec3A::ZERO).to_array().map(f32::to_bits)
+}
+
+/// Looks at a regular sample: a cluster large enough to make the build quadratic shows in it.
+fn centres_coincide(boxes: &[ObvhsAabb]) -> bool {
+    let stride = boxes.len().div_ceil(CENTRE_SAMPLE).max(1);
+    let mut keys: Vec<_> = boxes.iter().step_by(stride).map(centre_key).collect();
+    keys.sort_unstable();
+    keys.chunk_by(|a, b| a == b).any(|run| run.len() > TOLERATED_COINCIDENT)
+}
+
+fn grouped(single: &[ObvhsAabb]) -> (Vec<ObvhsAabb>, Groups) {
+    let mut order: Vec<u32> = (0..single.len() as u32).collect();
+    order.sort_by_key(|&i| (centre_key(&single[i as usize]), i));
+    let mut boxes = Vec::new();
+    let mut starts = vec![0];
+    for run in
+        order.chunk_by(|&a, &b| centre_key(&single[a as usize]) == centre_key(&single[b as usize]))
+    {
+        let mut all = single[run[0] as usize];
+        for &i in &run[1..] {
+            all = all.union(&single[i as usize]);
+        }
+        boxes.push(all);
+        starts.push(starts[starts.len() - 1] + run.len() as u32);
+    }
+    (boxes, Groups::Many { starts, ids: order })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::primitives::{MixedSetBuilder, PrimitiveError, TriangleSet, Watertight};
+
+    #[test]
+    fn coincident_centres_are_grouped_and_nothing_is_lost() {
+        let mut builder = MixedSetBuilder::<f32>::default();
+        for i in 0..1000u32 {
+            let centre = if i % 2 == 0 { glam::DVec3::ZERO } else { glam::DVec3::X * f64::from(i) };
+            builder.sphere(centre, 0.1 + f64::from(i) * 1e-4).unwrap();
+        }
+        let set = builder.finish();
+        let entry = crate::structures::find("obvhs-bvh2").unwrap();
+        let items = items(&set, &entry.params([]).unwrap()).unwrap();
+        let Groups::Many { ids, .. } = &items.groups else { panic!("not grouped") };
+        assert_eq!(items.boxes.len(), 501);
+        let mut sorted = ids.clone();
+        sorted.sort_unstable();
+        assert_eq!(sorted, (0..1000).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn what_is_not_finite_never_reaches_a_structure() {
+        let good = [[0.0f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let mut triangles = vec![good; 4];
+            triangles[2][1][0] = bad;
+            let set = TriangleSet::<f32, Watertight>::new(triangles, |_| false);
+            assert_eq!(set.unwrap_err(), PrimitiveError::NotFinite { id: 2 });
+        }
+        // finite, but no product of them is
+        let far = |x: f32| [[x; 3], [x * 0.9, x, x], [x, x * 0.9, x]];
+        let set = vec![good, far(3e38), far(-3e38)];
+        let set = TriangleSet::<f32, Watertight>::new(set, |_| false).unwrap();
+        for entry in crate::structures::REGISTRY.iter().filter(|e| e.info.name != "brute-force") {
+            let params = entry.params([]).unwrap();
+            let result = entry.build(crate::primitives::PrimsRef::Watertight(&set), &params);
+            assert!(
+                matches!(result, Err(BuildError::OutOfScale { exponent: 127, .. })),
+                "{} accepts it",
+                entry.info.name
+            );
+        }
+    }
+}
