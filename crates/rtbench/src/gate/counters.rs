@@ -39,6 +39,12 @@ fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
     if !metric.is_cost && before != now {
         return Some(finding(Outcome::NotJudged, "changed; no cost by itself, but a share of one"));
     }
+    if before > 0.0 && now == 0.0 {
+        return Some(finding(
+            Outcome::NotJudged,
+            "nothing was counted: less work, or counted no more",
+        ));
+    }
     let outcome = match before.total_cmp(&now) {
         std::cmp::Ordering::Less => Outcome::Regression,
         std::cmp::Ordering::Equal => Outcome::Unchanged,

@@ -273,22 +273,33 @@ impl Report {
             let Line { case, precision, structure, tolerated, .. } = l;
             format!("{case} {precision} {structure}: {tolerated} departures within the tolerance")
         }));
-        // one note for all that say the same: brute force refuses for all
-        let mut refused: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
+        notes.extend(self.refusals());
+        notes
+    }
+
+    /// One note for all that were refused for the same reason: brute force refuses for all, a plugin all
+    /// cases in f64.
+    fn refusals(&self) -> impl Iterator<Item = String> {
+        let mut who: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
         for line in &self.lines {
             if let Some(why) = &line.reason {
                 let said = (line.case, line.precision, line.refused, why.as_str());
-                refused.entry(said).or_default().push(&line.structure);
+                who.entry(said).or_default().push(&line.structure);
             }
         }
-        notes.extend(refused.into_iter().map(|((case, precision, rounds, why), structures)| {
+        let mut what: BTreeMap<(String, &str), (u64, Vec<String>)> = BTreeMap::new();
+        for ((case, precision, rounds, why), structures) in who {
             let who = match structures.as_slice() {
                 [one] => (*one).to_owned(),
                 many => format!("{} structures", many.len()),
             };
-            format!("{case} {precision} {who}: {rounds} rounds refused: {why}")
-        }));
-        notes
+            let (sum, cases) = what.entry((who, why)).or_default();
+            *sum += rounds;
+            cases.push(format!("{case} {precision}"));
+        }
+        what.into_iter().map(|((who, why), (rounds, cases))| {
+            format!("{} {who}: {rounds} rounds refused: {why}", cases.join(", "))
+        })
     }
 
     /// The first mismatches of each line, and how many more there are.

@@ -72,6 +72,10 @@ fn counters_have_no_tolerance() {
     assert_eq!(tests(0), Outcome::Unchanged);
     assert_eq!(tests(1), Outcome::Regression);
     assert_eq!(tests(-1), Outcome::Improved);
+    // a plugin that counts no more has not become better
+    let none =
+        after(|r| row(r, ROW).work.as_mut().unwrap().intersection_tests = 0, "counters", "n_it");
+    assert_eq!(none, Outcome::NotJudged);
     let memory =
         after(|r| row(r, ROW).shape.as_mut().unwrap().memory_bytes += 1, "counters", "memory");
     assert_eq!(memory, Outcome::Regression);
