@@ -90,8 +90,7 @@ fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
     if !ray.is_traceable() {
         return Place::Nowhere;
     }
-    let [x, y, z] = ray.direction.to_array();
-    let factor = x.abs().greater(y.abs()).greater(z.abs()).to_unit_size();
+    let factor = ray.unit_factor();
     let inverse = S::ONE / factor;
     let common = Ray {
         direction: ray.direction * factor,

@@ -35,6 +35,13 @@ impl<S: Scalar> Ray<S> {
         self.origin + self.direction * t
     }
 
+    /// The power of two that brings the largest component of the direction into [1, 2).
+    #[inline(always)]
+    pub(crate) fn unit_factor(&self) -> S {
+        let [x, y, z] = self.direction.to_array();
+        x.abs().greater(y.abs()).greater(z.abs()).to_unit_size()
+    }
+
     /// The same ray in f64.
     #[inline(always)]
     pub fn widened(&self) -> Ray<f64> {

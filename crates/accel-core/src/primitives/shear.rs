@@ -63,19 +63,14 @@ impl<S: Scalar> Shear<S> {
         let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
         // by tables: which axis is the longest is as good as random, and a branch would guess
         let order = usize::from(ax > ay) | usize::from(ax > az) << 1 | usize::from(ay > az) << 2;
-        debug_assert!(order < 8);
-        // SAFETY: three bits; both tables hold axes, and a sign is one bit
-        let (kx, ky, kz, of) = unsafe {
-            let kz = *LONGEST.get_unchecked(order);
-            let others = OTHERS.get_unchecked(kz);
-            let [kx, ky] = *others.get_unchecked(usize::from(*d.get_unchecked(kz) < S::ZERO));
-            let of = |v: &[S; 3]| [kx, ky, kz].map(|k| *v.get_unchecked(k));
-            (kx, ky, kz, [of(&o), of(&d)])
-        };
-        let [origin, [dx, dy, dz]] = of;
+        let kz = LONGEST[order];
+        let [kx, ky] = OTHERS[kz][usize::from(d[kz] < S::ZERO)];
+        let axes = [kx, ky, kz];
+        // SAFETY: the tables hold axes
+        let (origin, [dx, dy, dz]) = unsafe { (along(&o, axes), along(&d, axes)) };
         let inv = S::ONE / dz;
         Self {
-            axes: [kx, ky, kz],
+            axes,
             origin,
             shear: [dx * inv, dy * inv, inv],
             fine: S::from_i32(4) * magnitude,
@@ -92,16 +87,20 @@ impl<S: Scalar> Shear<S> {
     /// A vertex in the sheared space; `z` is still to be scaled by the third shear factor.
     #[inline(always)]
     pub(crate) fn apply(&self, v: &[S; 3]) -> [S; 3] {
-        let [kx, ky, kz] = self.axes;
-        debug_assert!(kx < 3 && ky < 3 && kz < 3);
         // SAFETY: `axes` is only ever set by `of`, though other tests read it, to a permutation of 0, 1, 2.
-        let (x, y, z) = unsafe {
-            (
-                *v.get_unchecked(kx) - self.origin[0],
-                *v.get_unchecked(ky) - self.origin[1],
-                *v.get_unchecked(kz) - self.origin[2],
-            )
-        };
+        let [x, y, z] = unsafe { along(v, self.axes) };
+        let [x, y, z] = [x - self.origin[0], y - self.origin[1], z - self.origin[2]];
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
+}
+
+/// Coordinates by axis, in that order.
+///
+/// # Safety
+/// Axes are below 3.
+#[inline(always)]
+unsafe fn along<S: Scalar>(v: &[S; 3], [kx, ky, kz]: [usize; 3]) -> [S; 3] {
+    debug_assert!(kx < 3 && ky < 3 && kz < 3);
+    // SAFETY: the caller's
+    unsafe { [*v.get_unchecked(kx), *v.get_unchecked(ky), *v.get_unchecked(kz)] }
 }

@@ -98,11 +98,11 @@ const LEAD_SLACK: f32 = 32.0 * f32::EPSILON;
 impl<S: Scalar> BoxRay<S> {
     #[inline(always)]
     fn robust(ray: &Ray<S>, unit: S, length: Length) -> Self {
-        let is_own = length == Length::Own && size_of::<S>() == size_of::<f32>();
         if ray.t_min < S::ZERO {
             return Self::starting_earlier(ray, unit);
         }
-        let mut shorter = if is_own { S::ONE } else { to_unit_length(ray) };
+        let is_own = length == Length::Own && size_of::<S>() == size_of::<f32>();
+        let mut shorter = if is_own { S::ONE } else { ray.unit_factor() };
         let mut lead = 0.0;
         if length == Length::Brief {
             shorter = shorter * S::from_f64(f64::from(BRIEF));
@@ -116,7 +116,7 @@ impl<S: Scalar> BoxRay<S> {
     #[cold]
     #[inline(never)]
     fn starting_earlier(ray: &Ray<S>, unit: S) -> Self {
-        let shorter = to_unit_length(ray);
+        let shorter = ray.unit_factor();
         let (start, lead) = earlier_start(ray, unit, shorter);
         Self::scaled(ray, start, unit, shorter, lead)
     }
@@ -175,13 +175,6 @@ impl<S: Scalar> BoxParameters<S> {
         // 0 * infinity: `max` gives 0 for NaN
         (t + self.lead).max(0.0) * (1.0 + 4.0 * f32::EPSILON)
     }
-}
-
-/// What brings the largest component of a direction into [1, 2).
-#[inline(always)]
-fn to_unit_length<S: Scalar>(ray: &Ray<S>) -> S {
-    let [x, y, z] = ray.direction.to_array();
-    x.abs().greater(y.abs()).greater(z.abs()).to_unit_size()
 }
 
 /// The start of a ray whose interval begins before its origin, and its lead: at the begin of the

@@ -48,11 +48,11 @@ impl Node {
 /// (`Padding::OfExtent`). What is missing, is added to the ray, so that boxes are found that hold a hit:
 /// * Where it enters: all that a hit's point may lie outside of its triangle's box
 ///   (`primitives/precise.rs`), as a shift of the origin.
-/// * Where it leaves: the rounding of corners at the hit's distance, as a factor (an angle); on axes
-///   along which the ray hardly runs, as a shift; and the rounding of the ray's products, about an ulp of its
-///   origin's coordinate. No more, so that a ray which leaves a face is not
-///   within the boxes of that face. A triangle whose box ends behind the origin is not hit: that holds of
-///   the watertight test in f32; for other primitives both ends are shifted.
+/// * Where it leaves: the rounding of corners at the hit's distance, as a factor (an angle); on axes along
+///   which the ray hardly runs, as a shift; and the rounding of the ray's products, about an ulp of its
+///   origin's coordinate. No more, so that a ray which leaves a face is not within the boxes of that face. A
+///   triangle whose box ends behind the origin is not hit: that holds of the watertight test in f32; for other
+///   primitives both ends are shifted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NodeRay {
     /// A plane is met at `plane * inverse - product`: planes where boxes are entered, and those where they are
@@ -109,12 +109,11 @@ impl NodeRay {
         // a corner is off by 5 epsilons of the distance; 3 for the slab
         let angle = inverse.abs() * (longest * (5.0 * EPSILON)) + (1.0 + 3.0 * EPSILON);
         let longer = Vec3A::select(is_shifted, Vec3A::splat(1.0 + 4.0 * EPSILON), angle);
-        let leave = o - Vec3A::select(is_shifted, shift, Vec3A::ZERO);
+        let leave_origin = o - Vec3A::select(is_shifted, shift, Vec3A::ZERO);
         let leave_inverse = inverse * longer;
-        let (enter, leave) = ((o + shift) * inverse, leave * leave_inverse);
-        // the rounding of the product
-        let leave = leave - leave.abs() * (2.0 * EPSILON) - leave_inverse.abs() * PLANE_ROUNDING;
-        Self::with([inverse, leave_inverse], [enter, leave])
+        let leave = leave_origin * leave_inverse;
+        let rounding = leave.abs() * (2.0 * EPSILON) + leave_inverse.abs() * PLANE_ROUNDING;
+        Self::with([inverse, leave_inverse], [(o + shift) * inverse, leave - rounding])
     }
 
     #[inline(always)]

@@ -118,17 +118,20 @@ impl<'a> Stack<'a> {
             let key = u64::from(enter[child].to_bits() & !SIGN);
             key << 32 | u64::from(node.children[child])
         };
-        let first = met.trailing_zeros();
-        met &= met - 1;
-        if met == 0 {
+        let mut take = || {
+            let child = met.trailing_zeros();
+            met &= met.wrapping_sub(1);
+            (child, met == 0)
+        };
+        let (first, is_last) = take();
+        if is_last {
             // where the ray enters it is not waited for
             return Some(node.children[first as usize & (WIDTH - 1)]);
         }
         let a = entry(first);
         let mut next = || {
-            let child = met.trailing_zeros();
-            met &= met.wrapping_sub(1);
-            (entry(child), met == 0)
+            let (child, is_last) = take();
+            (entry(child), is_last)
         };
         let (b, is_last) = next();
         let (a, b) = (a.min(b), a.max(b));
