@@ -62,6 +62,7 @@ mod room;
 pub mod structure;
 pub mod structures;
 pub mod tree;
+pub mod update;
 pub mod variants;
 
 /// The vectors of this crate's interface are those of this version of glam.

@@ -7,10 +7,11 @@ use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
+use crate::update::Change;
 
 /// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small one in a
 /// crate of its own.
-pub trait Structure<S: Scalar>: Sized + Send + Sync {
+pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// Whether a walk may push an id more than once. Without duplicates a mailbox is of no use,
     /// and none is compiled.
     const DUPLICATES: bool = true;
@@ -23,6 +24,22 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync {
     /// # Errors
     /// [`BuildError`] when the set or the settings cannot be served; never a panic.
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError>;
+
+    /// Takes the structure to the next frame: to what [`Structure::build`] would make of these primitives, or what
+    /// answers for them as well. They are those that it was made for, under the same ids, as many, but for what
+    /// `moved` names (ascending). What it cannot do it builds anew, which is all it does where this is not written.
+    ///
+    /// # Errors
+    /// As [`Structure::build`]; the structure is of no use then.
+    fn update<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        _moved: &[u32],
+    ) -> Result<Change, BuildError> {
+        *self = Self::build(prims, params)?;
+        Ok(Change::Rebuilt)
+    }
 
     /// Pushes every primitive that the ray may hit within the sink's interval, in any order, and
     /// may stop as soon as the rest lies beyond `sink.t_max()`. The ray is traceable

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use accel_core::params::{ParamSpec, Params};
 use accel_core::primitives::PrimsRef;
-use accel_core::query::tracer::{Origin, Tracer};
+use accel_core::query::tracer::{Before, Origin, Tracer};
 use accel_core::structure::{BuildError, StructureInfo, no_defect};
 use accel_core::structures::Entry;
 use accel_core::variants::chosen_tests;
@@ -118,10 +118,11 @@ fn described(launch: &Launch) -> Result<Description, PluginError> {
     })
 }
 
-/// The builder of every plugin's line.
+/// The builder of every plugin's line, which builds anew whatever was before.
 fn built<'a>(
     prims: PrimsRef<'a, f32>,
     params: &Params,
+    _: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<f32> + 'a>, BuildError> {
     let structure = params.structure();
     let refused = |message: &str| BuildError::Library { structure, message: message.to_owned() };
@@ -149,6 +150,7 @@ fn file_name(file: &Path) -> String {
 fn refused_f64<'a>(
     _: PrimsRef<'a, f64>,
     params: &Params,
+    _: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<f64> + 'a>, BuildError> {
     let message = "plugins serve f32 only: leave out --precision f64".to_owned();
     Err(BuildError::Library { structure: params.structure(), message })

@@ -68,6 +68,14 @@ impl CellLists {
         Self { starts, ids }
     }
 
+    pub(crate) fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+
+    pub(crate) fn ids(&self) -> &[u32] {
+        &self.ids
+    }
+
     /// More than `max_references` are refused; counting ends once there are more than
     /// `stop_counting`.
     fn fill(

@@ -6,6 +6,7 @@ pub(crate) mod box_placement;
 pub mod cell_lists;
 pub mod cell_overlap;
 pub mod cell_walk;
+pub(crate) mod changed_cells;
 pub mod distance_field;
 pub mod driving_axis_walk;
 pub(crate) mod nested_grids;

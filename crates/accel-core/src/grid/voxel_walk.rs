@@ -32,7 +32,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_walk::{CellPosition, CellWalk, GridCell};
 
 /// Where the cells of a regular grid are.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridFrame<S: Scalar> {
     bounds: Aabb<S>,
     lo: [S; 3],

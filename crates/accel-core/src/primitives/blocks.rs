@@ -17,6 +17,11 @@ pub(crate) fn number_of<S: Scalar>(primitives: usize) -> usize {
     primitives.div_ceil(TriangleBlock::<S>::LANES)
 }
 
+/// Blocks of the list that begins with the first of these.
+pub(crate) fn length<S: Scalar>(blocks: &[TriangleBlock<S>]) -> usize {
+    (blocks.iter().take_while(|block| block.has_next()).count() + 1).min(blocks.len())
+}
+
 /// The blocks of a list, in its order.
 pub(crate) fn of_list<'a, S: Scalar, P: PrimSet<S>>(
     prims: &'a P,
@@ -27,6 +32,16 @@ pub(crate) fn of_list<'a, S: Scalar, P: PrimSet<S>>(
     ids.chunks(TriangleBlock::<S>::LANES).enumerate().map(move |(i, part)| {
         TriangleBlock::new(part.iter().filter_map(|&id| Some((id, corners(id)?))), i < last)
     })
+}
+
+/// Makes blocks anew of the same primitives, which have moved.
+pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(prims: &P, blocks: &mut [TriangleBlock<S>]) {
+    for block in blocks {
+        let (ids, n) = block.ids();
+        let corners = |id| Some((id, prims.corners(id)?.map(|p| p.to_array())));
+        *block =
+            TriangleBlock::new(ids[..n].iter().filter_map(|&id| corners(id)), block.has_next());
+    }
 }
 
 /// So many empty blocks, then those of lists, one list after the other; made by the threads of the

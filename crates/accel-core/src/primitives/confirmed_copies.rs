@@ -29,6 +29,7 @@ impl Instances {
             }
             is_apart
         });
+        let parts = claims.iter().map(|&claim| *claim).collect();
         let mut objects: Vec<(&Instance, Object)> = Vec::new();
         let mut places = HashMap::new();
         let mut hulls = Hulls::default();
@@ -41,12 +42,31 @@ impl Instances {
             };
             let from_first = claim.placement * first.placement.inverse();
             let to_first = inverse(from_first);
-            if to_first.is_some() && hulls.agree::<S, P>(prims, first, claim, from_first) {
+            if to_first.is_some() && hulls.agree::<S, P>([prims; 2], first, claim, from_first) {
                 object.copies.push(Copied { first: claim.first, to_first });
             }
         }
         let objects = objects.into_iter().map(|(_, object)| object);
-        Self { objects: objects.filter(|object| object.copies.len() > 1).collect() }
+        Self { objects: objects.filter(|object| object.copies.len() > 1).collect(), parts }
+    }
+
+    /// The parts of `now`, which these are of, that are where the transform between their placements takes those of
+    /// `before`, up to the rounding of coordinates.
+    pub(super) fn rigid_parts<S: Scalar, P: PrimSet<S>>(
+        &self,
+        now: &P,
+        before: &P,
+    ) -> Vec<Instance> {
+        let Some(then) = before.instances() else { return Vec::new() };
+        let mut hulls = Hulls::default();
+        let mut is_rigid = |part: &Instance| {
+            let Some(old) = then.part_of(part.first) else { return false };
+            let from_old = part.placement * old.placement.inverse();
+            (old.first, old.count, old.object) == (part.first, part.count, part.object)
+                && inverse(from_old).is_some()
+                && hulls.agree::<S, P>([before, now], old, part, from_old)
+        };
+        self.parts.iter().filter(|part| is_rigid(part)).copied().collect()
     }
 }
 
@@ -71,13 +91,14 @@ struct Hulls([Vec<Ball>; 2]);
 impl Hulls {
     fn agree<S: Scalar, P: PrimSet<S>>(
         &mut self,
-        prims: &P,
+        [of_first, of_copy]: [&P; 2],
         first: &Instance,
         copy: &Instance,
         from_first: DAffine3,
     ) -> bool {
         let scale = uniform_scale(&from_first.matrix3);
-        let rounding = S::EPSILON.to_f64() * prims.magnitude().to_f64();
+        let magnitude = of_first.magnitude().greater(of_copy.magnitude());
+        let rounding = S::EPSILON.to_f64() * magnitude.to_f64();
         let tolerance = 2.0 * rounding * (1.0 + stretch(&from_first.matrix3));
         let is_copy = |a: &Ball, b: &Ball| {
             let off = (from_first.transform_point3(a.center) - b.center).abs();
@@ -92,9 +113,9 @@ impl Hulls {
         (0..copy.count).all(|k| {
             own.clear();
             other.clear();
-            prims.hull(first.first + k, own);
-            prims.hull(copy.first + k, other);
-            prims.kind(first.first + k) == prims.kind(copy.first + k)
+            of_first.hull(first.first + k, own);
+            of_copy.hull(copy.first + k, other);
+            of_first.kind(first.first + k) == of_copy.kind(copy.first + k)
                 && own.len() == other.len()
                 && own.iter().zip(other.iter()).all(|(a, b)| is_copy(a, b))
         })
@@ -144,10 +165,10 @@ mod tests {
         wrong[1].placement.translation.x += 1e-5;
         assert_eq!(Instances::confirmed(&set, &wrong).copies(), 2);
         wrong[2].first = 3;
-        assert_eq!(Instances::confirmed(&set, &wrong), Instances::default());
+        assert_eq!(Instances::confirmed(&set, &wrong).copies(), 0);
         for placement in [DAffine3::ZERO, DAffine3::from_scale(DVec3::splat(f64::NAN))] {
             let wrong: Vec<_> = claims.iter().map(|c| Instance { placement, ..*c }).collect();
-            assert_eq!(Instances::confirmed(&set, &wrong), Instances::default());
+            assert_eq!(Instances::confirmed(&set, &wrong).copies(), 0);
         }
         let beyond = claims.iter().map(|c| Instance { count: u32::MAX, ..*c }).collect::<Vec<_>>();
         assert_eq!(Instances::confirmed(&set, &beyond), Instances::default());

@@ -40,6 +40,8 @@ pub(crate) struct Object {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Instances {
     pub(super) objects: Vec<Object>,
+    /// All that is said to move as a whole, whether it stands several times or not; ascending, disjoint.
+    pub(super) parts: Vec<Instance>,
 }
 
 impl Instances {
@@ -63,8 +65,21 @@ impl Instances {
         &self.objects
     }
 
+    pub(crate) fn parts(&self) -> &[Instance] {
+        &self.parts
+    }
+
+    /// The part that a primitive belongs to.
+    pub(crate) fn part_of(&self, id: u32) -> Option<&Instance> {
+        let behind = self.parts.partition_point(|part| part.first <= id);
+        let part = self.parts.get(behind.checked_sub(1)?)?;
+        (id - part.first < part.count).then_some(part)
+    }
+
     pub(crate) fn bytes(&self) -> usize {
-        self.copies() * size_of::<Copied>() + size_of_val(self.objects.as_slice())
+        size_of_val(self.parts.as_slice())
+            + self.copies() * size_of::<Copied>()
+            + size_of_val(self.objects.as_slice())
     }
 }
 

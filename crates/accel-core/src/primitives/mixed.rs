@@ -201,6 +201,12 @@ impl<S: Scalar> MixedSet<S> {
         self
     }
 
+    /// Forgets those of its parts that are not rigid: that are not where the transform between their placements
+    /// takes them from `before`, a set of the same primitives.
+    pub fn keep_rigid(&mut self, before: &Self) {
+        self.instances.parts = self.instances.rigid_parts(self, before);
+    }
+
     /// Whether any primitive moves.
     pub fn has_motion(&self) -> bool {
         self.motion.any()

@@ -221,6 +221,12 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
         self
     }
 
+    /// Forgets those of its parts that are not rigid: that are not where the transform between their placements
+    /// takes them from `before`, a set of the same primitives.
+    pub fn keep_rigid(&mut self, before: &Self) {
+        self.instances.parts = self.instances.rigid_parts(self, before);
+    }
+
     /// The same triangles under another test; nothing is copied.
     pub fn tested_by<U: TriangleTest<S>>(&self) -> &TriangleSet<S, U> {
         // SAFETY: `repr(C)` lays both types out by the same fields, `PhantomData` of no size apart

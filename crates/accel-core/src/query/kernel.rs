@@ -14,6 +14,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec};
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
+use crate::update::ChangedLists;
 
 /// The setting, for the parameter list of a structure whose lists are short, or so many that blocks of
 /// them take too much memory: 320 bytes for a list in f32, however short.
@@ -59,6 +60,48 @@ impl<S: Scalar> ListBlocks<S> {
             next += blocks::number_of::<S>(list.len()) as u32;
         }
         Some(Self { base, first, blocks: blocks::of_lists(prims, 0, lists) })
+    }
+
+    /// The blocks of these lists, of which `changed` are others than those that these blocks are of: those are made
+    /// anew, where they were if they are no more than before, else behind all others. What is left over stays until
+    /// it is a third of all; all are made anew then.
+    pub(crate) fn changed<P: PrimSet<S>>(
+        mut self,
+        prims: &P,
+        lists: &[&[u32]],
+        changed: &ChangedLists,
+    ) -> Option<Self> {
+        let length_of = |list: &[u32]| blocks::number_of::<S>(list.len());
+        let needed: usize = lists.iter().map(|list| length_of(list)).sum();
+        let full = || lists.iter().filter(|list| !list.is_empty());
+        let base = full().map(|list| list.as_ptr() as usize).min()?;
+        let is_usable = changed.before.len() >= lists.len() && blocks::serve(prims);
+        if !is_usable || self.blocks.len() > needed + needed / 2 {
+            return Self::of(prims, lists);
+        }
+        let mut first = vec![NONE; total(lists)];
+        let mut others = changed.changed.iter().map(|&number| number as usize).peekable();
+        for (number, list) in lists.iter().enumerate() {
+            let is_changed = others.next_if_eq(&number).is_some();
+            if list.is_empty() {
+                continue;
+            }
+            let place = (list.as_ptr() as usize - base) / size_of::<u32>();
+            let before = self.first.get(changed.before[number] as usize);
+            let mut at = before.copied().filter(|_| changed.had_ids(number));
+            if is_changed {
+                let room = at.map_or(0, |at| blocks::length(&self.blocks[at as usize..]));
+                if room < length_of(list) {
+                    at = u32::try_from(self.blocks.len()).ok();
+                    self.blocks.extend(blocks::of_list(prims, list));
+                } else if let Some(at) = at {
+                    let own = self.blocks.iter_mut().skip(at as usize);
+                    own.zip(blocks::of_list(prims, list)).for_each(|(own, block)| *own = block);
+                }
+            }
+            *first.get_mut(place)? = at.filter(|&at| at != NONE)?;
+        }
+        Some(Self { base, first, blocks: self.blocks })
     }
 
     /// Bytes that [`ListBlocks::of`] would take at most.

@@ -39,6 +39,19 @@ impl<S: Scalar> Lists<S> {
         u32::try_from(number).ok()
     }
 
+    /// Makes the blocks of the same lists over primitives that have moved; false where these would not be such lists.
+    pub(crate) fn refresh<P: PrimSet<S>>(&mut self, prims: &P) -> bool {
+        match self {
+            Self::Ids(_) => !blocks::serve(prims),
+            Self::Blocks(all) => {
+                blocks::serve(prims) && {
+                    blocks::refresh(prims, all);
+                    true
+                }
+            }
+        }
+    }
+
     /// Hands a list to a sink.
     #[inline(always)]
     pub(crate) fn test<K: Sink<S>>(&self, number: u32, sink: &mut K) -> ControlFlow<()> {

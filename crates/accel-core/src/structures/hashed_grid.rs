@@ -11,8 +11,9 @@
 //! A look-up probes at most as far as the farthest key of the build, even in a full table.
 
 use crate::geometry::scalar::Scalar;
-use crate::grid::cell_lists::{ListOrder, TooManyReferences};
+use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::changed_cells::Gained;
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -20,6 +21,7 @@ use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
+use crate::update::{ChangedLists, INCREMENTAL};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -53,6 +55,7 @@ pub static INFO: StructureInfo = StructureInfo {
         },
         Traversal::PARAM,
         kernel::BLOCK_PARAM,
+        INCREMENTAL,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
@@ -156,10 +159,12 @@ impl Table {
     }
 }
 
-/// The occupied cells of a grid.
+/// The occupied cells of a grid, and those that were occupied in a frame before.
 pub struct HashedCells {
     table: Table,
     ids: Vec<u32>,
+    /// Keys at most: a table that a change would make fuller is built anew.
+    most_keys: usize,
 }
 
 impl HashedCells {
@@ -203,7 +208,8 @@ impl HashedCells {
             ListOrder::File => primitives.rev().for_each(&mut place),
             ListOrder::Reverse => primitives.for_each(&mut place),
         }
-        Ok(Self { table, ids })
+        let most_keys = table.occupied.midpoint(table.slots.len());
+        Ok(Self { table, ids, most_keys })
     }
 
     /// The most slots that a look-up may inspect.
@@ -229,6 +235,32 @@ impl CellStorage for HashedCells {
         Self::with_hash(contents, params.real("load-factor"), multiplier)
     }
 
+    fn change<S: Scalar, P: PrimSet<S>>(
+        &mut self,
+        contents: &Contents<S, P>,
+        moved: &[u32],
+    ) -> Option<ChangedLists> {
+        let Self { table, ids, most_keys } = self;
+        let (frame, mut has_room) = (contents.frame, true);
+        let gained = Gained::of(contents, moved, |coords| {
+            let key = frame.index(coords) as u64;
+            has_room &= table.occupied < *most_keys || table.find(key).is_some();
+            if has_room { table.slot(key) } else { 0 }
+        })?;
+        if !has_room {
+            return None;
+        }
+        let starts = table.slots.iter().map(|slot| slot.start).chain([ids.len() as u32]);
+        let mut lists = CellLists::of_parts(starts.collect(), std::mem::take(ids));
+        let changed = lists.change(moved, &gained);
+        let (starts, changed_ids) = lists.into_parts();
+        for (slot, at) in table.slots.iter_mut().zip(starts.windows(2)) {
+            (slot.start, slot.len) = (at[0], at[1] - at[0]);
+        }
+        *ids = changed_ids;
+        changed
+    }
+
     #[inline(always)]
     fn list(&self, cell: &impl CellPosition) -> &[u32] {
         let Some(slot) = self.table.find(cell.index() as u64) else { return &[] };
@@ -239,13 +271,12 @@ impl CellStorage for HashedCells {
         self.table
             .slots
             .iter()
-            .filter(|slot| slot.len > 0)
             .filter_map(|s| self.ids.get(s.start as usize..(s.start + s.len) as usize))
             .for_each(each);
     }
 
     fn occupied_cells(&self) -> u64 {
-        self.table.occupied as u64
+        self.table.slots.iter().filter(|slot| slot.len > 0).count() as u64
     }
 
     fn references(&self) -> u64 {

@@ -8,12 +8,13 @@ use crate::structure::StructureInfo;
 use crate::structures::instanced::{Instanced, Levels};
 use crate::structures::obvhs::adapter::PRESET;
 use crate::structures::wide_bvh::{self, WideBvh};
+use crate::update::INSTANCES;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Rubin, Whitted 1980; Wald, Benthin, Slusallek 2003",
     deviations: "objects in the space of their first copy; primitives are tested in the world, one by one",
-    params: &[PRESET],
+    params: &[PRESET, INSTANCES],
     variants: &[],
     also_tested: &["", "preset=fastest"],
     ..StructureInfo::new(

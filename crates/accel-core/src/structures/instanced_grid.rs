@@ -8,6 +8,7 @@ use crate::params::{ParamError, ParamSpec, Params};
 use crate::structure::StructureInfo;
 use crate::structures::instanced::{Instanced, Levels};
 use crate::structures::uniform_grid::{self, UniformGrid};
+use crate::update::INSTANCES;
 
 const OF_COPIES: ParamSpec =
     ParamSpec { name: "top-density", summary: "voxels per copy of an object", ..specs::DENSITY };
@@ -16,7 +17,7 @@ const OF_COPIES: ParamSpec =
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Rubin, Whitted 1980; Wald, Benthin, Slusallek 2003",
     deviations: "objects in the space of their first copy; primitives are tested in the world",
-    params: &[specs::DENSITY, OF_COPIES, specs::MAX_CELLS, specs::MAX_REFERENCES],
+    params: &[specs::DENSITY, OF_COPIES, specs::MAX_CELLS, specs::MAX_REFERENCES, INSTANCES],
     variants: &[],
     also_tested: &["", "density=8 top-density=0.5"],
     ..StructureInfo::new(

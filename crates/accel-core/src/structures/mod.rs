@@ -33,7 +33,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimsRef;
 use crate::query::tracer::tested::{mailbox_of, tested_as};
-use crate::query::tracer::{Bound, BoundInMotion, Tracer};
+use crate::query::tracer::{Before, Bound, BoundInMotion, Tracer};
 use crate::registry::{self, Buildable, Listed};
 use crate::structure::{BuildError, Structure};
 use crate::variants::chosen_tests::{self, Choice, ChosenTests};
@@ -68,8 +68,11 @@ pub static REGISTRY: &[Entry] = &[
 pub struct Traceable;
 
 impl Listed for Traceable {
-    type Builder<S: Scalar> =
-        for<'a> fn(PrimsRef<'a, S>, &Params) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>;
+    type Builder<S: Scalar> = for<'a> fn(
+        PrimsRef<'a, S>,
+        &Params,
+        Option<Before<'_>>,
+    ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>;
     const COMMON: &'static [ParamSpec] = chosen_tests::PARAMS;
 }
 
@@ -86,7 +89,21 @@ impl Entry {
         prims: PrimsRef<'a, S>,
         params: &Params,
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-        S::builder(self)(prims, params)
+        S::builder(self)(prims, params, None)
+    }
+
+    /// Takes a structure of this entry to the next frame, ready to trace: as its setting `update` says, or built
+    /// anew. `params` are those that it was built with; it is of no use after an error.
+    ///
+    /// # Errors
+    /// [`BuildError`].
+    pub fn update<'a, S: Buildable>(
+        &self,
+        prims: PrimsRef<'a, S>,
+        params: &Params,
+        before: Before<'_>,
+    ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+        S::builder(self)(prims, params, Some(before))
     }
 }
 
@@ -95,10 +112,11 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     registry::find(REGISTRY, name)
 }
 
-/// Builds `T` over whichever set it is and boxes it as a tracer.
-pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
+/// Builds `T` over whichever set it is, or takes it there from the frame `before`, and boxes it as a tracer.
+pub fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     prims: PrimsRef<'a, S>,
     params: &Params,
+    before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     if let Some(choice) = Choice::of(params) {
         // built from the same bounds, so the structure is that of the set itself
@@ -115,28 +133,29 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S> + 'a>(
         return Ok(Box::new(Bound::new(Box::new(view), structure).with_mailbox(mailbox)));
     }
     match prims {
-        PrimsRef::Watertight(p) => tested_as::<S, _, _, T>(p, p, params),
+        PrimsRef::Watertight(p) => tested_as::<S, _, _, T>(p, p, params, before),
         PrimsRef::Mixed(p) if p.has_motion() => {
             // built from the bounds of the whole way, so the structure is that of any mixed set
             let mailbox = mailbox_of::<S, _>(p, params)?;
             let bound = Bound::new(p.in_motion(), T::build(p, params)?).with_mailbox(mailbox);
             Ok(Box::new(BoundInMotion(bound)))
         }
-        PrimsRef::Mixed(p) => tested_as::<S, _, _, T>(p, p, params),
+        PrimsRef::Mixed(p) => tested_as::<S, _, _, T>(p, p, params, before),
     }
 }
 
 /// [`build_tracer`] for a structure whose chosen tests are compiled into its traversals where the
 /// feature `compiled-tests` is on (f32 alone).
-pub fn build_compiled<'a, T: Structure<f32> + 'a>(
+pub fn build_compiled<'a, T: Structure<f32>>(
     prims: PrimsRef<'a, f32>,
     params: &Params,
+    before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<f32> + 'a>, BuildError> {
     #[cfg(feature = "compiled-tests")]
     if let Some(built) = crate::variants::compiled_tests::build::<T>(prims, params) {
         return built;
     }
-    build_tracer::<f32, T>(prims, params)
+    build_tracer::<f32, T>(prims, params, before)
 }
 
 /// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree, my_tree::INFO)`.
@@ -147,13 +166,13 @@ macro_rules! entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(
             &$info,
-            |p, s| {
+            |p, s, before| {
                 use $structure as It;
-                $crate::structures::build_tracer::<f32, It<f32>>(p, s)
+                $crate::structures::build_tracer::<f32, It<f32>>(p, s, before)
             },
-            |p, s| {
+            |p, s, before| {
                 use $structure as It;
-                $crate::structures::build_tracer::<f64, It<f64>>(p, s)
+                $crate::structures::build_tracer::<f64, It<f64>>(p, s, before)
             },
         )
     };
@@ -164,13 +183,13 @@ macro_rules! compiled_entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(
             &$info,
-            |p, s| {
+            |p, s, before| {
                 use $structure as It;
-                $crate::structures::build_compiled::<It<f32>>(p, s)
+                $crate::structures::build_compiled::<It<f32>>(p, s, before)
             },
-            |p, s| {
+            |p, s, before| {
                 use $structure as It;
-                $crate::structures::build_tracer::<f64, It<f64>>(p, s)
+                $crate::structures::build_tracer::<f64, It<f64>>(p, s, before)
             },
         )
     };

@@ -16,6 +16,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_overlap::Insertion;
 use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::changed_cells::Gained;
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::Params;
 use crate::params::specs;
@@ -23,6 +24,7 @@ use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::StructureInfo;
+use crate::update::{ChangedLists, INCREMENTAL};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -40,6 +42,7 @@ pub static INFO: StructureInfo = StructureInfo {
         Traversal::PARAM_OF_ALL,
         Insertion::PARAM,
         kernel::BLOCK_PARAM,
+        INCREMENTAL,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
@@ -109,6 +112,16 @@ impl CellStorage for DenseCells {
         _: &Params,
     ) -> Result<Self, TooManyReferences> {
         contents.dense_lists().map(Self)
+    }
+
+    fn change<S: Scalar, P: PrimSet<S>>(
+        &mut self,
+        contents: &Contents<S, P>,
+        moved: &[u32],
+    ) -> Option<ChangedLists> {
+        let frame = contents.frame;
+        let gained = Gained::of(contents, moved, |cell| frame.index(cell))?;
+        self.0.change(moved, &gained)
     }
 
     #[inline(always)]

@@ -30,7 +30,7 @@ type Built<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
 
 /// Builds `T`, the tests that the settings choose compiled in; `None` where none is chosen or they are
 /// called.
-pub(crate) fn build<'a, T: Structure<f32> + 'a>(
+pub(crate) fn build<'a, T: Structure<f32>>(
     prims: PrimsRef<'a, f32>,
     params: &Params,
 ) -> Option<Built<'a>> {
@@ -81,18 +81,18 @@ pub(crate) fn build<'a, T: Structure<f32> + 'a>(
     }
 }
 
-fn triangles<'a, X: TriangleTest<f32>, T: Structure<f32> + 'a>(
+fn triangles<'a, X: TriangleTest<f32>, T: Structure<f32>>(
     set: &'a TriangleSet<f32>,
     params: &Params,
 ) -> Built<'a> {
-    tested_as::<f32, _, _, T>(set, set.tested_by::<X>(), params)
+    tested_as::<f32, _, _, T>(set, set.tested_by::<X>(), params, None)
 }
 
-fn mixed<'a, X: TriangleTest<f32>, Q: SphereTest<f32>, T: Structure<f32> + 'a>(
+fn mixed<'a, X: TriangleTest<f32>, Q: SphereTest<f32>, T: Structure<f32>>(
     set: &'a MixedSet<f32>,
     params: &Params,
 ) -> Built<'a> {
-    tested_as::<f32, _, _, T>(set, set.retested::<X, Q>(), params)
+    tested_as::<f32, _, _, T>(set, set.retested::<X, Q>(), params, None)
 }
 
 #[cfg(test)]
@@ -156,7 +156,7 @@ mod tests {
         let entry = find("wide-bvh").unwrap();
         let params = entry.params([("triangle-test", "watertight")]).unwrap();
         type Wide = crate::structures::wide_bvh::WideBvh<f32>;
-        let called = build_tracer::<f32, Wide>(sets[0], &params).unwrap();
+        let called = build_tracer::<f32, Wide>(sets[0], &params, None).unwrap();
         assert_ne!(called.code(), tracer("wide-bvh", sets[0], &[]).code());
         assert!(!is_compiled(&*called));
     }

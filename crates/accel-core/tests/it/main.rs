@@ -8,6 +8,7 @@ mod contributing;
 mod differential;
 mod duplicates;
 mod edge_on;
+mod frames;
 mod instances;
 mod leaving_faces;
 mod memory;

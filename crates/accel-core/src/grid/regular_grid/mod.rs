@@ -22,10 +22,11 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure};
+use crate::update::{Change, ChangedLists, is_incremental};
 use crate::variants::double_walk::DoubleWalk;
 
 /// Where the lists of a grid's cells are kept.
-pub trait CellStorage: Sized + Send + Sync {
+pub trait CellStorage: Sized + Send + Sync + 'static {
     /// Bytes that so many cells take, about, whether they hold ids or not.
     fn cell_bytes(cells: u128) -> u128 {
         4 * cells
@@ -44,9 +45,19 @@ pub trait CellStorage: Sized + Send + Sync {
         params: &Params,
     ) -> Result<Self, TooManyReferences>;
 
+    /// Changes the lists of cells that `moved` primitives were in, or are in now: those of `contents`, of the same
+    /// grid. `None` where it stores lists in a way that has no room for that: they are to be built anew.
+    fn change<S: Scalar, P: PrimSet<S>>(
+        &mut self,
+        _contents: &Contents<S, P>,
+        _moved: &[u32],
+    ) -> Option<ChangedLists> {
+        None
+    }
+
     /// The ids of a cell.
     fn list(&self, cell: &impl CellPosition) -> &[u32];
-    /// Calls `each` with every list that holds ids.
+    /// Calls `each` with every list, in the order in which they stand; those that hold no ids may be left out.
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32]));
     /// Cells that hold ids.
     fn occupied_cells(&self) -> u64;
@@ -237,6 +248,26 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         let (frame, from_origin) = (contents.frame, contents.historical);
         let (wide_frame, traversal) = (frame.in_double(), Traversal::of(params));
         Ok(Self { frame, storage, from_origin, traversal, wide_frame })
+    }
+
+    fn update<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        moved: &[u32],
+    ) -> Result<Change, BuildError> {
+        if is_incremental(params) {
+            let mut contents = contents_of(prims, params)?;
+            let references = Counted { bytes: G::REFERENCE_BYTES, ..REFERENCES };
+            contents.max_references = contents.max_references.min(params.most(&references));
+            if contents.frame == self.frame
+                && let Some(lists) = self.storage.change(&contents, moved)
+            {
+                return Ok(Change::Lists(lists));
+            }
+        }
+        *self = Self::build(prims, params)?;
+        Ok(Change::Rebuilt)
     }
 
     #[inline(always)]

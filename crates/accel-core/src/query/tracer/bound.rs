@@ -4,6 +4,7 @@
 use std::ops::Deref;
 
 use super::counting::Counting;
+use super::kept::{Kept, Parts};
 use super::nearby::{closest, near};
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
@@ -19,6 +20,7 @@ use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
 use crate::query::way::Way;
 use crate::structure::{Batches, Shape, Structure};
+use crate::update::{Change, ChangedLists};
 
 /// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
 /// view that nobody else keeps.
@@ -29,13 +31,14 @@ pub struct Bound<S, H, T> {
     /// With `kernel=block`.
     blocks: Option<ListBlocks<S>>,
     reach: S,
+    is_updated: bool,
 }
 
 impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H, T> {
     /// Joins a structure with the primitives it was built over.
     pub fn new(prims: H, structure: T) -> Self {
         let reach = far_ray::reach(prims.magnitude());
-        Self { prims, structure, mailbox: Setting::None, blocks: None, reach }
+        Self { prims, structure, mailbox: Setting::None, blocks: None, reach, is_updated: false }
     }
 
     /// The same with a mailbox.
@@ -59,6 +62,29 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
             params.fits(ListBlocks::<S>::bytes_for(&lists))?;
             self.blocks = ListBlocks::of(over, &lists);
         }
+        Ok(self)
+    }
+
+    /// The same, whose structure was taken from the frame before, as `change` says.
+    pub(crate) fn updated(self, change: &Change) -> Self {
+        Self { is_updated: !matches!(change, Change::Rebuilt), ..self }
+    }
+
+    /// [`Bound::with_blocks`] where there were blocks in the frame before, and some lists have changed since.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub(crate) fn with_changed_blocks<B: PrimSet<S>>(
+        mut self,
+        over: &B,
+        params: &Params,
+        blocks: ListBlocks<S>,
+        changed: &ChangedLists,
+    ) -> Result<Self, OutOfMemory> {
+        let mut lists = Vec::new();
+        self.structure.lists(&mut |list| lists.push(list));
+        params.fits(ListBlocks::<S>::bytes_for(&lists))?;
+        self.blocks = blocks.changed(over, &lists, changed);
         Ok(self)
     }
 
@@ -237,6 +263,15 @@ where
 
     fn way(&self, ray: &Ray<S>) -> Result<Way<S>, NoCells> {
         Ok(self.way_of(ray))
+    }
+
+    fn released(self: Box<Self>) -> Option<Kept> {
+        let Self { prims, structure, blocks, .. } = *self;
+        Some(Kept::new(Parts { structure, blocks, primitives: prims.len() }))
+    }
+
+    fn is_updated(&self) -> bool {
+        self.is_updated
     }
 
     fn batches(&self) -> Batches {

@@ -4,12 +4,14 @@ mod bound;
 mod counting;
 mod foreign;
 mod in_motion;
+mod kept;
 pub(crate) mod nearby;
 pub(crate) mod tested;
 
 pub use bound::Bound;
 pub use foreign::{Foreign, Origin};
 pub use in_motion::BoundInMotion;
+pub use kept::{Before, Kept};
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
@@ -72,6 +74,14 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     /// [`NoCells`] for tracers that are not walked with a sink.
     fn way(&self, _ray: &Ray<S>) -> Result<Way<S>, NoCells> {
         Err(NoCells::UNTOLD)
+    }
+    /// The structure alone, to be taken to the next frame; none where there is nothing but to build anew.
+    fn released(self: Box<Self>) -> Option<Kept> {
+        None
+    }
+    /// Whether it was taken from the frame before, and not built.
+    fn is_updated(&self) -> bool {
+        false
     }
     /// How a batch is answered while nothing is counted. A library's own primitive test differs from
     /// that of the set by its rounding, and by its defects.

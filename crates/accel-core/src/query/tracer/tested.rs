@@ -1,6 +1,7 @@
 //! Structures built over a set whose primitives are tested as another set does, and the mailbox that
 //! their settings ask for.
 
+use super::kept::{Before, Parts};
 use super::{Bound, Tracer};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamError, Params};
@@ -8,18 +9,34 @@ use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox::{self, Setting};
 use crate::structure::{BuildError, Structure, refuse_unusable};
+use crate::update::Change;
 
 /// Builds `T` over a set; its traversals test the primitives of `prims`, the same ones, perhaps under
 /// other tests.
-pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structure<S> + 'a>(
+pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structure<S>>(
     over: &B,
     prims: &'a P,
     params: &Params,
+    before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let mailbox = mailbox_of::<S, B>(over, params)?;
-    let bound = Bound::new(prims, T::build(over, params)?).with_mailbox(mailbox);
     let has_blocks = params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params);
-    Ok(Box::new(if has_blocks { bound.with_blocks(over, params)? } else { bound }))
+    let of_frame = |parts: &Parts<S, T>| parts.primitives == over.len();
+    let Some((mut parts, moved)) =
+        before.and_then(Before::parts::<S, T>).filter(|b| of_frame(&b.0))
+    else {
+        let bound = Bound::new(prims, T::build(over, params)?).with_mailbox(mailbox);
+        return Ok(Box::new(if has_blocks { bound.with_blocks(over, params)? } else { bound }));
+    };
+    let change = parts.structure.update(over, params, moved)?;
+    let bound = Bound::new(prims, parts.structure).with_mailbox(mailbox).updated(&change);
+    Ok(Box::new(match (has_blocks, change, parts.blocks) {
+        (false, ..) => bound,
+        (true, Change::Lists(lists), Some(blocks)) => {
+            bound.with_changed_blocks(over, params, blocks, &lists)?
+        }
+        (true, ..) => bound.with_blocks(over, params)?,
+    }))
 }
 
 fn asks_for_mailbox(params: &Params) -> bool {

@@ -9,8 +9,10 @@
 //! carried anywhere. It says which primitives to test; they are tested where they stand, in the world, as by all
 //! other structures: answers are theirs to the bit. What copies do not share by rounding, and what carrying a
 //! ray adds, is a margin of the boxes. Primitives that are copies of nothing are one more object. A scene
-//! without copies is one object.
+//! without copies is one object. With `update=instances` each rigid part is an object, also one that stands alone,
+//! and between frames the upper structure alone is built (`frames.rs`).
 
+mod frames;
 mod object;
 mod sinks;
 
@@ -21,11 +23,13 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::params::{ParamError, Params};
-use crate::primitives::PrimSet;
 use crate::primitives::instances::{self, Copied, stretch};
+use crate::primitives::{Instance, PrimSet};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::{BuildError, Shape, Structure};
+use crate::update::{Change, is_by_instances};
+use frames::{FirstCopy, Frames, ROOM_FOR_FRAMES};
 use object::{Boxes, Copy, Members, Object};
 use sinks::Upper;
 
@@ -43,24 +47,39 @@ pub struct Instanced<S: Scalar, T> {
     upper: T,
     copies: Vec<Copy<S>>,
     objects: Vec<Object<T>>,
+    /// With `update=instances`: what an update needs beside.
+    frames: Option<Frames<S>>,
 }
 
-/// Objects that stand several times and whatever is left, before anything is built.
-fn plan<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<(Members, instances::Object)> {
-    let known = prims.instances().map(|instances| instances.all()).unwrap_or_default();
+/// Objects that stand several times, of rigid `parts` each that stands alone, and whatever is left, before anything
+/// is built.
+fn plan<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    parts: &[Instance],
+) -> Vec<(Members, instances::Object)> {
+    let mut known = prims.instances().map(|instances| instances.all().to_vec()).unwrap_or_default();
+    let mut copies: Vec<u32> =
+        known.iter().flat_map(|o| &o.copies).map(|copy| copy.first).collect();
+    copies.sort_unstable();
+    let alone = parts.iter().filter(|part| copies.binary_search(&part.first).is_err());
+    known.extend(alone.map(|part| {
+        let copies = vec![Copied { first: part.first, to_first: None }];
+        instances::Object { count: part.count, copies }
+    }));
     let mut is_copied = vec![false; prims.len()];
-    for object in known {
+    for object in &known {
         for copy in &object.copies {
             is_copied[copy.first as usize..][..object.count as usize].fill(true);
         }
     }
+    let is_all = known.is_empty();
     let mut planned: Vec<_> =
-        known.iter().map(|object| (Members::Consecutive, object.clone())).collect();
+        known.into_iter().map(|object| (Members::Consecutive, object)).collect();
     let left: Vec<u32> = (0..prims.len() as u32).filter(|&id| !is_copied[id as usize]).collect();
     if !left.is_empty() {
         let copies = vec![Copied { first: 0, to_first: None }];
         let rest = instances::Object { count: left.len() as u32, copies };
-        let members = if known.is_empty() { Members::Consecutive } else { Members::List(left) };
+        let members = if is_all { Members::Consecutive } else { Members::List(left) };
         planned.push((members, rest));
     }
     planned
@@ -69,12 +88,11 @@ fn plan<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<(Members, instances::Object)
 /// By how many epsilons the boxes of an object's primitives are larger than those of its first copy: twice what
 /// padded boxes are, for the coordinates of the world where copies are rounded, brought here, and for those of
 /// the ray here.
-fn margin(copies: &[Copied], magnitude: f64) -> f64 {
-    let carried = |to_first: &DAffine3| {
+fn margin(to_first: impl Iterator<Item = Option<DAffine3>>, magnitude: f64) -> f64 {
+    let carried = |to_first: DAffine3| {
         stretch(&to_first.matrix3) * magnitude + to_first.translation.abs().max_element()
     };
-    let others = copies.iter().filter_map(|copy| copy.to_first.as_ref());
-    2.0 * PADDING_ULPS * (magnitude + others.map(carried).fold(magnitude, f64::max))
+    2.0 * PADDING_ULPS * (magnitude + to_first.flatten().map(carried).fold(magnitude, f64::max))
 }
 
 impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
@@ -93,7 +111,12 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
             T::settings(params)?.map(|own| own.within(params.memory()));
         // a mark and a box of each primitive
         params.fits((1 + size_of::<Aabb<S>>()) as u128 * prims.len() as u128)?;
-        let planned = plan(prims);
+        let parts = match is_by_instances(params) {
+            true => prims.instances().map(|instances| instances.parts()).unwrap_or_default(),
+            false => &[],
+        };
+        let planned = plan(prims, parts);
+        let mut frames = (!parts.is_empty()).then(Frames::default);
         let is_whole = matches!(&planned[..], [(_, object)] if object.copies.len() == 1);
         let magnitude = prims.magnitude();
         let padding = S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS);
@@ -110,8 +133,13 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
                 copies.push(Copy { bounds, object: objects.len() as u32, first, to_first });
             }
             if !is_whole {
-                let margin = S::EPSILON.to_f64() * margin(&placed, magnitude.to_f64());
-                let margin = S::from_f64(margin).greater(padding);
+                let own = margin(placed.iter().map(|copy| copy.to_first), magnitude.to_f64());
+                let own = if frames.is_some() { own * ROOM_FOR_FRAMES } else { own };
+                if let Some(frames) = &mut frames {
+                    let first = placed.first().map_or(0, |copy| copy.first);
+                    frames.objects.push(FirstCopy::of(&members, first, prims, own));
+                }
+                let margin = S::from_f64(S::EPSILON.to_f64() * own).greater(padding);
                 boxes.iter_mut().for_each(|own| *own = own.expanded(margin));
             }
             let structure = T::build(&Boxes(&boxes), &over_objects)?;
@@ -126,7 +154,27 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
         for copy in &mut copies {
             copy.bounds = copy.bounds.expanded(padding);
         }
-        Ok(Self { upper, copies, objects })
+        if let Some(frames) = &mut frames {
+            frames.tight = boxes;
+        }
+        Ok(Self { upper, copies, objects, frames })
+    }
+
+    fn update<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        moved: &[u32],
+    ) -> Result<Change, BuildError> {
+        if self.place(prims, moved) {
+            let [over_copies, _] = T::settings(params)?.map(|own| own.within(params.memory()));
+            if let Some(frames) = &self.frames {
+                self.upper = T::build(&Boxes(&frames.tight), &over_copies)?;
+            }
+            return Ok(Change::Updated);
+        }
+        *self = Self::build(prims, params)?;
+        Ok(Change::Rebuilt)
     }
 
     #[inline(always)]

@@ -24,27 +24,25 @@ pub(crate) const PRESET: ParamSpec = ParamSpec {
     kind: ParamKind::Choice(PRESETS),
 };
 
-pub(crate) const PARAMS: &[ParamSpec] = &[
-    PRESET,
-    ParamSpec {
-        name: "adapter",
-        summary: "robust gives right answers; direct is obvhs as its authors use it: its triangles, \
-                  its test, its traversal (f32, triangles alone); as-shipped has our primitive tests \
-                  in its traversal, rays and boxes unchanged",
-        default: "robust",
-        kind: ParamKind::Choice(&["robust", "direct", "as-shipped"]),
-    },
-    ParamSpec {
-        name: "kernel",
-        summary: "of adapter=robust, over triangles: block: those of a leaf (Bvh2) or of a node's \
-                  leaves (CwBvh) in blocks of eight, tested at once, the faster in every scene \
-                  measured; scalar: one by one, through their ids",
-        default: "block",
-        kind: ParamKind::Choice(&["scalar", "block"]),
-    },
-    #[cfg(feature = "compiled-tests")]
-    PADDING,
-];
+/// Whose traversal and whose tests.
+pub(crate) const ADAPTER: ParamSpec = ParamSpec {
+    name: "adapter",
+    summary: "robust gives right answers; direct is obvhs as its authors use it: its triangles, \
+              its test, its traversal (f32, triangles alone); as-shipped has our primitive tests \
+              in its traversal, rays and boxes unchanged",
+    default: "robust",
+    kind: ParamKind::Choice(&["robust", "direct", "as-shipped"]),
+};
+
+/// Triangles one by one, or in blocks.
+pub(crate) const KERNEL: ParamSpec = ParamSpec {
+    name: "kernel",
+    summary: "of adapter=robust, over triangles: block: those of a leaf (Bvh2) or of a node's \
+              leaves (CwBvh) in blocks of eight, tested at once, the faster in every scene \
+              measured; scalar: one by one, through their ids",
+    default: "block",
+    kind: ParamKind::Choice(&["scalar", "block"]),
+};
 
 /// What boxes and rays are padded by, for the price of it: with the feature `compiled-tests` alone.
 #[cfg(feature = "compiled-tests")]

@@ -6,6 +6,7 @@
 //! primitives are tested by our own sets. See `adapter.rs` for the robust adapter, and
 //! `builder.rs` for scenes that the builder does not serve.
 
+use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::fast_stack;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
@@ -18,13 +19,14 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, DEVIATIONS, PARAMS, VARIANTS, build_params, known_defect,
+    ADAPTER, ALSO_TESTED, DEVIATIONS, KERNEL, PRESET, VARIANTS, build_params, known_defect,
 };
 use crate::structures::obvhs::box_ray::{BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
-use crate::structures::obvhs::items::{Groups, Items, items};
-use crate::structures::obvhs::{direct_builder, leaf_blocks};
+use crate::structures::obvhs::items::{self, Groups, Items, items};
+use crate::structures::obvhs::{direct_builder, leaf_blocks, refit};
+use crate::update::{Change, REBUILD_AT, REFIT, is_refitted};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -32,7 +34,15 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "binary BVH of the obvhs crate (PLOC, reinsertion)",
     paper: "Meister, Bittner 2018 (two papers); obvhs 0.4",
     deviations: DEVIATIONS,
-    params: PARAMS,
+    params: &[
+        PRESET,
+        ADAPTER,
+        KERNEL,
+        REFIT,
+        REBUILD_AT,
+        #[cfg(feature = "compiled-tests")]
+        crate::structures::obvhs::adapter::PADDING,
+    ],
     variants: VARIANTS,
     also_tested: ALSO_TESTED,
     known_defect,
@@ -48,6 +58,8 @@ pub struct ObvhsBvh2<S: Scalar> {
     setup: RaySetup<S>,
     /// With `adapter=direct`, where it serves the set.
     direct: Option<Direct>,
+    /// With `update=refit`: what a ray was expected to cost when the tree was built.
+    built_cost: Option<f64>,
 }
 
 impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
@@ -60,7 +72,8 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
             let bvh = direct_builder::binary(&triangles, &build_params(params));
             let direct = Some(Direct::new(prims, &bvh, &triangles));
             let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
-            return Ok(Self { bvh, groups, blocks: None, setup, direct });
+            let built_cost = is_refitted(params).then(|| refit::expected_cost(&bvh));
+            return Ok(Self { bvh, groups, blocks: None, setup, direct, built_cost });
         }
         let items = items(prims, params)?;
         let (preset, robust) = (build_params(params), items.setup.is_robust());
@@ -72,7 +85,24 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
             leaf_blocks::fit::<S>(bvh.nodes.len() / 2 + 1, params)?;
         }
         let blocks = is_block.then(|| leaf_blocks::of_binary(&mut bvh, prims));
-        Ok(Self { bvh, groups, blocks, setup, direct: None })
+        let built_cost = is_refitted(params).then(|| refit::expected_cost(&bvh));
+        Ok(Self { bvh, groups, blocks, setup, direct: None, built_cost })
+    }
+
+    fn update<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        _: &[u32],
+    ) -> Result<Change, BuildError> {
+        if let Some(built) = self.built_cost
+            && self.refit(prims, params)?
+            && refit::expected_cost(&self.bvh) <= params.real(REBUILD_AT.name) * built
+        {
+            return Ok(Change::Updated);
+        }
+        *self = Self::build(prims, params)?;
+        Ok(Change::Rebuilt)
     }
 
     #[inline(always)]
@@ -165,6 +195,47 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 }
 
 impl<S: Scalar> ObvhsBvh2<S> {
+    /// Fits the boxes, and triangles that the tree has copies of, to primitives that stand elsewhere now. False
+    /// where these would be kept in another way, and nothing was done.
+    fn refit<P: PrimSet<S>>(&mut self, prims: &P, params: &Params) -> Result<bool, BuildError> {
+        let triangles = if is_direct(params) { direct::triangles(prims) } else { None };
+        let is_block = leaf_blocks::serve(prims, &self.groups, params);
+        if triangles.is_some() != self.direct.is_some()
+            || self.direct.is_none() && is_block != self.blocks.is_some()
+        {
+            return Ok(false);
+        }
+        if let Some(triangles) = triangles {
+            refit::refit(&mut self.bvh, |bvh, leaf| {
+                let ids = leaf_items(bvh, leaf).iter();
+                ids.fold(ObvhsAabb::empty(), |all, &id| all.union(&triangles[id as usize].aabb()))
+            });
+            self.direct = Some(Direct::new(prims, &self.bvh, &triangles));
+            return Ok(true);
+        }
+        let (boxes, setup) = items::boxes(prims, params.structure(), items::padding_of(params))?;
+        self.setup = setup;
+        let around = |ids: &[u32]| {
+            ids.iter().fold(ObvhsAabb::empty(), |all, &id| all.union(&boxes[id as usize]))
+        };
+        if let Some(all) = &mut self.blocks {
+            blocks::refresh(prims, all);
+            let mut ids = Vec::new();
+            refit::refit(&mut self.bvh, |bvh, leaf| {
+                ids.clear();
+                blocks::ids_of_list(&all[bvh.nodes[leaf].first_index as usize..], &mut ids);
+                around(&ids)
+            });
+        } else {
+            let groups = &self.groups;
+            refit::refit(&mut self.bvh, |bvh, leaf| {
+                let items = leaf_items(bvh, leaf).iter();
+                items.fold(ObvhsAabb::empty(), |all, item| all.union(&around(groups.ids(item))))
+            });
+        }
+        Ok(true)
+    }
+
     /// Tests a leaf's primitives (or reports an inner node, `None`); false ends the traversal.
     #[inline(always)]
     fn leaf<K: Sink<S>>(
@@ -192,6 +263,12 @@ impl<S: Scalar> ObvhsBvh2<S> {
         ray.tmax = start.parameters.bound(sink.t_max());
         true
     }
+}
+
+/// What a leaf's node has of the tree's items.
+fn leaf_items(bvh: &Bvh2, leaf: usize) -> &[u32] {
+    let (first, count) = (bvh.nodes[leaf].first_index, bvh.nodes[leaf].prim_count);
+    &bvh.primitive_indices[first as usize..][..count as usize]
 }
 
 /// Visits nodes in the order obvhs does, reporting inner nodes as well (`None`): only for

@@ -19,7 +19,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
 use crate::structures::obvhs::adapter::{
-    ALSO_TESTED, DEVIATIONS, PARAMS, VARIANTS, build_params, known_defect,
+    ADAPTER, ALSO_TESTED, DEVIATIONS, KERNEL, PRESET, VARIANTS, build_params, known_defect,
 };
 use crate::structures::obvhs::box_ray::{Length, RaySetup};
 use crate::structures::obvhs::builder::{TooDeep, eight_wide};
@@ -33,7 +33,13 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "compressed 8-wide BVH of the obvhs crate",
     paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",
     deviations: DEVIATIONS,
-    params: PARAMS,
+    params: &[
+        PRESET,
+        ADAPTER,
+        KERNEL,
+        #[cfg(feature = "compiled-tests")]
+        crate::structures::obvhs::adapter::PADDING,
+    ],
     variants: VARIANTS,
     also_tested: ALSO_TESTED,
     known_defect,

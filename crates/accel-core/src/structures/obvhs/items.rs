@@ -59,12 +59,16 @@ pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     params: &Params,
 ) -> Result<Items<S>, BuildError> {
-    let padding = match (is_robust(params), is_unpadded(params)) {
+    items_of(prims, params, padding_of(params))
+}
+
+/// By how much the boxes of obvhs's own trees grow.
+pub(crate) fn padding_of(params: &Params) -> Padding {
+    match (is_robust(params), is_unpadded(params)) {
         (false, _) => Padding::None,
         (true, false) => Padding::OfScene,
         (true, true) => Padding::Rounding,
-    };
-    items_of(prims, params, padding)
+    }
 }
 
 /// By how much the box of a primitive grows.

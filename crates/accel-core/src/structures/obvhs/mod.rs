@@ -9,3 +9,4 @@ pub(crate) mod direct;
 mod direct_builder;
 pub(crate) mod items;
 mod leaf_blocks;
+mod refit;

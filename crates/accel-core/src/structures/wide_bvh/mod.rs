@@ -13,6 +13,7 @@
 
 mod collapse;
 mod node;
+mod refit;
 mod stack;
 
 use std::ops::ControlFlow;
@@ -31,6 +32,7 @@ use crate::structures::obvhs::adapter::{PRESET, UNPADDED, build_params, is_unpad
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
 use crate::structures::obvhs::items::{Padding, items_of};
+use crate::update::{Change, REBUILD_AT, REFIT, is_refitted};
 use collapse::{Collapse, Costs, WIDTH};
 use node::{LEAF, Node, NodeRay};
 use stack::{LEVELS, Room, Stack};
@@ -64,6 +66,8 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "1",
             kind: ParamKind::Real { min: 0.01, max: 100.0 },
         },
+        REFIT,
+        REBUILD_AT,
         #[cfg(feature = "compiled-tests")]
         crate::structures::obvhs::adapter::PADDING,
     ],
@@ -87,6 +91,17 @@ pub struct WideBvh<S: Scalar> {
     #[cfg(feature = "compiled-tests")]
     is_plain: bool,
     shape: Shape,
+    /// With `update=refit`: what a ray was expected to cost when the tree was built.
+    built_cost: Option<f64>,
+}
+
+/// By how much boxes are padded.
+fn padding_of(params: &Params) -> Padding {
+    if is_unpadded(params) { Padding::Rounding } else { Padding::OfExtent }
+}
+
+fn costs_of(params: &Params) -> Costs {
+    Costs { node: params.real("node-cost") as f32, longest_leaf: params.integer("max-leaf") as u32 }
 }
 
 impl<S: Scalar> Structure<S> for WideBvh<S> {
@@ -94,14 +109,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let structure = params.structure();
-        let padding = if is_unpadded(params) { Padding::Rounding } else { Padding::OfExtent };
-        let items = items_of(prims, params, padding)?;
+        let items = items_of(prims, params, padding_of(params))?;
         let mut bvh = reinserted(&items.boxes, &build_params(params), true);
         limit_levels(&mut bvh, LEVELS);
-        let costs = Costs {
-            node: params.real("node-cost") as f32,
-            longest_leaf: params.integer("max-leaf") as u32,
-        };
+        let costs = costs_of(params);
         let collapse = Collapse::plan(&bvh, &items.groups, costs);
         let mut lists = Lists::begun(prims);
         let (mut bytes, blocks) = collapse.sizes();
@@ -153,7 +164,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         shape.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
         let is_batch = params.text("query") == "batch";
         let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
-        Ok(Self {
+        let mut built = Self {
             nodes,
             root,
             lists,
@@ -163,7 +174,26 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             #[cfg(feature = "compiled-tests")]
             is_plain: is_unpadded(params),
             shape,
-        })
+            built_cost: None,
+        };
+        built.built_cost = is_refitted(params).then(|| built.expected_cost(costs));
+        Ok(built)
+    }
+
+    fn update<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        _: &[u32],
+    ) -> Result<Change, BuildError> {
+        if let Some(built) = self.built_cost
+            && self.refit(prims, params)?
+            && self.expected_cost(costs_of(params)) <= params.real(REBUILD_AT.name) * built
+        {
+            return Ok(Change::Updated);
+        }
+        *self = Self::build(prims, params)?;
+        Ok(Change::Rebuilt)
     }
 
     #[inline(always)]

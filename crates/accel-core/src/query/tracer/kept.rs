@@ -1,0 +1,40 @@
+//! Structures kept from one frame to the next, whose primitives are others then.
+
+use std::any::Any;
+
+use crate::geometry::scalar::Scalar;
+use crate::query::kernel::ListBlocks;
+use crate::structure::Structure;
+
+/// A structure apart from the primitives of its frame.
+pub struct Kept(Box<dyn Any + Send>);
+
+/// The frame before.
+pub struct Before<'m> {
+    /// The structure then.
+    pub kept: Kept,
+    /// Ids of the primitives that stand elsewhere now or have another shape, ascending. All others are the same.
+    pub moved: &'m [u32],
+}
+
+/// A structure and the blocks of its lists.
+pub(crate) struct Parts<S, T> {
+    pub(crate) structure: T,
+    pub(crate) blocks: Option<ListBlocks<S>>,
+    /// How many there are.
+    pub(crate) primitives: usize,
+}
+
+impl Kept {
+    pub(crate) fn new<S: Scalar, T: Structure<S>>(parts: Parts<S, T>) -> Self {
+        Self(Box::new(parts))
+    }
+}
+
+impl<'m> Before<'m> {
+    /// The structure, if it is a `T`.
+    pub(crate) fn parts<S: Scalar, T: Structure<S>>(self) -> Option<(Parts<S, T>, &'m [u32])> {
+        let parts = self.kept.0.downcast::<Parts<S, T>>().ok()?;
+        Some((*parts, self.moved))
+    }
+}

@@ -1,0 +1,90 @@
+//! Rigid parts in the next frame: the structures of objects stay, copies are where they stand now.
+//!
+//! An object's structure stays in the space that its first copy had when it was built; from the next frame on a ray
+//! is carried there from the first copy as well.
+
+use glam::DAffine3;
+
+use super::object::Members;
+use super::{Instanced, margin};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::Scalar;
+use crate::historical::bounds_rule::PADDING_ULPS;
+use crate::primitives::PrimSet;
+
+/// How much more than it needs a margin is when objects are built, so that it serves other frames.
+pub(super) const ROOM_FOR_FRAMES: f64 = 4.0;
+
+/// What an update needs of the build.
+pub(super) struct Frames<S: Scalar> {
+    /// By object.
+    pub objects: Vec<FirstCopy>,
+    /// The boxes of the copies, as the upper structure was built over them.
+    pub tight: Vec<Aabb<S>>,
+}
+
+impl<S: Scalar> Default for Frames<S> {
+    fn default() -> Self {
+        Self { objects: Vec::new(), tight: Vec::new() }
+    }
+}
+
+/// Where an object's structure stands.
+pub(super) struct FirstCopy {
+    /// Where its first copy was placed; none for what is part of nothing, and stays where it is.
+    placement: Option<DAffine3>,
+    /// Epsilons by which the boxes of its primitives are larger.
+    margin: f64,
+}
+
+impl FirstCopy {
+    pub fn of<S: Scalar, P: PrimSet<S>>(
+        members: &Members,
+        first: u32,
+        prims: &P,
+        margin: f64,
+    ) -> Self {
+        let part = prims.instances().and_then(|instances| instances.part_of(first));
+        let is_part = *members == Members::Consecutive;
+        Self { placement: part.filter(|_| is_part).map(|part| part.placement), margin }
+    }
+}
+
+impl<S: Scalar, T> Instanced<S, T> {
+    /// Places all copies as the parts of these primitives are. False where that cannot be: something moved that is
+    /// part of nothing, a part is another one, or rounding there is more than margins are for. It is of no use then.
+    pub(super) fn place<P: PrimSet<S>>(&mut self, prims: &P, moved: &[u32]) -> bool {
+        let (Some(frames), Some(parts)) = (&mut self.frames, prims.instances()) else {
+            return false;
+        };
+        if moved.iter().any(|&id| parts.part_of(id).is_none()) {
+            return false;
+        }
+        let magnitude = prims.magnitude();
+        let padding = S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS);
+        let padding = padding.greater(S::from_f64(2e-30));
+        for (copy, tight) in self.copies.iter_mut().zip(&mut frames.tight) {
+            let object = &frames.objects[copy.object as usize];
+            let count = self.objects[copy.object as usize].count;
+            if let Some(built) = object.placement {
+                let part = parts.part_of(copy.first);
+                let Some(part) = part.filter(|p| (p.first, p.count) == (copy.first, count)) else {
+                    return false;
+                };
+                let is_there = part.placement == built;
+                copy.to_first = (!is_there).then(|| built * part.placement.inverse());
+                let ids = copy.first..copy.first + count;
+                let begin = moved.partition_point(|&id| id < ids.start);
+                if moved.get(begin).is_some_and(|&id| id < ids.end) {
+                    *tight = ids.fold(Aabb::empty(), |all, id| all.union(prims.bounds(id)));
+                }
+            }
+            let needed = margin([copy.to_first].into_iter(), magnitude.to_f64());
+            if !(needed <= object.margin) || !tight.is_finite() {
+                return false;
+            }
+            copy.bounds = tight.expanded(padding);
+        }
+        true
+    }
+}

@@ -1,0 +1,111 @@
+//! Structures from one frame of an animation to the next.
+//!
+//! A frame is a set of primitives at rest. Where two frames have the same primitives, under the same ids at other
+//! places, a structure may be taken from one to the other ([`Structure::update`]) in less time than building it
+//! anew takes: a BVH by new boxes for its nodes, a grid by new lists for the cells that something left or entered,
+//! a structure of two levels by building the upper one alone. I. Wald, W. R. Mark, J. Guenther, S. Boulos, T. Ize,
+//! W. Hunt, S. G. Parker, P. Shirley, "State of the Art in Ray Tracing Animated Scenes", Computer Graphics Forum
+//! 28(6), 2009, has what is known of these.
+
+use crate::geometry::scalar::Scalar;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::PrimSet;
+
+/// The setting of a structure that can be refitted; of no effect on a scene at rest.
+pub const REFIT: ParamSpec = ParamSpec {
+    name: "update",
+    summary: "between frames: built anew, or boxes alone are (built anew as rebuild-at says)",
+    default: REBUILD,
+    kind: ParamKind::Choice(&[REBUILD, "refit"]),
+};
+
+/// The setting of a grid whose lists can be changed cell by cell; of no effect on a scene at rest.
+pub const INCREMENTAL: ParamSpec = ParamSpec {
+    name: "update",
+    summary: "between frames: built anew, or the lists alone that something moved into or out of (built \
+              anew where the grid's box or resolution changes)",
+    default: REBUILD,
+    kind: ParamKind::Choice(&[REBUILD, "incremental"]),
+};
+
+/// The setting of a structure of two levels; of no effect on a scene at rest.
+pub const INSTANCES: ParamSpec = ParamSpec {
+    name: "update",
+    summary: "between frames: built anew, or the upper level alone is, over rigid parts where they stand now",
+    default: REBUILD,
+    kind: ParamKind::Choice(&[REBUILD, "instances"]),
+};
+
+const REBUILD: &str = "rebuild";
+
+/// Whether boxes alone are to be made anew.
+pub(crate) fn is_refitted(params: &Params) -> bool {
+    params.get(REFIT.name) == Some("refit")
+}
+
+/// Whether the upper level alone is to be made anew.
+pub(crate) fn is_by_instances(params: &Params) -> bool {
+    params.get(INSTANCES.name) == Some("instances")
+}
+
+/// Whether lists are to be changed cell by cell.
+pub(crate) fn is_incremental(params: &Params) -> bool {
+    params.get(INCREMENTAL.name) == Some("incremental")
+}
+
+/// When a refitted tree is built anew.
+pub const REBUILD_AT: ParamSpec = ParamSpec {
+    name: "rebuild-at",
+    summary: "of update=refit: a tree is built anew where its expected cost exceeds so many times that of the \
+              tree built last",
+    default: "1.5",
+    kind: ParamKind::Real { min: 1.0, max: 1e9 },
+};
+
+/// What [`Structure::update`](crate::structure::Structure::update) did.
+#[derive(Debug)]
+pub enum Change {
+    /// It was built anew.
+    Rebuilt,
+    /// It was updated.
+    Updated,
+    /// The lists of some cells were changed, and stand elsewhere now.
+    Lists(ChangedLists),
+}
+
+/// Which of a structure's lists are others than before, by their numbers in the order of
+/// [`Structure::lists`](crate::structure::Structure::lists).
+#[derive(Debug)]
+pub struct ChangedLists {
+    /// Where each list began in the one array of all of them, one after the other, and where the last one ended.
+    pub(crate) before: Vec<u32>,
+    /// Numbers of those that have lost or gained a primitive, or hold one that moved; ascending.
+    pub(crate) changed: Vec<u32>,
+}
+
+impl ChangedLists {
+    /// Whether a list held a primitive before.
+    pub(crate) fn had_ids(&self, number: usize) -> bool {
+        self.before.get(number + 1).is_some_and(|end| self.before[number] < *end)
+    }
+}
+
+/// The primitives of `after` that are not those of `before` under the same ids: others by kind, by a vertex or by
+/// a radius. None where the sets are of different lengths.
+pub fn moved<S: Scalar, P: PrimSet<S>>(before: &P, after: &P) -> Option<Vec<u32>> {
+    if before.len() != after.len() {
+        return None;
+    }
+    let (mut a, mut b) = (Vec::new(), Vec::new());
+    let mut has_moved = |id: u32| {
+        if let (Some(before), Some(after)) = (before.corners(id), after.corners(id)) {
+            return before != after;
+        }
+        a.clear();
+        b.clear();
+        before.hull(id, &mut a);
+        after.hull(id, &mut b);
+        before.kind(id) != after.kind(id) || before.is_opaque(id) != after.is_opaque(id) || a != b
+    };
+    Some((0..before.len() as u32).filter(|&id| has_moved(id)).collect())
+}
