@@ -1,0 +1,4 @@
+//! Scenes that move.
+
+mod claims;
+mod generated;
