@@ -2,6 +2,7 @@
 //!
 //! Frames are made when they are asked for, so that an animation takes the memory of one.
 
+mod files;
 #[allow(clippy::indexing_slicing)]
 mod generated;
 
@@ -10,6 +11,7 @@ use std::path::Path;
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
 use crate::error::{LoadError, Place};
 use crate::scene::Scene;
+use crate::source::names::path_of_name;
 
 /// A scene that moves, frame by frame.
 ///
@@ -31,14 +33,19 @@ pub trait Animation: Send {
 }
 
 /// Opens an animation by its name: a generated one, at its default size (`marbles`) or another
-/// (`marbles:5`).
+/// (`marbles:5`), or the path of a sequence of files (`frame%04d.obj`).
 ///
 /// # Errors
 /// [`LoadError::UnknownScene`] with all valid names and the nearest one, [`LoadError::Procedural`] for a
-/// size that there is not.
+/// size that there is not, [`LoadError::NoFrames`], [`LoadError::MissingFrame`],
+/// [`LoadError::UnknownFormat`], [`LoadError::Io`].
 pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
     if let Some(generated) = generated::open(name)? {
         return Ok(generated);
+    }
+    let path = path_of_name(name);
+    if files::is_pattern(&path) {
+        return files::open(&path);
     }
     Err(unknown(name))
 }
@@ -55,7 +62,10 @@ fn unknown(name: &str) -> LoadError {
         _ => String::new(),
     };
     let names: Vec<&str> = names.collect();
-    let valid = format!("generated {} (with a size: marbles:5)", names.join(", "));
+    let valid = format!(
+        "generated {} (with a size: marbles:5); sequences of files (frame%04d.obj)",
+        names.join(", ")
+    );
     LoadError::UnknownScene { name: name.to_owned(), suggestion, valid }
 }
 
