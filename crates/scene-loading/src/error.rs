@@ -145,6 +145,12 @@ pub enum LoadError {
     /// No scene, set or file of that name.
     #[error("unknown scene `{name}`{suggestion}; valid: {valid}")]
     UnknownScene { name: String, suggestion: String, valid: String },
+    /// No file has a name that fits the pattern of a sequence.
+    #[error("{place}: no file has a number in place of the %d, and that ending")]
+    NoFrames { place: Place },
+    /// A sequence of files has a hole.
+    #[error("{place}: {} is missing, but {} is there", missing.display(), later.display())]
+    MissingFrame { place: Place, missing: PathBuf, later: PathBuf },
     /// A scene of which there is but one size.
     #[error("`{name}` does not come in sizes; those that do: {valid}")]
     NoSizes { name: String, valid: String },

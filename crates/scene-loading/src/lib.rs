@@ -14,6 +14,7 @@
     )
 )]
 
+pub mod animation;
 pub mod error;
 pub mod fetch;
 pub mod gltf;

@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::parts::{View, glossy, ground, matte, stage};
 use crate::scene::{Material, Rgb, Scene};
 
-const TEETH: usize = 36;
+pub(crate) const TEETH: usize = 36;
 
 /// Vertices of a gear's face.
 const FACE: usize = 4 * TEETH;
@@ -37,8 +37,49 @@ struct Profile {
     thickness: f64,
 }
 
+/// A gear of a scene.
+pub(crate) struct Gear {
+    /// Its surface.
+    pub material: Material,
+    /// The middle of its upper face.
+    pub center: DVec3,
+    /// Whether it is turned by half a tooth, as those that it meshes with are not.
+    pub is_turned: bool,
+}
+
+impl Profile {
+    /// Of the gears of a scene of that size.
+    fn of(size: u32) -> Self {
+        let pitch = pitch(size);
+        Self {
+            tip: TIP * pitch,
+            root: (1.0 - TOOTH_HEIGHT) * pitch,
+            thickness: (1.0 / (2.0 * f64::from(size))).min(0.1),
+        }
+    }
+}
+
+/// Radius of the pitch circle.
+fn pitch(size: u32) -> f64 {
+    let n = f64::from(size);
+    1.0 / (n - (n - 1.0) * TOOTH_HEIGHT / 2.0)
+}
+
 /// Generates `size` cubed gears.
 pub(super) fn generate(size: u32) -> Scene {
+    let mut scene = view();
+    let floor = scene.push_material(floor());
+    scene.push_polygon(floor, &ground(2.0, 0.0));
+    let profile = Profile::of(size);
+    for Gear { material, center, is_turned } in gears(size) {
+        let material = scene.push_material(material);
+        push_gear(&mut scene, material, &profile, center, turn(is_turned));
+    }
+    scene
+}
+
+/// The scene without anything in it.
+pub(crate) fn view() -> Scene {
     let view = View {
         from: [-1.1, -2.1, 2.6],
         at: [0.0; 3],
@@ -53,30 +94,39 @@ pub(super) fn generate(size: u32) -> Scene {
         [-1.0, -4.0, 2.0],
         [-1.111, -2.121, 2.626],
     ];
-    let mut scene = stage(view, &lights);
-    let floor = scene.push_material(glossy([1.0, 0.85, 0.7], 0.3, 0.6, 37.0));
-    scene.push_polygon(floor, &ground(2.0, 0.0));
+    stage(view, &lights)
+}
 
+/// The surface of the ground.
+pub(crate) fn floor() -> Material {
+    glossy([1.0, 0.85, 0.7], 0.3, 0.6, 37.0)
+}
+
+/// One gear of a scene of that size, its upper face around the origin.
+pub(crate) fn one(size: u32) -> Scene {
+    let mut scene = Scene::default();
+    push_gear(&mut scene, 0, &Profile::of(size), DVec3::ZERO, turn(false));
+    scene
+}
+
+/// The gears of a scene, in its order.
+pub(crate) fn gears(size: u32) -> impl Iterator<Item = Gear> {
     let n = f64::from(size);
-    let pitch = 1.0 / (n - (n - 1.0) * TOOTH_HEIGHT / 2.0);
-    let profile = Profile {
-        tip: TIP * pitch,
-        root: (1.0 - TOOTH_HEIGHT) * pitch,
-        thickness: (1.0 / (2.0 * n)).min(0.1),
-    };
+    let pitch = pitch(size);
     let first = DVec3::new(-1.0 + pitch, -1.0 + pitch, 1.0);
     let step = DVec3::new(pitch * (2.0 - TOOTH_HEIGHT), pitch * (2.0 - TOOTH_HEIGHT), -1.0 / n);
-    for z in 0..size {
-        for y in 0..size {
-            for x in 0..size {
-                let material = scene.push_material(surface(x, y, z));
-                let center = first + DVec3::new(x.into(), y.into(), z.into()) * step;
-                let turn = PI * f64::from((x + y + z) % 2) / TEETH as f64;
-                push_gear(&mut scene, material, &profile, center, turn);
-            }
-        }
-    }
-    scene
+    let places =
+        (0..size).flat_map(move |z| (0..size).flat_map(move |y| (0..size).map(move |x| [x, y, z])));
+    places.map(move |[x, y, z]| Gear {
+        material: surface(x, y, z),
+        center: first + DVec3::new(x.into(), y.into(), z.into()) * step,
+        is_turned: (x + y + z) % 2 == 1,
+    })
+}
+
+/// By how much a gear is turned, radians: half a tooth or nothing.
+pub(crate) fn turn(is_turned: bool) -> f64 {
+    PI * f64::from(u8::from(is_turned)) / TEETH as f64
 }
 
 /// Every fifth gear or so is of coloured glass, the others are matte.

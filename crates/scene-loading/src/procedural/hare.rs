@@ -79,7 +79,7 @@ pub(super) fn push_hare(scene: &mut Scene, material: u32, size: u32, middle: DVe
 
 /// The triangles of the octahedron's face where no coordinate is negative, against the clock as seen
 /// from outside.
-fn face(n: i32) -> impl Iterator<Item = ([i32; 3], [i32; 3], [i32; 3])> {
+pub(crate) fn face(n: i32) -> impl Iterator<Item = ([i32; 3], [i32; 3], [i32; 3])> {
     let at = move |x: i32, y: i32| [x, y, n - x - y];
     let upright =
         (0..n).flat_map(move |x| (0..n - x).map(move |y| (at(x, y), at(x + 1, y), at(x, y + 1))));

@@ -10,12 +10,12 @@
 
 mod balls;
 pub mod counts;
-mod gears;
-mod hare;
+pub(crate) mod gears;
+pub(crate) mod hare;
 mod lattice;
 mod mount;
 mod nff_export;
-mod parts;
+pub(crate) mod parts;
 mod printed;
 mod rings;
 mod stadium;

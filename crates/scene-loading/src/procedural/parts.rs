@@ -11,7 +11,7 @@ const SKY: Rgb = [0.078, 0.361, 0.753];
 const NO_HIGHLIGHT: f64 = 100_000.0;
 
 /// The part of a view that differs between scenes.
-pub(super) struct View {
+pub(crate) struct View {
     pub from: [f64; 3],
     pub at: [f64; 3],
     pub up: [f64; 3],
@@ -21,7 +21,7 @@ pub(super) struct View {
 }
 
 /// A scene with view, sky and uncoloured point lights, without primitives.
-pub(super) fn stage(view: View, lights: &[[f64; 3]]) -> Scene {
+pub(crate) fn stage(view: View, lights: &[[f64; 3]]) -> Scene {
     Scene {
         camera: Camera {
             from: DVec3::from_array(view.from),
@@ -42,7 +42,7 @@ pub(super) fn stage(view: View, lights: &[[f64; 3]]) -> Scene {
 }
 
 /// An opaque surface without highlight. The files give such surfaces the index of refraction 0.
-pub(super) fn matte(color: Rgb) -> Material {
+pub(crate) fn matte(color: Rgb) -> Material {
     Material {
         color,
         diffuse: 1.0,
@@ -55,22 +55,22 @@ pub(super) fn matte(color: Rgb) -> Material {
 }
 
 /// An opaque surface with a highlight that has fallen to one half at `half_angle` degrees.
-pub(super) fn glossy(color: Rgb, diffuse: f64, specular: f64, half_angle: f64) -> Material {
+pub(crate) fn glossy(color: Rgb, diffuse: f64, specular: f64, half_angle: f64) -> Material {
     Material { diffuse, specular, shine: phong_exponent(half_angle), ..matte(color) }
 }
 
 /// The exponent `e` with `cos(half_angle)^e = 1/2`; the angle is in degrees, between 0 and 90.
-pub(super) fn phong_exponent(half_angle: f64) -> f64 {
+pub(crate) fn phong_exponent(half_angle: f64) -> f64 {
     0.5_f64.ln() / half_angle.to_radians().cos().ln()
 }
 
 /// Corners of the square `|x|, |y| <= half` at height `z`, from `+ +` on, against the clock as
 /// seen from above.
-pub(super) fn ground(half: f64, z: f64) -> [DVec3; 4] {
+pub(crate) fn ground(half: f64, z: f64) -> [DVec3; 4] {
     [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, z))
 }
 
 /// Rotation by `angle` (radians) about `axis` (any length but 0).
-pub(super) fn rotation(axis: DVec3, angle: f64) -> DMat3 {
+pub(crate) fn rotation(axis: DVec3, angle: f64) -> DMat3 {
     DMat3::from_axis_angle(axis / axis.length(), angle)
 }

@@ -1,5 +1,6 @@
 //! All integration tests of the crate, as one program: each more would be linked on its own.
 
+mod animation;
 mod fuzz_seeds;
 mod hard_cases;
 mod hostile;

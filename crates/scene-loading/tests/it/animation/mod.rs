@@ -1,0 +1,5 @@
+//! Scenes that move.
+
+mod claims;
+mod files;
+mod generated;
