@@ -10,6 +10,8 @@ use std::path::Path;
 
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
 use crate::error::{LoadError, Place};
+use crate::gltf;
+use crate::input::read::extension;
 use crate::scene::Scene;
 use crate::source::names::path_of_name;
 
@@ -33,12 +35,13 @@ pub trait Animation: Send {
 }
 
 /// Opens an animation by its name: a generated one, at its default size (`marbles`) or another
-/// (`marbles:5`), or the path of a sequence of files (`frame%04d.obj`).
+/// (`marbles:5`), or the path of a sequence of files (`frame%04d.obj`) or of
+/// a glTF file with an animation.
 ///
 /// # Errors
 /// [`LoadError::UnknownScene`] with all valid names and the nearest one, [`LoadError::Procedural`] for a
 /// size that there is not, [`LoadError::NoFrames`], [`LoadError::MissingFrame`],
-/// [`LoadError::UnknownFormat`], [`LoadError::Io`].
+/// [`LoadError::UnknownFormat`], [`LoadError::Io`], and of glTF files those of [`gltf::parse_gltf`].
 pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
     if let Some(generated) = generated::open(name)? {
         return Ok(generated);
@@ -46,6 +49,9 @@ pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
     let path = path_of_name(name);
     if files::is_pattern(&path) {
         return files::open(&path);
+    }
+    if ["gltf", "glb"].contains(&extension(&path).as_str()) {
+        return gltf::animated::open(&path);
     }
     Err(unknown(name))
 }
@@ -63,14 +69,14 @@ fn unknown(name: &str) -> LoadError {
     };
     let names: Vec<&str> = names.collect();
     let valid = format!(
-        "generated {} (with a size: marbles:5); sequences of files (frame%04d.obj)",
+        "generated {} (with a size: marbles:5); sequences of files (frame%04d.obj); .gltf and .glb with an animation",
         names.join(", ")
     );
     LoadError::UnknownScene { name: name.to_owned(), suggestion, valid }
 }
 
 /// Refuses a frame that there is not.
-fn check_frame(name: &str, index: u32, frames: u32) -> Result<(), LoadError> {
+pub(crate) fn check_frame(name: &str, index: u32, frames: u32) -> Result<(), LoadError> {
     if index < frames {
         return Ok(());
     }

@@ -19,19 +19,19 @@ const MAX_ELEMENTS: u64 = 64 << 20;
 const MAX_ZEROS: u64 = 1 << 20;
 
 /// The bytes of all buffers of a document.
-pub(crate) struct Buffers<'a> {
-    path: &'a Path,
+pub(crate) struct Buffers {
+    path: PathBuf,
     data: Vec<Vec<u8>>,
 }
 
-impl<'a> Buffers<'a> {
+impl Buffers {
     /// Reads every buffer: the GLB's own, data URIs, and files below the folder of `path`.
     pub fn load(
-        path: &'a Path,
+        path: &Path,
         document: &Document,
         mut blob: Option<Vec<u8>>,
     ) -> Result<Self, LoadError> {
-        let mut buffers = Self { path, data: Vec::new() };
+        let mut buffers = Self { path: path.to_path_buf(), data: Vec::new() };
         let mut total: u64 = 0;
         for buffer in document.buffers() {
             let object = format!("buffer {}", buffer.index());
@@ -70,7 +70,7 @@ impl<'a> Buffers<'a> {
     /// The file, below the folder, that a URI other than a data URI names.
     pub fn file_of(&self, object: &str, uri: &str) -> Result<PathBuf, LoadError> {
         let outside = || LoadError::OutsideFolder {
-            place: Place::file(self.path),
+            place: Place::file(&self.path),
             uri: uri.chars().take(80).collect(),
         };
         let decoded = percent_decode(uri).ok_or_else(|| {
@@ -90,7 +90,7 @@ impl<'a> Buffers<'a> {
         for (i, vector) in vectors.iter().enumerate() {
             if let Some(found) = vector.iter().find(|x| !x.is_finite()) {
                 return Err(LoadError::NotFinite {
-                    place: Place::file(self.path),
+                    place: Place::file(&self.path),
                     what: format!("{object}, element {i}"),
                     found: found.to_string(),
                 });
@@ -131,11 +131,94 @@ impl<'a> Buffers<'a> {
         match texcoords.as_flattened().iter().position(|x| !x.is_finite()) {
             None => Ok(texcoords),
             Some(i) => Err(LoadError::NotFinite {
-                place: Place::file(self.path),
+                place: Place::file(&self.path),
                 what: format!("{object}, element {}", i / 2),
                 found: "NaN or infinite".into(),
             }),
         }
+    }
+
+    /// Finite numbers, those of an element behind one another: floats, or where `normalized` ones may be,
+    /// shares of the largest byte or short too.
+    pub fn numbers(
+        &self,
+        accessor: Accessor<'_>,
+        what: &str,
+        dimensions: Dimensions,
+        normalized: bool,
+    ) -> Result<Vec<f64>, LoadError> {
+        let object = format!("accessor {} ({what})", accessor.index());
+        let kind = accessor.data_type();
+        let is_known = match kind {
+            DataType::F32 => !accessor.normalized(),
+            DataType::U32 => false,
+            _ => normalized && accessor.normalized(),
+        };
+        if accessor.dimensions() != dimensions || !is_known {
+            let note = if accessor.normalized() { " normalized" } else { "" };
+            let found = format!("{:?} of {kind:?}{note}", accessor.dimensions());
+            let or = if normalized { ", or of normalized bytes or shorts" } else { "" };
+            return Err(self.invalid(&object, &found, &format!("{dimensions:?} of F32{or}")));
+        }
+        let (mut numbers, most) = match kind {
+            DataType::I8 => (self.flat::<i8>(&object, accessor)?, i8::MAX.into()),
+            DataType::U8 => (self.flat::<u8>(&object, accessor)?, u8::MAX.into()),
+            DataType::I16 => (self.flat::<i16>(&object, accessor)?, i16::MAX.into()),
+            DataType::U16 => (self.flat::<u16>(&object, accessor)?, u16::MAX.into()),
+            _ => (self.flat::<f32>(&object, accessor)?, 0.0),
+        };
+        if most > 0.0 {
+            numbers.iter_mut().for_each(|x| *x = (*x / most).max(-1.0));
+        }
+        let width = dimensions.multiplicity();
+        match numbers.iter().position(|x| !x.is_finite()) {
+            None => Ok(numbers),
+            Some(i) => Err(LoadError::NotFinite {
+                place: Place::file(&self.path),
+                what: format!("{object}, element {}", i / width),
+                found: numbers.get(i).map(f64::to_string).unwrap_or_default(),
+            }),
+        }
+    }
+
+    /// Four joints for each vertex.
+    pub fn joints(&self, accessor: Accessor<'_>) -> Result<Vec<[u16; 4]>, LoadError> {
+        let object = format!("accessor {} (joints)", accessor.index());
+        let valid = [DataType::U8, DataType::U16];
+        self.expect_type(&object, &accessor, Dimensions::Vec4, &valid)?;
+        match accessor.data_type() {
+            DataType::U8 => {
+                let joints: Vec<[u8; 4]> = self.read(&object, accessor)?;
+                Ok(joints.into_iter().map(|joints| joints.map(u16::from)).collect())
+            }
+            _ => self.read(&object, accessor),
+        }
+    }
+
+    /// The components of all elements.
+    fn flat<T: Item + Copy + Into<f64>>(
+        &self,
+        object: &str,
+        accessor: Accessor<'_>,
+    ) -> Result<Vec<f64>, LoadError> {
+        let wide = |all: Vec<T>| all.into_iter().map(Into::into).collect();
+        Ok(match accessor.dimensions() {
+            Dimensions::Scalar => wide(self.read::<T>(object, accessor)?),
+            Dimensions::Vec3 => {
+                wide(self.read::<[T; 3]>(object, accessor)?.as_flattened().to_vec())
+            }
+            Dimensions::Vec4 => {
+                wide(self.read::<[T; 4]>(object, accessor)?.as_flattened().to_vec())
+            }
+            Dimensions::Mat4 => {
+                let columns = self.read::<[[T; 4]; 4]>(object, accessor)?;
+                wide(columns.as_flattened().as_flattened().to_vec())
+            }
+            other => {
+                let expected = "Scalar, Vec3, Vec4 or Mat4";
+                return Err(self.invalid(object, &format!("{other:?}"), expected));
+            }
+        })
     }
 
     /// All bytes of a buffer.
@@ -166,7 +249,7 @@ impl<'a> Buffers<'a> {
         match indices.iter().position(|&i| i as usize >= vertices) {
             None => Ok(indices),
             Some(i) => Err(LoadError::IndexOutOfRange {
-                place: Place::file(self.path),
+                place: Place::file(&self.path),
                 what: format!("{object}, element {i}: vertex"),
                 index: indices.get(i).map(u32::to_string).unwrap_or_default(),
                 valid: format!("there are {vertices} vertices, counted from 0"),
@@ -198,7 +281,7 @@ impl<'a> Buffers<'a> {
         let limit = if accessor.view().is_some() { MAX_ELEMENTS } else { MAX_ZEROS };
         if count > limit {
             return Err(LoadError::CountTooLarge {
-                place: Place::file(self.path),
+                place: Place::file(&self.path),
                 what: object.to_string(),
                 count,
                 limit,
@@ -273,13 +356,14 @@ impl<'a> Buffers<'a> {
         if needed <= available {
             return Ok(());
         }
-        let place = Place::file(self.path);
+        let place = Place::file(&self.path);
         Err(LoadError::PastBuffer { place, object: object.to_string(), needed, available })
     }
 
-    fn invalid(&self, object: &str, found: &str, expected: &str) -> LoadError {
+    /// The error for what breaks a rule of the format.
+    pub fn invalid(&self, object: &str, found: &str, expected: &str) -> LoadError {
         LoadError::Gltf {
-            place: Place::file(self.path),
+            place: Place::file(&self.path),
             object: object.to_string(),
             found: found.to_string(),
             expected: expected.to_string(),

@@ -2,21 +2,29 @@
 //!
 //! Taken: triangles (lists, strips, fans) under the transforms of their nodes, base colours, the
 //! textures of base colours (`textures`), the first perspective camera, point and spot lights
-//! (`KHR_lights_punctual`). Not taken: other textures, skins, morph targets, points and lines (counted in a warning), orthographic cameras and
-//! directional lights (a warning). Files that *require* another extension are refused.
+//! (`KHR_lights_punctual`); of a scene that moves (`animated`) skins and morph targets, too. Not taken: other
+//! textures, points and lines (counted in a warning), orthographic cameras and directional lights (a warning). Files that *require* another extension are refused.
 //!
 //! The crate panics on some invalid files and believes lengths that it reads. So the GLB header,
 //! URIs, buffer views and accessors are checked here before it reads through them; images it never
 //! touches; and as a last belt a panic inside the crate is caught and becomes
 //! [`LoadError::Parser`] (the command line keeps the panic's own message from stderr).
 
+pub(crate) mod animated;
 pub(crate) mod buffers;
+mod clip;
+mod deform;
+mod keys;
 mod materials;
 mod nodes;
+mod pose;
 mod textures;
+mod tree;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use ::gltf::Document;
 
 use crate::error::{LoadError, Place, quote};
 use crate::gltf::buffers::Buffers;
@@ -41,9 +49,17 @@ pub fn load_gltf(path: &Path) -> Result<Scene, LoadError> {
 /// [`LoadError::IndexOutOfRange`], [`LoadError::NotFinite`], [`LoadError::NodeReachedTwice`],
 /// [`LoadError::CountTooLarge`] and [`LoadError::NoPrimitives`].
 pub fn parse_gltf(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
-    check_glb_header(path, bytes)?;
-    check_objects(path, bytes)?;
-    catch_unwind(AssertUnwindSafe(|| parse_checked(path, bytes))).unwrap_or_else(|panic| {
+    guarded(path, || {
+        let opened = Opened::read(path, bytes)?;
+        let mut walker = opened.walker();
+        walker.walk(&opened.scene()?)?;
+        walker.finish(None)
+    })
+}
+
+/// Turns a panic inside the crate `gltf` into an error.
+fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, LoadError>) -> Result<T, LoadError> {
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
         Err(parser_error(path, format!("panic: {text}")))
@@ -54,25 +70,42 @@ fn parser_error(path: &Path, message: String) -> LoadError {
     LoadError::Parser { place: Place::file(path), parser: "gltf", message }
 }
 
-fn parse_checked(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
-    let fail = |error: ::gltf::Error| parser_error(path, error.to_string());
-    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice_without_validation(bytes)
-        .map_err(|error| first_version(path, bytes).unwrap_or_else(|| fail(error)))?;
-    let json = document.into_json();
-    check_extensions(path, &json)?;
-    check_before_validation(path, &json)?;
-    let document = ::gltf::Document::from_json(json).map_err(fail)?;
-    let buffers = Buffers::load(path, &document, blob)?;
-    let scene = document.default_scene().or_else(|| document.scenes().next());
-    let scene = scene.ok_or_else(|| LoadError::Gltf {
-        place: Place::file(path),
-        object: "document".into(),
-        found: "no scene".into(),
-        expected: "at least one".into(),
-    })?;
-    let mut walker = Walker::new(path, &document, &buffers, Scene::new(scene_name(path)));
-    walker.walk(&scene)?;
-    walker.finish()
+/// A file, its parts checked as far as the crate does not.
+struct Opened {
+    path: PathBuf,
+    document: Document,
+    buffers: Buffers,
+}
+
+impl Opened {
+    fn read(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
+        check_glb_header(path, bytes)?;
+        check_objects(path, bytes)?;
+        let fail = |error: ::gltf::Error| parser_error(path, error.to_string());
+        let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice_without_validation(bytes)
+            .map_err(|error| first_version(path, bytes).unwrap_or_else(|| fail(error)))?;
+        let json = document.into_json();
+        check_extensions(path, &json)?;
+        check_before_validation(path, &json)?;
+        let document = Document::from_json(json).map_err(fail)?;
+        let buffers = Buffers::load(path, &document, blob)?;
+        Ok(Self { path: path.to_path_buf(), document, buffers })
+    }
+
+    fn scene(&self) -> Result<::gltf::Scene<'_>, LoadError> {
+        let scene = self.document.default_scene().or_else(|| self.document.scenes().next());
+        scene.ok_or_else(|| LoadError::Gltf {
+            place: Place::file(&self.path),
+            object: "document".into(),
+            found: "no scene".into(),
+            expected: "at least one".into(),
+        })
+    }
+
+    fn walker(&self) -> Walker<'_> {
+        let scene = Scene::new(scene_name(&self.path));
+        Walker::new(&self.path, &self.document, &self.buffers, scene)
+    }
 }
 
 /// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as

@@ -6,14 +6,16 @@ use std::path::Path;
 use ::gltf::camera::Projection;
 use ::gltf::khr_lights_punctual::Kind;
 use ::gltf::mesh::Mode;
-use ::gltf::scene::Transform;
 use ::gltf::{Document, Node, Semantic};
-use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec3, Vec3};
 
 use crate::error::{LoadError, Place};
 use crate::gltf::buffers::Buffers;
+use crate::gltf::deform::{self, Deformed, Deformer};
 use crate::gltf::materials::material_of;
+use crate::gltf::pose::Pose;
 use crate::gltf::textures::Textures;
+use crate::gltf::tree::{self, Placed};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_WARNINGS};
 use crate::polygon::area_vector;
 use crate::progress;
@@ -28,12 +30,16 @@ const HEIGHT: u32 = 512;
 pub(crate) struct Walker<'a> {
     path: &'a Path,
     document: &'a Document,
-    buffers: &'a Buffers<'a>,
+    buffers: &'a Buffers,
     textures: Textures<'a>,
     scene: Scene,
     /// Scene material of each glTF material; the last is glTF's default, made when needed.
     default_material: Option<u32>,
     lights: Vec<(DVec3, [f64; 3], f64)>,
+    /// Of a scene that moves, how it stands.
+    pose: Option<&'a Pose>,
+    /// Where its nodes are, by their number; none of those that are not in the scene.
+    joints: Vec<Option<DMat4>>,
     has_camera: bool,
     without_area: usize,
     points_and_lines: usize,
@@ -44,7 +50,7 @@ impl<'a> Walker<'a> {
     pub fn new(
         path: &'a Path,
         document: &'a Document,
-        buffers: &'a Buffers<'a>,
+        buffers: &'a Buffers,
         mut scene: Scene,
     ) -> Self {
         scene.materials = document.materials().map(|m| material_of(&m)).collect();
@@ -56,6 +62,8 @@ impl<'a> Walker<'a> {
             scene,
             default_material: None,
             lights: Vec::new(),
+            pose: None,
+            joints: Vec::new(),
             has_camera: false,
             without_area: 0,
             points_and_lines: 0,
@@ -63,38 +71,28 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Visits every node once, parents first. The document need not be a tree: the crate accepts
-    /// cycles, and shared children would multiply.
-    pub fn walk(&mut self, scene: &::gltf::Scene<'a>) -> Result<(), LoadError> {
-        let mut visited = vec![false; self.document.nodes().len()];
-        let mut stack: Vec<(Node<'a>, DMat4)> =
-            scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
-        stack.reverse();
-        while let Some((node, parent)) = stack.pop() {
-            let index = node.index();
-            match visited.get_mut(index) {
-                Some(seen) if !*seen => *seen = true,
-                _ => {
-                    let place = Place::file(self.path);
-                    return Err(LoadError::NodeReachedTwice { place, node: index });
-                }
-            }
-            let world = parent * self.transform(&node)?;
-            if !world.is_finite() {
-                return Err(self.not_finite(format!("node {index}: world transform")));
-            }
-            self.visit(&node, world)?;
-            let first = stack.len();
-            stack.extend(node.children().map(|child| (child, world)));
-            if let Some(children) = stack.get_mut(first..) {
-                children.reverse();
-            }
-        }
-        Ok(())
+    /// Has the nodes stand as a pose says.
+    pub fn posed(mut self, pose: &'a Pose) -> Self {
+        self.pose = Some(pose);
+        self
     }
 
-    /// Ends the walk: lights, warnings, and a camera where the file has none.
-    pub fn finish(mut self) -> Result<Scene, LoadError> {
+    /// Visits every node of a scene once, parents first.
+    pub fn walk(&mut self, scene: &::gltf::Scene<'a>) -> Result<(), LoadError> {
+        let placed = tree::placed(self.path, self.document, scene, self.pose)?;
+        if self.pose.is_some() {
+            self.joints = vec![None; self.document.nodes().len()];
+            for node in &placed {
+                if let Some(joint) = self.joints.get_mut(node.node.index()) {
+                    *joint = Some(node.world);
+                }
+            }
+        }
+        placed.iter().try_for_each(|placed| self.visit(placed))
+    }
+
+    /// Ends the walk: lights, warnings, and where the file has no camera this one or one that frames the scene.
+    pub fn finish(mut self, camera: Option<Camera>) -> Result<Scene, LoadError> {
         if self.scene.primitives.is_empty() {
             let expected = "triangle with an area";
             return Err(LoadError::NoPrimitives { place: Place::file(self.path), expected });
@@ -116,8 +114,10 @@ impl<'a> Walker<'a> {
             let text = format!("{}: {unsaid} more warnings", self.path.display());
             self.scene.warnings.push(Warning(text));
         }
-        if !self.has_camera {
-            self.scene.frame_camera();
+        match camera {
+            _ if self.has_camera => {}
+            Some(camera) => self.scene.camera = camera,
+            None => self.scene.frame_camera(),
         }
         Ok(self.scene)
     }
@@ -140,40 +140,9 @@ impl<'a> Walker<'a> {
         LoadError::Gltf { place: Place::file(self.path), object, found, expected }
     }
 
-    fn transform(&self, node: &Node<'_>) -> Result<DMat4, LoadError> {
-        let object = || format!("node {}", node.index());
-        let matrix = match node.transform() {
-            Transform::Matrix { matrix } => {
-                DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)))
-            }
-            Transform::Decomposed { translation, rotation, scale } => {
-                let rotation = DQuat::from_array(rotation.map(f64::from));
-                if !(rotation.length() > 0.0 && rotation.is_finite()) {
-                    let found = format!("rotation {rotation}");
-                    return Err(self.invalid(object(), found, "a quaternion other than 0"));
-                }
-                DMat4::from_scale_rotation_translation(
-                    DVec3::from_array(scale.map(f64::from)),
-                    rotation.normalize(),
-                    DVec3::from_array(translation.map(f64::from)),
-                )
-            }
-        };
-        if !matrix.is_finite() {
-            return Err(self.not_finite(object()));
-        }
-        if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
-            let found = format!("a matrix with last row {}", matrix.row(3));
-            return Err(self.invalid(object(), found, "0, 0, 0, 1"));
-        }
-        if DMat3::from_mat4(matrix) == DMat3::ZERO {
-            let found = "a transform that maps everything to one point".to_string();
-            return Err(self.invalid(object(), found, "a matrix or scale other than 0"));
-        }
-        Ok(matrix)
-    }
-
-    fn visit(&mut self, node: &Node<'_>, world: DMat4) -> Result<(), LoadError> {
+    fn visit(&mut self, placed: &Placed<'_>) -> Result<(), LoadError> {
+        let Placed { node, world, is_steady } = placed;
+        let world = *world;
         if let Some(camera) = node.camera() {
             self.camera(&camera, world)?;
         }
@@ -199,12 +168,15 @@ impl<'a> Walker<'a> {
         if let Some(mesh) = node.mesh() {
             let first = self.scene.primitives.len();
             for primitive in mesh.primitives() {
-                self.primitive(mesh.index(), &primitive, world)?;
+                self.primitive(node, mesh.index(), &primitive, world)?;
             }
+            let determinant = DMat3::from_mat4(world).determinant();
             // mirrored, corners are in another order
-            let is_mirrored = DMat3::from_mat4(world).determinant() < 0.0;
-            let object = 2 * mesh.index() as u32 + u32::from(is_mirrored);
-            self.scene.placed_since(first, object, world);
+            let object = 2 * mesh.index() as u32 + u32::from(determinant < 0.0);
+            let is_rigid = *is_steady && determinant != 0.0 && !deform::is_soft(node, &mesh);
+            if self.pose.is_none() || is_rigid {
+                self.scene.placed_since(first, object, world);
+            }
         }
         Ok(())
     }
@@ -237,6 +209,7 @@ impl<'a> Walker<'a> {
 
     fn primitive(
         &mut self,
+        node: &Node<'_>,
         mesh: usize,
         primitive: &::gltf::Primitive<'_>,
         world: DMat4,
@@ -273,7 +246,19 @@ impl<'a> Walker<'a> {
             None => self.default_material(),
         };
         let texcoords = self.texcoords(mesh, primitive, positions.len())?;
-        let first = self.push_vertices(&positions, &normals, world);
+        let deformed = match self.pose {
+            Some(pose) => {
+                let place = Deformer { buffers: self.buffers, pose, joints: &self.joints };
+                place.deformed(node, primitive, &positions, &normals, world)?
+            }
+            None => None,
+        };
+        let first = match &deformed {
+            Some(Deformed { positions, normals, world }) => {
+                self.push_vertices(positions.iter().copied(), normals.iter().copied(), *world)
+            }
+            None => self.push_vertices(positions.iter().map(wide), normals.iter().map(wide), world),
+        };
         if first.is_none() {
             return Err(self.not_finite(format!("{}: a transformed position", object())));
         }
@@ -293,7 +278,15 @@ impl<'a> Walker<'a> {
                 [Some(a), Some(b), Some(c)] => Some([a, b, c]),
                 _ => None,
             };
-            self.triangle(material, v, n, uv);
+            // one that moves is kept in all frames or in none
+            let flat = match self.pose {
+                Some(_) => corners.map(|i| positions.get(i as usize).map(wide).unwrap_or_default()),
+                None => v.map(|i| self.scene.vertices.get(i as usize).copied().unwrap_or_default()),
+            };
+            match area_vector(&flat) {
+                Some(_) => self.triangle(material, v, n, uv),
+                None => self.without_area += 1,
+            }
         }
         progress::end();
         Ok(())
@@ -340,29 +333,22 @@ impl<'a> Walker<'a> {
     /// Adds transformed vertices; `None` when one is not finite. Returns the first indices.
     fn push_vertices(
         &mut self,
-        positions: &[[f32; 3]],
-        normals: &[[f32; 3]],
+        positions: impl Iterator<Item = DVec3>,
+        normals: impl Iterator<Item = DVec3>,
         world: DMat4,
     ) -> Option<(u32, u32)> {
         let first = u32::try_from(self.scene.vertices.len()).ok()?;
         let first_n = u32::try_from(self.scene.normals.len()).ok()?;
-        for &p in positions {
-            let p = world.transform_point3(Vec3::from_array(p).as_dvec3());
+        for p in positions {
+            let p = world.transform_point3(p);
             if !p.is_finite() {
                 return None;
             }
             self.scene.vertices.push(p);
         }
         // Normals transform by the cofactor matrix, which also exists for flattening transforms.
-        let m = DMat3::from_mat4(world);
-        let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-        let cofactor = DMat3::from_cols(
-            m.y_axis.cross(m.z_axis),
-            m.z_axis.cross(m.x_axis),
-            m.x_axis.cross(m.y_axis),
-        ) * sign;
-        let transformed = |&n: &[f32; 3]| cofactor * Vec3::from_array(n).as_dvec3();
-        self.scene.normals.extend(normals.iter().map(|n| transformed(n).normalize_or_zero()));
+        let cofactor = cofactor(world);
+        self.scene.normals.extend(normals.map(|n| (cofactor * n).normalize_or_zero()));
         Some((first, first_n))
     }
 
@@ -374,11 +360,6 @@ impl<'a> Walker<'a> {
         texcoords: Option<Texcoords>,
     ) {
         let scene = &mut self.scene;
-        let points = v.map(|i| scene.vertices.get(i as usize).copied().unwrap_or_default());
-        if area_vector(&points).is_none() {
-            self.without_area += 1;
-            return;
-        }
         let usable = |n: &[u32; 3]| {
             n.iter().all(|&i| scene.normals.get(i as usize).is_some_and(|n| *n != DVec3::ZERO))
         };
@@ -391,6 +372,19 @@ impl<'a> Walker<'a> {
             scene.last_is_textured(texcoords);
         }
     }
+}
+
+/// What normals are transformed by: the matrix of cofactors, which points as normals do where it mirrors.
+pub(crate) fn cofactor(world: DMat4) -> DMat3 {
+    let m = DMat3::from_mat4(world);
+    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+        * sign
+}
+
+/// A vector of a file.
+pub(crate) fn wide(v: &[f32; 3]) -> DVec3 {
+    Vec3::from_array(*v).as_dvec3()
 }
 
 /// The triangles of a list, strip or fan, each wound as the format asks.

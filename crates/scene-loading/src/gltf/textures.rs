@@ -25,7 +25,7 @@ const TRANSFORM: &str = "KHR_texture_transform";
 pub(crate) struct Textures<'a> {
     path: &'a Path,
     document: &'a Document,
-    buffers: &'a Buffers<'a>,
+    buffers: &'a Buffers,
     reader: TextureReader,
     /// Of each material: `None` before it is asked for, then its set of texture coordinates if it
     /// has a texture.
@@ -37,7 +37,7 @@ pub(crate) struct Textures<'a> {
 
 impl<'a> Textures<'a> {
     /// Of a document; reads nothing yet.
-    pub fn new(path: &'a Path, document: &'a Document, buffers: &'a Buffers<'a>) -> Self {
+    pub fn new(path: &'a Path, document: &'a Document, buffers: &'a Buffers) -> Self {
         let sets = vec![None; document.materials().len()];
         let reader = TextureReader::default();
         Self { path, document, buffers, reader, sets, is_warned: false, unsaid: 0 }

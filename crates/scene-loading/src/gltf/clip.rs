@@ -1,0 +1,177 @@
+//! An animation of a glTF file, read and checked: which node's what follows which keys.
+
+use std::path::Path;
+
+use ::gltf::accessor::Dimensions;
+use ::gltf::animation::Property;
+use ::gltf::json::validation::Checked;
+use ::gltf::{Accessor, Document};
+use glam::{DQuat, DVec3};
+
+use crate::error::{LoadError, Place};
+use crate::gltf::buffers::Buffers;
+use crate::gltf::keys::Keys;
+use crate::gltf::pose::Pose;
+use crate::limits::{self, MAX_ELEMENTS};
+
+/// The first animation of a file.
+pub(crate) struct Clip {
+    /// Of each sampler that a channel uses.
+    samplers: Vec<Option<Keys>>,
+    channels: Vec<Channel>,
+}
+
+struct Channel {
+    node: usize,
+    property: Property,
+    sampler: usize,
+}
+
+impl Clip {
+    /// Reads the first animation.
+    pub fn read(path: &Path, document: &Document, buffers: &Buffers) -> Result<Self, LoadError> {
+        let invalid = |object: &str, found: String, expected: &str| LoadError::Gltf {
+            place: Place::file(path),
+            object: object.into(),
+            found,
+            expected: expected.into(),
+        };
+        let Some(animation) = document.as_json().animations.first() else {
+            return Err(invalid("document", "no animations".into(), "at least one"));
+        };
+        let mut clip = Self { samplers: Vec::new(), channels: Vec::new() };
+        clip.samplers.resize_with(animation.samplers.len(), || None);
+        let mut numbers = 0;
+        for (c, channel) in animation.channels.iter().enumerate() {
+            let object = format!("animation 0 channel {c}");
+            let (node, s) = (channel.target.node.value(), channel.sampler.value());
+            let Checked::Valid(property) = channel.target.path else {
+                let expected = "translation, rotation, scale or weights";
+                return Err(invalid(&object, "another path".into(), expected));
+            };
+            let Some(target) = document.nodes().nth(node) else {
+                let there = document.nodes().len();
+                let found = format!("target node {node}");
+                return Err(invalid(&object, found, &format!("one of {there}, counted from 0")));
+            };
+            let width = match property {
+                Property::Translation | Property::Scale => 3,
+                Property::Rotation => 4,
+                Property::MorphTargetWeights => {
+                    let meshes = target.mesh();
+                    let targets = meshes.iter().flat_map(|mesh| mesh.primitives());
+                    targets.map(|primitive| primitive.morph_targets().len()).max().unwrap_or(0)
+                }
+            };
+            if width == 0 {
+                let found = "weights of a node without morph targets".into();
+                return Err(invalid(&object, found, "a mesh with targets"));
+            }
+            let Some(slot) = clip.samplers.get_mut(s) else {
+                return Err(invalid(&object, format!("sampler {s}"), "one of the animation's"));
+            };
+            let keys = match slot {
+                Some(keys) => keys,
+                None => {
+                    let keys = read_keys(path, document, buffers, s, property, width)?;
+                    numbers += keys.values.len();
+                    let place = || Place::file(path);
+                    limits::check(numbers, MAX_ELEMENTS, "the numbers of all keys", place)?;
+                    slot.insert(keys)
+                }
+            };
+            if keys.width != width {
+                let found = format!("a sampler of {} numbers", keys.width);
+                return Err(invalid(&object, found, &format!("one of {width}")));
+            }
+            let is_zero = |key: usize| keys.value(key).iter().all(|&x| x == 0.0);
+            if property == Property::Rotation && (0..keys.times.len()).any(is_zero) {
+                let found = "a rotation of 0, 0, 0, 0".into();
+                return Err(invalid(&object, found, "a quaternion other than 0"));
+            }
+            clip.channels.push(Channel { node, property, sampler: s });
+        }
+        if clip.channels.is_empty() {
+            return Err(invalid("animation 0", "no channels".into(), "at least one"));
+        }
+        Ok(clip)
+    }
+
+    /// The first and the last time of a key, seconds.
+    pub fn span(&self) -> [f64; 2] {
+        let times = || self.samplers.iter().flatten();
+        let first = times().filter_map(|keys| keys.times.first()).copied();
+        let last = times().filter_map(|keys| keys.times.last()).copied();
+        [first.fold(f64::INFINITY, f64::min), last.fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// How the nodes stand at a time.
+    pub fn pose(&self, time: f64) -> Pose {
+        let mut pose = Pose::default();
+        for channel in &self.channels {
+            let Some(Some(keys)) = self.samplers.get(channel.sampler) else { continue };
+            let values = keys.at(time, channel.property == Property::Rotation);
+            let node = pose.nodes.entry(channel.node).or_default();
+            match (channel.property, values.as_slice()) {
+                (Property::Translation, &[x, y, z]) => node.translation = Some(DVec3::new(x, y, z)),
+                (Property::Scale, &[x, y, z]) => {
+                    node.scale = Some(DVec3::new(x, y, z));
+                    node.is_unsteady = keys.passes_zero();
+                }
+                (Property::Rotation, &[x, y, z, w]) => {
+                    node.rotation = Some(DQuat::from_xyzw(x, y, z, w));
+                }
+                (Property::MorphTargetWeights, _) => node.weights = Some(values),
+                _ => {}
+            }
+        }
+        pose
+    }
+}
+
+/// The keys of a sampler for what it is used for first.
+fn read_keys(
+    path: &Path,
+    document: &Document,
+    buffers: &Buffers,
+    sampler: usize,
+    property: Property,
+    width: usize,
+) -> Result<Keys, LoadError> {
+    let object = format!("animation 0 sampler {sampler}");
+    let invalid = |found: String, expected: String| LoadError::Gltf {
+        place: Place::file(path),
+        object: object.clone(),
+        found,
+        expected,
+    };
+    let json = document.as_json().animations.first();
+    let missing = || invalid("nothing".into(), "input, output and a known interpolation".into());
+    let json = json.and_then(|animation| animation.samplers.get(sampler)).ok_or_else(missing)?;
+    let Checked::Valid(interpolation) = json.interpolation else { return Err(missing()) };
+    let accessor = |index: usize| -> Result<Accessor<'_>, LoadError> {
+        document.accessors().nth(index).ok_or_else(missing)
+    };
+    let times =
+        buffers.numbers(accessor(json.input.value())?, "key times", Dimensions::Scalar, false)?;
+    if let Some((i, pair)) =
+        times.windows(2).enumerate().find(|(_, pair)| pair.first() >= pair.last())
+    {
+        let found = format!("key {} at {:?} behind {:?}", i + 1, pair.last(), pair.first());
+        let found = found.replace("Some(", "").replace(')', "");
+        return Err(invalid(found, "times that ascend".into()));
+    }
+    let (dimensions, normalized) = match property {
+        Property::Translation | Property::Scale => (Dimensions::Vec3, false),
+        Property::Rotation => (Dimensions::Vec4, true),
+        Property::MorphTargetWeights => (Dimensions::Scalar, true),
+    };
+    let values = buffers.numbers(accessor(json.output.value())?, "keys", dimensions, normalized)?;
+    let keys = Keys { times, values, width, interpolation };
+    let needed = keys.times.len().saturating_mul(width).saturating_mul(keys.lists());
+    if keys.values.len() != needed {
+        let found = format!("{} numbers for {} times", keys.values.len(), keys.times.len());
+        return Err(invalid(found, format!("{needed} ({interpolation:?})")));
+    }
+    Ok(keys)
+}

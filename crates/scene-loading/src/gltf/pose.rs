@@ -1,0 +1,40 @@
+//! How the nodes of a glTF scene stand at a moment: what an animation says instead of the file.
+
+use std::collections::BTreeMap;
+
+use glam::{DQuat, DVec3};
+
+/// What is animated, by nodes.
+#[derive(Debug, Default)]
+pub(crate) struct Pose {
+    pub nodes: BTreeMap<usize, NodePose>,
+}
+
+/// What is animated of a node; none where the file's own values hold.
+#[derive(Debug, Default)]
+pub(crate) struct NodePose {
+    pub translation: Option<DVec3>,
+    pub rotation: Option<DQuat>,
+    pub scale: Option<DVec3>,
+    /// Of morph targets.
+    pub weights: Option<Vec<f64>>,
+    /// Its scale gets through zero somewhere in the animation, or may.
+    pub is_unsteady: bool,
+}
+
+impl Pose {
+    pub fn of(&self, node: usize) -> Option<&NodePose> {
+        self.nodes.get(&node)
+    }
+
+    pub fn is_steady(&self, node: usize) -> bool {
+        self.of(node).is_none_or(|pose| !pose.is_unsteady)
+    }
+}
+
+impl NodePose {
+    /// True when its transform is animated.
+    pub fn is_placed(&self) -> bool {
+        self.translation.is_some() || self.rotation.is_some() || self.scale.is_some()
+    }
+}

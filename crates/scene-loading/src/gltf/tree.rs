@@ -1,0 +1,108 @@
+//! The tree of nodes: where each stands in the world, as the file says or in a pose.
+
+use std::path::Path;
+
+use ::gltf::scene::Transform;
+use ::gltf::{Document, Node};
+use glam::{DMat3, DMat4, DQuat, DVec3};
+
+use crate::error::{LoadError, Place};
+use crate::gltf::pose::Pose;
+
+/// A node and where it is.
+pub(crate) struct Placed<'a> {
+    pub node: Node<'a>,
+    /// From its own space to the world.
+    pub world: DMat4,
+    /// In no pose is it collapsed or mirrored where it is not in others.
+    pub is_steady: bool,
+}
+
+/// All nodes of a scene once, parents first. The document need not be a tree: the crate accepts cycles, and
+/// shared children would multiply.
+pub(crate) fn placed<'a>(
+    path: &Path,
+    document: &'a Document,
+    scene: &::gltf::Scene<'a>,
+    pose: Option<&Pose>,
+) -> Result<Vec<Placed<'a>>, LoadError> {
+    let mut visited = vec![false; document.nodes().len()];
+    let mut stack: Vec<(Node<'a>, DMat4, bool)> =
+        scene.nodes().map(|node| (node, DMat4::IDENTITY, true)).collect();
+    stack.reverse();
+    let mut placed = Vec::new();
+    while let Some((node, parent, is_steady)) = stack.pop() {
+        let index = node.index();
+        match visited.get_mut(index) {
+            Some(seen) if !*seen => *seen = true,
+            _ => {
+                return Err(LoadError::NodeReachedTwice { place: Place::file(path), node: index });
+            }
+        }
+        let world = parent * transform(path, &node, pose)?;
+        if !world.is_finite() {
+            return Err(not_finite(path, format!("node {index}: world transform")));
+        }
+        let is_steady = is_steady && pose.is_none_or(|pose| pose.is_steady(index));
+        let first = stack.len();
+        stack.extend(node.children().map(|child| (child, world, is_steady)));
+        if let Some(children) = stack.get_mut(first..) {
+            children.reverse();
+        }
+        placed.push(Placed { node, world, is_steady });
+    }
+    Ok(placed)
+}
+
+/// From a node's own space to its parent's.
+fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4, LoadError> {
+    let object = format!("node {}", node.index());
+    let invalid = |found: String, expected: &str| LoadError::Gltf {
+        place: Place::file(path),
+        object: object.clone(),
+        found,
+        expected: expected.into(),
+    };
+    let moved = pose.and_then(|pose| pose.of(node.index()));
+    let matrix = match node.transform() {
+        Transform::Matrix { .. } if moved.is_some_and(|moved| moved.is_placed()) => {
+            let found = "a matrix although it is animated".to_string();
+            return Err(invalid(found, "translation, rotation and scale"));
+        }
+        Transform::Matrix { matrix } => {
+            DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)))
+        }
+        Transform::Decomposed { translation, rotation, scale } => {
+            let rotation = DQuat::from_array(rotation.map(f64::from));
+            let rotation = moved.and_then(|moved| moved.rotation).unwrap_or(rotation);
+            if !(rotation.length() > 0.0 && rotation.is_finite()) {
+                let found = format!("rotation {rotation}");
+                return Err(invalid(found, "a quaternion other than 0"));
+            }
+            let [translation, scale] =
+                [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
+            DMat4::from_scale_rotation_translation(
+                moved.and_then(|moved| moved.scale).unwrap_or(scale),
+                rotation.normalize(),
+                moved.and_then(|moved| moved.translation).unwrap_or(translation),
+            )
+        }
+    };
+    if !matrix.is_finite() {
+        return Err(not_finite(path, object));
+    }
+    if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+        let found = format!("a matrix with last row {}", matrix.row(3));
+        return Err(invalid(found, "0, 0, 0, 1"));
+    }
+    // in an animation, that is how things vanish
+    if DMat3::from_mat4(matrix) == DMat3::ZERO && pose.is_none() {
+        let found = "a transform that maps everything to one point".to_string();
+        return Err(invalid(found, "a matrix or scale other than 0"));
+    }
+    Ok(matrix)
+}
+
+fn not_finite(path: &Path, what: String) -> LoadError {
+    LoadError::NotFinite { place: Place::file(path), what, found: "NaN or infinite".into() }
+}
