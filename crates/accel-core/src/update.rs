@@ -90,6 +90,27 @@ impl ChangedLists {
     }
 }
 
+/// Which ids have moved.
+pub(crate) struct MovedIds(Vec<u64>);
+
+impl MovedIds {
+    /// Of ascending ids.
+    pub(crate) fn new(moved: &[u32]) -> Self {
+        let words = moved.last().map_or(0, |&last| last as usize / 64 + 1);
+        let mut bits = vec![0; words];
+        for &id in moved {
+            bits[id as usize / 64] |= 1 << (id % 64);
+        }
+        Self(bits)
+    }
+
+    /// Whether one has.
+    #[inline(always)]
+    pub(crate) fn has(&self, id: u32) -> bool {
+        self.0.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
+    }
+}
+
 /// The primitives of `after` that are not those of `before` under the same ids: others by kind, by a vertex or by
 /// a radius. None where the sets are of different lengths.
 pub fn moved<S: Scalar, P: PrimSet<S>>(before: &P, after: &P) -> Option<Vec<u32>> {
@@ -98,6 +119,9 @@ pub fn moved<S: Scalar, P: PrimSet<S>>(before: &P, after: &P) -> Option<Vec<u32>
     }
     let (mut a, mut b) = (Vec::new(), Vec::new());
     let mut has_moved = |id: u32| {
+        if before.is_opaque(id) != after.is_opaque(id) {
+            return true;
+        }
         if let (Some(before), Some(after)) = (before.corners(id), after.corners(id)) {
             return before != after;
         }

@@ -5,6 +5,7 @@ use accel_core::primitives::{
     Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
 };
 use accel_core::registry::Buildable;
+use accel_core::update;
 use accel_core::{Vec3, Vector};
 use glam::DVec3;
 use scene_loading::{Scene, Shape};
@@ -52,6 +53,25 @@ impl<S: Buildable> Geometry<S> {
             Ok(Self::Triangles(set.with_instances(&claims)))
         } else {
             Ok(Self::Mixed(mixed(scene).map_err(error)?.with_instances(&claims)))
+        }
+    }
+
+    /// The primitives that are others than in the frame `before`, ascending; none where the frames have not the same
+    /// ones.
+    pub fn moved_since(&self, before: &Self) -> Option<Vec<u32>> {
+        match (before, self) {
+            (Self::Triangles(before), Self::Triangles(now)) => update::moved(before, now),
+            (Self::Mixed(before), Self::Mixed(now)) => update::moved(before, now),
+            _ => None,
+        }
+    }
+
+    /// Forgets those of its parts that are not where the transform since the frame `before` takes them.
+    pub fn keep_rigid(&mut self, before: &Self) {
+        match (before, self) {
+            (Self::Triangles(before), Self::Triangles(now)) => now.keep_rigid(before),
+            (Self::Mixed(before), Self::Mixed(now)) => now.keep_rigid(before),
+            _ => {}
         }
     }
 

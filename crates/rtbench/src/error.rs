@@ -19,6 +19,7 @@ use plugins::PluginError;
 use plugins::files::FileError;
 use presentation::format_error::FormatError;
 use renderer::GeometryError;
+use studies::animate::AnimateError;
 use studies::error::{StudyError, UnsavedImage};
 use studies::explain::ExplainError;
 use studies::reproduce::ReproduceError;
@@ -50,6 +51,9 @@ pub enum Error {
     /// Nothing that can be scaled.
     #[error(transparent)]
     Scale(Box<ScaleError>),
+    /// Nothing that can be animated.
+    #[error(transparent)]
+    Animate(Box<AnimateError>),
     /// Nothing that can be explained.
     #[error(transparent)]
     Explain(Box<ExplainError>),
@@ -197,6 +201,15 @@ impl From<SweepError> for Error {
     }
 }
 
+impl From<AnimateError> for Error {
+    fn from(error: AnimateError) -> Self {
+        match error {
+            AnimateError::Plan(error) => Self::Plan(error),
+            other => Self::Animate(Box::new(other)),
+        }
+    }
+}
+
 impl From<ExplainError> for Error {
     fn from(error: ExplainError) -> Self {
         match error {
@@ -280,6 +293,7 @@ impl Error {
             | Self::Sweep(_)
             | Self::Scale(_)
             | Self::Explain(_)
+            | Self::Animate(_)
             | Self::Config(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
             Self::Outputs(OutputError::OneStdout) => USAGE,

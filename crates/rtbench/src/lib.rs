@@ -279,6 +279,9 @@ fn dispatched(
         Command::Run(args) => commands::run::run(context, args, cli.color, arguments),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
         Command::Scale(args) => commands::scale::run(context, args, cli.color, arguments),
+        Command::Animate(args) => {
+            commands::animate::run(context, args, cli.color, &cli.view.options())
+        }
         Command::Explain(args) => commands::explain::run(context, args, cli.color),
         Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),

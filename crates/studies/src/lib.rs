@@ -14,6 +14,7 @@
 )]
 
 pub mod accuracy;
+pub mod animate;
 #[allow(clippy::indexing_slicing)]
 pub mod cost;
 pub mod effect_plan;

@@ -7,7 +7,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder};
 use crate::grid::regular_grid::Contents;
 use crate::primitives::PrimSet;
-use crate::update::ChangedLists;
+use crate::update::{ChangedLists, MovedIds};
 
 /// The cells that moved primitives are in now.
 pub(crate) struct Gained {
@@ -41,25 +41,6 @@ impl Gained {
             ListOrder::Reverse => pairs.sort_unstable_by_key(|&(cell, id)| (cell, !id)),
         }
         Some(Self { pairs, order, max_references })
-    }
-}
-
-/// Which ids have moved.
-struct MovedIds(Vec<u64>);
-
-impl MovedIds {
-    fn new(moved: &[u32]) -> Self {
-        let words = moved.last().map_or(0, |&last| last as usize / 64 + 1);
-        let mut bits = vec![0; words];
-        for &id in moved {
-            bits[id as usize / 64] |= 1 << (id % 64);
-        }
-        Self(bits)
-    }
-
-    #[inline(always)]
-    fn has(&self, id: u32) -> bool {
-        self.0.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::prim_set::PrimSet;
 use crate::primitives::triangle_block::TriangleBlock;
+use crate::update::MovedIds;
 
 /// Whether blocks can stand for lists of this set: all its primitives are triangles at rest under the
 /// watertight test, and not too many.
@@ -34,10 +35,17 @@ pub(crate) fn of_list<'a, S: Scalar, P: PrimSet<S>>(
     })
 }
 
-/// Makes blocks anew of the same primitives, which have moved.
-pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(prims: &P, blocks: &mut [TriangleBlock<S>]) {
+/// Makes blocks anew of the same primitives, of which some have moved.
+pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    blocks: &mut [TriangleBlock<S>],
+    moved: &MovedIds,
+) {
     for block in blocks {
         let (ids, n) = block.ids();
+        if !ids[..n].iter().any(|&id| moved.has(id)) {
+            continue;
+        }
         let corners = |id| Some((id, prims.corners(id)?.map(|p| p.to_array())));
         *block =
             TriangleBlock::new(ids[..n].iter().filter_map(|&id| corners(id)), block.has_next());

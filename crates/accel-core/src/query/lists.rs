@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
+use crate::update::MovedIds;
 
 /// Lists by their numbers.
 #[derive(Debug)]
@@ -39,13 +40,14 @@ impl<S: Scalar> Lists<S> {
         u32::try_from(number).ok()
     }
 
-    /// Makes the blocks of the same lists over primitives that have moved; false where these would not be such lists.
-    pub(crate) fn refresh<P: PrimSet<S>>(&mut self, prims: &P) -> bool {
+    /// Makes the blocks of the same lists over primitives of which some have moved; false where these would not be
+    /// such lists.
+    pub(crate) fn refresh<P: PrimSet<S>>(&mut self, prims: &P, moved: &MovedIds) -> bool {
         match self {
             Self::Ids(_) => !blocks::serve(prims),
             Self::Blocks(all) => {
                 blocks::serve(prims) && {
-                    blocks::refresh(prims, all);
+                    blocks::refresh(prims, all, moved);
                     true
                 }
             }

@@ -27,6 +27,8 @@ pub enum Listed {
     Tracers,
     /// Scenes by name
     Scenes,
+    /// Scenes that move, for `animate`
+    Animations,
     /// Sets of scenes
     Sets,
     /// Kinds of rays
@@ -43,6 +45,7 @@ impl Listed {
             Self::Occluders => "occluder",
             Self::Tracers => "tracer",
             Self::Scenes => "scene",
+            Self::Animations => "animation",
             Self::Sets => "set",
             Self::Rays => "kind of rays",
             Self::Axes => "axis",

@@ -1,6 +1,7 @@
 //! The command line as typed: syntax only. What it means is decided in [`measurement::plan`].
 
 mod accuracy;
+mod animate;
 mod baseline;
 mod bisect;
 mod check;
@@ -32,6 +33,7 @@ mod verify;
 mod view;
 
 pub use accuracy::AccuracyArgs;
+pub use animate::AnimateArgs;
 pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
 pub use bisect::BisectArgs;
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
@@ -131,6 +133,11 @@ pub enum Command {
         after_help = "Examples:\n  rtbench scale tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
     )]
     Scale(ScaleArgs),
+    /// Measure a scene that moves, frame by frame: updates, rays, and which row has the most frames a second
+    #[command(
+        after_help = "Examples:\n  rtbench animate marbles                             every structure, every way to update it\n  rtbench animate city -s wide-bvh:update=refit,uniform-grid:update=incremental -o out\n  rtbench animate 'frame%04d.obj' --frames 0..9 -j 2  a sequence of files, with one thread and with two"
+    )]
+    Animate(AnimateArgs),
     /// What the difference in time between two rows is made of: structure, kernel, query
     #[command(after_help = "Examples:\n  rtbench explain teapot-tess -s kd-tree")]
     Explain(ExplainArgs),
@@ -229,6 +236,7 @@ impl Command {
             Self::Run(_)
                 | Self::Sweep(_)
                 | Self::Scale(_)
+                | Self::Animate(_)
                 | Self::Explain(_)
                 | Self::Cost(_)
                 | Self::CompareTracers(_)

@@ -7,6 +7,7 @@ use accel_core::structure::StructureInfo;
 use accel_core::variants::chosen_tests;
 use renderer::RayKind;
 use renderer::tracers::{TRACERS, TracerInfo};
+use scene_loading::animation::ANIMATED;
 use serde_json::{Value, json};
 
 use crate::args::{Format, ListArgs, Listed};
@@ -31,6 +32,18 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         Listed::Occluders => context.occluders.iter().map(|e| structure(e.info, &[])).collect(),
         Listed::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
         Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
+        Listed::Animations => ANIMATED
+            .iter()
+            .map(|e| {
+                json!({
+                    "name": e.name,
+                    "summary": e.summary,
+                    "frames": e.frames,
+                    "default_size": e.default_size,
+                    "primitives": (e.count)(e.default_size),
+                })
+            })
+            .collect(),
         Listed::Sets => context
             .scenes
             .sets()?

@@ -1,6 +1,7 @@
 //! The subcommands, one a file.
 
 pub mod accuracy;
+pub mod animate;
 pub mod baseline;
 pub mod bisect;
 pub mod budget;

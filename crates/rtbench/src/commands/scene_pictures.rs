@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use renderer::{Geometry, RenderSettings, render_watched};
+use renderer::{Geometry, Image, RenderSettings, render_watched};
+use scene_loading::Scene;
 
 use crate::commands::render::{one_scene, structure};
 use crate::context::Context;
@@ -62,9 +63,14 @@ fn picture(scene: &dyn KnownScene, row: &Row<'_>, sha256: &str) -> Option<Vec<u8
     if loaded.sha256 != sha256 {
         return None;
     }
-    let settings = RenderSettings { resolution: [SIZE; 2], ..RenderSettings::default() };
-    let plan = plan_of(&loaded.scene, &settings).ok()?;
-    let geometry = Geometry::<f32>::of(&loaded.scene).ok()?;
+    image_of(&loaded.scene, row, SIZE)?.png().ok()
+}
+
+/// A picture of a scene with its effects, so many pixels high and wide; none where it cannot be drawn.
+pub fn image_of(scene: &Scene, row: &Row<'_>, size: u32) -> Option<Image> {
+    let settings = RenderSettings { resolution: [size; 2], ..RenderSettings::default() };
+    let plan = plan_of(scene, &settings).ok()?;
+    let geometry = Geometry::<f32>::of(scene).ok()?;
     let tracer = row.entry.build(geometry.prims(), &row.params).ok()?;
-    render_watched(&loaded.scene, &*tracer, &plan, &|| {}).image.png().ok()
+    Some(render_watched(scene, &*tracer, &plan, &|| {}).image)
 }

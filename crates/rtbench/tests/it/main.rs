@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod adoption;
+mod animate;
 #[cfg(unix)]
 mod bisect;
 mod check;

@@ -92,6 +92,7 @@ const SNAPSHOTS: &[Snapshot] = &[
     of("list-occluders", "list occluders"),
     of("list-tracers", "list tracers"),
     of("list-scenes", "list scenes"),
+    of("list-animations", "list animations"),
     of("list-sets", "list sets"),
     of("list-rays", "list rays"),
     of("list-axes", "list axes"),

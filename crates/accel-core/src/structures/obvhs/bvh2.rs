@@ -24,9 +24,9 @@ use crate::structures::obvhs::adapter::{
 use crate::structures::obvhs::box_ray::{BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, Direct, is_direct};
-use crate::structures::obvhs::items::{self, Groups, Items, items};
+use crate::structures::obvhs::items::{self, BoxScale, Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks, refit};
-use crate::update::{Change, REBUILD_AT, REFIT, is_refitted};
+use crate::update::{Change, MovedIds, REBUILD_AT, REFIT, is_refitted};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -93,10 +93,10 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         &mut self,
         prims: &P,
         params: &Params,
-        _: &[u32],
+        moved: &[u32],
     ) -> Result<Change, BuildError> {
         if let Some(built) = self.built_cost
-            && self.refit(prims, params)?
+            && self.refit(prims, params, moved)?
             && refit::expected_cost(&self.bvh) <= params.real(REBUILD_AT.name) * built
         {
             return Ok(Change::Updated);
@@ -195,9 +195,14 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 }
 
 impl<S: Scalar> ObvhsBvh2<S> {
-    /// Fits the boxes, and triangles that the tree has copies of, to primitives that stand elsewhere now. False
-    /// where these would be kept in another way, and nothing was done.
-    fn refit<P: PrimSet<S>>(&mut self, prims: &P, params: &Params) -> Result<bool, BuildError> {
+    /// Fits the boxes, and triangles that the tree has copies of, to primitives of which some stand elsewhere now.
+    /// False where these would be kept in another way, and nothing was done.
+    fn refit<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        moved: &[u32],
+    ) -> Result<bool, BuildError> {
         let triangles = if is_direct(params) { direct::triangles(prims) } else { None };
         let is_block = leaf_blocks::serve(prims, &self.groups, params);
         if triangles.is_some() != self.direct.is_some()
@@ -213,24 +218,32 @@ impl<S: Scalar> ObvhsBvh2<S> {
             self.direct = Some(Direct::new(prims, &self.bvh, &triangles));
             return Ok(true);
         }
-        let (boxes, setup) = items::boxes(prims, params.structure(), items::padding_of(params))?;
-        self.setup = setup;
-        let around = |ids: &[u32]| {
-            ids.iter().fold(ObvhsAabb::empty(), |all, &id| all.union(&boxes[id as usize]))
+        let scale = BoxScale::of_set(prims, params.structure(), items::padding_of(params))?;
+        let moved = MovedIds::new(moved);
+        let is_same = scale.serves(&self.setup);
+        self.setup = scale.setup;
+        let fitted = |ids: &[u32], before: &ObvhsAabb| match is_same
+            && !ids.iter().any(|&id| moved.has(id))
+        {
+            true => *before,
+            false => scale.around(prims, ids),
         };
+        let mut ids = Vec::new();
         if let Some(all) = &mut self.blocks {
-            blocks::refresh(prims, all);
-            let mut ids = Vec::new();
+            blocks::refresh(prims, all, &moved);
             refit::refit(&mut self.bvh, |bvh, leaf| {
                 ids.clear();
-                blocks::ids_of_list(&all[bvh.nodes[leaf].first_index as usize..], &mut ids);
-                around(&ids)
+                let leaf = &bvh.nodes[leaf];
+                blocks::ids_of_list(&all[leaf.first_index as usize..], &mut ids);
+                fitted(&ids, leaf.aabb())
             });
         } else {
             let groups = &self.groups;
             refit::refit(&mut self.bvh, |bvh, leaf| {
+                ids.clear();
                 let items = leaf_items(bvh, leaf).iter();
-                items.fold(ObvhsAabb::empty(), |all, item| all.union(&around(groups.ids(item))))
+                items.for_each(|item| ids.extend_from_slice(groups.ids(item)));
+                fitted(&ids, bvh.nodes[leaf].aabb())
             });
         }
         Ok(true)

@@ -118,21 +118,70 @@ pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
     }
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-    // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
-    let magnitude = boxes.scene().magnitude();
-    let setup = match padding {
-        Padding::None => RaySetup::AsShipped,
-        Padding::Rounding | Padding::OfScene | Padding::OfExtent => RaySetup::robust(magnitude),
-    };
-    let epsilon = f64::from(f32::EPSILON);
-    let margin = |tight: &Aabb<S>| match padding {
-        Padding::None | Padding::Rounding => 0.0,
-        Padding::OfScene => epsilon * PADDING_ULPS * magnitude.to_f64(),
-        Padding::OfExtent => epsilon * CORNER_EPSILONS * tight.size().to_dvec3().max_element(),
-    };
-    let padded = |tight: Aabb<S>| outward(&tight, margin(&tight), setup.unit());
-    let single = (0..prims.len() as u32).map(|id| padded(prims.bounds(id))).collect();
-    Ok((single, setup))
+    let scale = BoxScale::new(boxes.scene().magnitude(), padding);
+    let single = (0..prims.len() as u32).map(|id| scale.padded(prims.bounds(id))).collect();
+    Ok((single, scale.setup))
+}
+
+/// How boxes are padded, and in which unit they are.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BoxScale<S: Scalar> {
+    padding: Padding,
+    /// The scene's largest coordinate.
+    magnitude: f64,
+    pub(crate) setup: RaySetup<S>,
+}
+
+impl<S: Scalar> BoxScale<S> {
+    fn new(magnitude: S, padding: Padding) -> Self {
+        let setup = match padding {
+            Padding::None => RaySetup::AsShipped,
+            Padding::Rounding | Padding::OfScene | Padding::OfExtent => RaySetup::robust(magnitude),
+        };
+        Self { padding, magnitude: magnitude.to_f64(), setup }
+    }
+
+    /// That of [`boxes`], without a look at all primitives.
+    ///
+    /// # Errors
+    /// Those of [`boxes`].
+    pub(crate) fn of_set<P: PrimSet<S>>(
+        prims: &P,
+        structure: &'static str,
+        padding: Padding,
+    ) -> Result<Self, BuildError> {
+        if padding == Padding::None {
+            refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
+        }
+        // the scene's box is padded twice
+        let padded = S::ONE + S::EPSILON * S::from_f64(2.0 * PADDING_ULPS + 1.0);
+        Ok(Self::new((prims.magnitude() * padded).greater(S::from_f64(1e-30)), padding))
+    }
+
+    /// Whether the boxes of primitives that have not moved are large enough in this scale, too.
+    pub(crate) fn serves(&self, before: &RaySetup<S>) -> bool {
+        self.padding != Padding::OfScene && self.setup.unit() == before.unit()
+    }
+
+    /// The box of a primitive with these bounds.
+    #[inline(always)]
+    fn padded(&self, tight: Aabb<S>) -> ObvhsAabb {
+        // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
+        let epsilon = f64::from(f32::EPSILON);
+        let margin = match self.padding {
+            Padding::None | Padding::Rounding => 0.0,
+            Padding::OfScene => epsilon * PADDING_ULPS * self.magnitude,
+            Padding::OfExtent => epsilon * CORNER_EPSILONS * tight.size().to_dvec3().max_element(),
+        };
+        outward(&tight, margin, self.setup.unit())
+    }
+
+    /// The box around some primitives.
+    #[inline(always)]
+    pub(crate) fn around<P: PrimSet<S>>(&self, prims: &P, ids: &[u32]) -> ObvhsAabb {
+        let of = |id: &u32| self.padded(prims.bounds(*id));
+        ids.iter().fold(ObvhsAabb::empty(), |all, id| all.union(&of(id)))
+    }
 }
 
 /// Grown by a margin, in f32 and in the unit given (its reciprocal in world units), rounded outwards.

@@ -176,7 +176,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             shape,
             built_cost: None,
         };
-        built.built_cost = is_refitted(params).then(|| built.expected_cost(costs));
+        built.built_cost = is_refitted(params).then(|| built.expected_cost(params));
         Ok(built)
     }
 
@@ -184,11 +184,11 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         &mut self,
         prims: &P,
         params: &Params,
-        _: &[u32],
+        moved: &[u32],
     ) -> Result<Change, BuildError> {
         if let Some(built) = self.built_cost
-            && self.refit(prims, params)?
-            && self.expected_cost(costs_of(params)) <= params.real(REBUILD_AT.name) * built
+            && let Some(cost) = self.refit(prims, params, moved)?
+            && cost <= params.real(REBUILD_AT.name) * built
         {
             return Ok(Change::Updated);
         }

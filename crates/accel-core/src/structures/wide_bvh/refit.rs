@@ -10,70 +10,102 @@ use obvhs::aabb::Aabb;
 
 use super::collapse::{Costs, WIDTH};
 use super::node::{LEAF, Node};
-use super::{WideBvh, padding_of};
+use super::{WideBvh, costs_of, padding_of};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::structure::BuildError;
-use crate::structures::obvhs::items;
+use crate::structures::obvhs::items::BoxScale;
+use crate::update::MovedIds;
 
 impl<S: Scalar> WideBvh<S> {
-    /// Fits the boxes and blocks to primitives that stand elsewhere now; the tree stays. False where their lists
-    /// would be of another kind, and nothing was done.
+    /// Fits the boxes and blocks to primitives of which some stand elsewhere now; the tree stays. Then its expected
+    /// cost; none where the lists would be of another kind, and nothing was done.
     pub(super) fn refit<P: PrimSet<S>>(
         &mut self,
         prims: &P,
         params: &Params,
-    ) -> Result<bool, BuildError> {
-        let (boxes, setup) = items::boxes(prims, params.structure(), padding_of(params))?;
-        if !self.lists.refresh(prims) {
-            return Ok(false);
+        moved: &[u32],
+    ) -> Result<Option<f64>, BuildError> {
+        let scale = BoxScale::of_set(prims, params.structure(), padding_of(params))?;
+        let moved = MovedIds::new(moved);
+        if !self.lists.refresh(prims, &moved) {
+            return Ok(None);
         }
-        self.setup = setup;
+        let is_same = scale.serves(&self.setup);
+        self.setup = scale.setup;
         let mut own = vec![Aabb::empty(); self.nodes.len()];
         let mut ids = Vec::new();
+        let mut cost = Cost::new(costs_of(params));
         // children have higher numbers than their parents
         for number in (0..self.nodes.len()).rev() {
             let node = &mut self.nodes[number];
             for k in 0..WIDTH {
-                if node.child_box(k).is_none() {
-                    continue;
-                }
+                let Some(before) = node.child_box(k) else { continue };
                 let child = node.children[k];
                 let bounds = if child & LEAF == 0 {
                     own[child as usize]
                 } else {
                     self.lists.ids(child & !LEAF, &mut ids);
-                    ids.iter().fold(Aabb::empty(), |all, &id| all.union(&boxes[id as usize]))
+                    let bounds = match is_same && !ids.iter().any(|&id| moved.has(id)) {
+                        true => Aabb::new(before[0].into(), before[1].into()),
+                        false => scale.around(prims, &ids),
+                    };
+                    cost.leaf(&bounds, ids.len());
+                    bounds
                 };
                 node.set_box(k, bounds.min.to_array(), bounds.max.to_array());
                 own[number] = own[number].union(&bounds);
             }
+            cost.node(&own[number]);
         }
-        Ok(true)
+        Ok(Some(cost.of_ray(own.first())))
     }
 
-    /// What a ray that meets the scene costs, as `collapse.rs` counts: the expected visits to nodes and blocks.
-    pub(super) fn expected_cost(&self, costs: Costs) -> f64 {
-        let (mut sum, mut root) = (0.0, 0.0);
-        let mut ids = Vec::new();
-        for (number, node) in self.nodes.iter().enumerate() {
+    /// What a ray that meets the scene is expected to cost.
+    pub(super) fn expected_cost(&self, params: &Params) -> f64 {
+        let mut cost = Cost::new(costs_of(params));
+        let (mut ids, mut root) = (Vec::new(), None);
+        for node in &self.nodes {
             let mut all = Aabb::empty();
             for (k, bounds) in boxes_of(node) {
                 all = all.union(&bounds);
                 if node.children[k] & LEAF != 0 {
                     self.lists.ids(node.children[k] & !LEAF, &mut ids);
-                    let blocks = ids.len().div_ceil(TriangleBlock::<f32>::LANES);
-                    sum += f64::from(bounds.half_area()) * blocks as f64;
+                    cost.leaf(&bounds, ids.len());
                 }
             }
-            let area = f64::from(all.half_area());
-            sum += area * f64::from(costs.node);
-            if number == 0 {
-                root = area;
-            }
+            cost.node(&all);
+            root.get_or_insert(all);
         }
-        if root > 0.0 { sum / root } else { 1.0 }
+        cost.of_ray(root.as_ref())
+    }
+}
+
+/// The expected cost of a tree, as `collapse.rs` counts: visits to nodes and blocks.
+struct Cost {
+    node: f64,
+    sum: f64,
+}
+
+impl Cost {
+    fn new(costs: Costs) -> Self {
+        Self { node: f64::from(costs.node), sum: 0.0 }
+    }
+
+    fn leaf(&mut self, bounds: &Aabb, primitives: usize) {
+        let blocks = primitives.div_ceil(TriangleBlock::<f32>::LANES);
+        self.sum += f64::from(bounds.half_area()) * blocks as f64;
+    }
+
+    fn node(&mut self, bounds: &Aabb) {
+        self.sum += f64::from(bounds.half_area()) * self.node;
+    }
+
+    /// Of a ray that meets the root's box.
+    fn of_ray(&self, root: Option<&Aabb>) -> f64 {
+        let area = root.map_or(0.0, |root| f64::from(root.half_area()));
+        if area > 0.0 { self.sum / area } else { 1.0 }
     }
 }
 

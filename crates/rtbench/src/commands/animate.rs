@@ -1,0 +1,199 @@
+//! `rtbench animate`: measure structures over the frames of a scene that moves, print, export, plot.
+
+use std::path::Path;
+
+use renderer::Image;
+use scene_loading::{Scene, ViewOptions, animation};
+
+use crate::args::{AnimateArgs, Color};
+use crate::commands::render::structure;
+use crate::commands::scene_pictures::image_of;
+use crate::context::Context;
+use crate::error::Error;
+use crate::exit_code::{SUCCESS, WRONG_HITS};
+use crate::exports::occupied::Wanted;
+use measurement::plan::rows::Row;
+use measurement::rounds::error::MeasureError;
+use measurement::settings::Precision;
+use measurement::system::created::Created;
+use measurement::system::files::write_text;
+use measurement::system::pools::Pools;
+use measurement::system::progress::Progress;
+use presentation::json;
+use presentation::text::Screen;
+use studies::animate::measure::{Equipment, Measured, measure};
+use studies::animate::record::AnimationRecord;
+use studies::animate::{Animate, csv, plot, table};
+
+/// The files of `-o`.
+const NAMES: [&str; 5] = ["animation.json", "frames.csv", "animate.md", "animate.svg", "strip.png"];
+
+/// Pictures in a strip at most, and pixels of a side of each.
+const PICTURES: (u32, u32) = (8, 160);
+
+/// Measures and returns the exit code.
+///
+/// # Errors
+/// [`Error`] for what ends it early: the command line, a frame that cannot be loaded, an output.
+pub fn run(
+    context: &mut Context<'_>,
+    args: &AnimateArgs,
+    color: Color,
+    view: &ViewOptions,
+) -> Result<u8, Error> {
+    let mut scene = animation::open(&args.scene)?;
+    let name = scene.name().to_owned();
+    let animate = Animate::new(&args.settings(), (&name, scene.frames()), context.registry)?;
+    context.warn_of_instructions();
+    let mut created = Created::default();
+    if let Some(folder) = &args.output {
+        let wanted = Wanted {
+            names: &NAMES,
+            command_line: &context.command_line,
+            manifest: None,
+            overwrite: context.overwrite,
+        };
+        wanted.check(folder)?;
+        created.folder(folder)?;
+    }
+    let [first, last] = animate.frames;
+    let start = context.clock.now();
+    let mut record = begun(context, &animate);
+    let mut strip = match &args.output {
+        Some(_) => Some(Strip::new(&animate, structure(context.registry, None)?)?),
+        None => None,
+    };
+    let progress = Progress::new(context.shows_progress(), u64::from(last - first) + 1, None);
+    let clock = context.clock;
+    let equipment = Equipment { clock, progress: &progress };
+    let mut unwritten = None;
+    let load = |number: u32| {
+        let mut scene = scene.frame(number)?;
+        view.apply(&mut scene)?;
+        if let Some(strip) = &mut strip {
+            strip.see(number, &scene);
+        }
+        Ok(scene)
+    };
+    let watch = |measured: &Measured| {
+        fill(&mut record, measured, clock.seconds_since(start));
+        if let Some(folder) = &args.output {
+            unwritten = write_all(folder, &record).err();
+        }
+    };
+    let measured = match animate.precision() {
+        Precision::F32 => measure::<f32>(&animate, load, &equipment, watch),
+        Precision::F64 => measure::<f64>(&animate, load, &equipment, watch),
+    };
+    progress.finish();
+    let measured = measured.map_err(|error| match error {
+        MeasureError::Load(error) => Error::Load(error),
+        other => other.into(),
+    });
+    // what was finished is shown, whatever ended it
+    record.complete = measured.is_ok();
+    let mut screen = context.terminal.screen(color);
+    if args.wide {
+        screen.width = Screen::WIDE;
+    }
+    if !record.frames.is_empty() {
+        for table in table::tables(&record) {
+            screen.write_fitted(context.out, &table, &table::FIRST)?;
+            writeln!(context.out)?;
+        }
+        screen.write_notes(context.out, table::GLOSSARY)?;
+        context.out.flush()?;
+    }
+    if let Some(folder) = &args.output {
+        unwritten = write_all(folder, &record).err().or(unwritten);
+        if let Some(strip) = strip {
+            strip.save(&folder.join(NAMES[4]))?;
+        }
+    }
+    measured?;
+    if let Some(error) = unwritten {
+        return Err(error);
+    }
+    let is_wrong = record.lanes.iter().any(|lane| lane.mismatches > 0 && !lane.is_timed());
+    Ok(if is_wrong { WRONG_HITS } else { SUCCESS })
+}
+
+/// The record before the first frame.
+fn begun(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
+    AnimationRecord {
+        tool: context.world.tool(),
+        command_line: context.command_line.clone(),
+        machine: context.world.machine(),
+        compiler: context.world.compiler(),
+        scene: animate.scene.clone(),
+        rounds: animate.rounds,
+        seed: animate.plan.seed,
+        resolution: animate.plan.settings.resolution,
+        precision: animate.precision().name().into(),
+        kinds: animate.plan.kinds.iter().map(|kind| kind.name().into()).collect(),
+        took_s: 0.0,
+        complete: false,
+        frames: Vec::new(),
+        lanes: Vec::new(),
+    }
+}
+
+fn fill(record: &mut AnimationRecord, measured: &Measured, took_s: f64) {
+    record.frames.clone_from(&measured.frames);
+    record.lanes.clone_from(&measured.lanes);
+    record.took_s = took_s;
+}
+
+/// Everything so far, so that a killed run keeps what it finished.
+fn write_all(folder: &Path, record: &AnimationRecord) -> Result<(), Error> {
+    let write = |name: &str, text: String| write_text(&folder.join(name), &text);
+    let [json_name, frames, markdown, svg, _] = NAMES;
+    write(json_name, json::written(record)?)?;
+    write(frames, csv::frames(record)?)?;
+    write(markdown, table::to_markdown(record))?;
+    Ok(write(svg, plot::to_svg(record))?)
+}
+
+/// Pictures of some frames, one beside the other.
+struct Strip<'r> {
+    row: Row<'r>,
+    wanted: Vec<u32>,
+    pictures: Vec<Image>,
+    pools: Pools,
+}
+
+impl<'r> Strip<'r> {
+    fn new(animate: &Animate<'_>, row: Row<'r>) -> Result<Self, Error> {
+        let [first, last] = animate.frames;
+        let (most, _) = PICTURES;
+        let count = (last - first + 1).min(most);
+        let at = |i: u32| first + i * (last - first) / count.saturating_sub(1).max(1);
+        let wanted = (0..count).map(at).collect();
+        Ok(Self { row, wanted, pictures: Vec::new(), pools: Pools::new(1)? })
+    }
+
+    fn see(&mut self, number: u32, scene: &Scene) {
+        if self.wanted.contains(&number) {
+            let (row, (_, size)) = (&self.row, PICTURES);
+            self.pictures.extend(self.pools.helper.install(|| image_of(scene, row, size)));
+        }
+    }
+
+    fn save(&self, path: &Path) -> Result<(), Error> {
+        let (_, size) = PICTURES;
+        let width = size * self.pictures.len() as u32;
+        let rows = (0..size as usize).flat_map(|y| {
+            let line = move |image: &'_ Image| {
+                let begin = y * size as usize;
+                image.pixels.get(begin..begin + size as usize).unwrap_or_default().to_vec()
+            };
+            self.pictures.iter().flat_map(line)
+        });
+        let strip = Image { width, height: size, pixels: rows.collect() };
+        if width == 0 {
+            return Ok(());
+        }
+        let saved = strip.save_png(path);
+        saved.map_err(|source| studies::error::UnsavedImage { path: path.into(), source }.into())
+    }
+}

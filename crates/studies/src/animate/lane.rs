@@ -1,0 +1,207 @@
+//! A row with a number of threads, from frame to frame.
+
+use accel_core::params::Params;
+use accel_core::query::tracer::{Before, Kept};
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::structures::Entry;
+use accel_core::update;
+use measurement::answers::check::{count, stride_for};
+use measurement::answers::judge::judge;
+use measurement::plan::measured_row::{Built, MeasuredRow};
+use measurement::rays::batches::{Answers, Batch, BatchSet};
+use measurement::record::WorkRecord;
+use measurement::rounds::scope::Scope;
+use measurement::system::clock::timed;
+use rayon::ThreadPool;
+
+use crate::animate::frame::Frame;
+use crate::animate::quality::{SurfacePoint, quality};
+use crate::animate::record::{LaneFrame, LaneRecord};
+
+/// Rays of a kind that a first look takes.
+const LOOK_RAYS: usize = 1024;
+
+/// What a frame gives all rows.
+pub struct OnFrame<'a, 'r, S: Buildable> {
+    /// The frame.
+    pub frame: &'a Frame<S>,
+    /// Its rays, with the answers expected.
+    pub scope: Scope<'a, 'r, S>,
+    /// Points on its surface.
+    pub points: &'a [SurfacePoint],
+}
+
+/// A row with a number of threads.
+pub struct Lane<'p> {
+    entry: &'p Entry,
+    params: &'p Params,
+    pool: &'p ThreadPool,
+    /// The structures of the frame before, one a round; none where it is built anew in any case.
+    kept: Vec<Option<Kept>>,
+    /// Every how many-th ray is timed; none before the first look.
+    stride: Option<usize>,
+    /// What is known of it.
+    pub record: LaneRecord,
+}
+
+impl<'p> Lane<'p> {
+    /// Before the first frame; none of an occluder.
+    pub fn new(row: &'p MeasuredRow<'p>, pool: &'p ThreadPool, rounds: usize) -> Option<Self> {
+        let MeasuredRow::Structure(of) = row else { return None };
+        Some(Self {
+            entry: of.entry,
+            params: &of.params,
+            pool,
+            kept: (0..rounds).map(|_| None).collect(),
+            stride: None,
+            record: LaneRecord {
+                structure: row.structure().into(),
+                settings: row.settings(),
+                threads: pool.current_num_threads(),
+                known_defect: row.known_defect().map(Into::into),
+                error: None,
+                mismatches: 0,
+                example: None,
+                stride: 1,
+                frames: Vec::new(),
+            },
+        })
+    }
+
+    /// Forgets the structures of the frame before.
+    pub fn forget(&mut self) {
+        self.kept.iter_mut().for_each(|kept| *kept = None);
+    }
+
+    /// Takes the structure of a round to a frame and asks it.
+    ///
+    /// # Errors
+    /// [`BuildError`] when it refuses the frame.
+    pub fn visit<S: Buildable>(
+        &mut self,
+        on: &OnFrame<'_, '_, S>,
+        round: usize,
+    ) -> Result<(), BuildError> {
+        let Self { entry, params, pool, kept, .. } = self;
+        let prims = on.frame.geometry.prims();
+        let kept = kept.get_mut(round).and_then(Option::take);
+        let before = kept.zip(on.frame.moved.as_deref());
+        let (tracer, update_s) = pool.install(|| {
+            timed(on.scope.clock, || match before {
+                Some((kept, moved)) => entry.update(prims, params, Before { kept, moved }),
+                None => entry.build(prims, params),
+            })
+        });
+        let built = Built::Structure(tracer?);
+        let update_s = built.foreign().map_or(update_s, |foreign| foreign.build_seconds());
+        let stride = *self.stride.get_or_insert_with(|| first_look(&built, on, self.pool));
+        let thinned = on.scope.all.thinned(stride);
+        let trace_s = stride as f64 * self.traced(&built, on, &thinned);
+        built.alive()?;
+        let is_looked_at = round == 0 && self.record.threads == 1;
+        let work = is_looked_at.then(|| self.counted(&built, on, &thinned)).flatten();
+        let Built::Structure(tracer) = built else { return Ok(()) };
+        let number = on.frame.number;
+        if self.record.frames.last().is_none_or(|frame| frame.frame != number) {
+            let quality = is_looked_at.then(|| quality(&*tracer, on.points)).flatten();
+            self.record.frames.push(LaneFrame {
+                frame: number,
+                updated: 0,
+                update_s: Vec::new(),
+                trace_s: Vec::new(),
+                bytes: tracer.shape().bytes,
+                work: None,
+                expected_cost: quality.map(|q| q.expected_cost),
+                overlap: quality.and_then(|q| q.overlap),
+            });
+        }
+        self.record.stride = stride;
+        if let Some(frame) = self.record.frames.last_mut() {
+            frame.updated += usize::from(tracer.is_updated());
+            frame.update_s.push(update_s);
+            frame.trace_s.push(trace_s);
+            frame.work = work.or(frame.work.take());
+        }
+        let is_kept = self.params.get(update::REFIT.name).is_some_and(|way| way != "rebuild");
+        if let Some(room) = self.kept.get_mut(round).filter(|_| is_kept) {
+            *room = tracer.released();
+        }
+        Ok(())
+    }
+
+    /// Seconds of the rays; their answers are compared.
+    fn traced<S: Buildable>(
+        &mut self,
+        built: &Built<'_, S>,
+        on: &OnFrame<'_, '_, S>,
+        asked: &BatchSet<'_, S>,
+    ) -> f64 {
+        let mut seconds = 0.0;
+        for batch in &asked.batches {
+            let mut answers = Answers::new(batch.kind, batch.rays.len());
+            answers.poison(&batch.expected);
+            let threads = self.record.threads;
+            let timed = || built.timed(on.scope.clock, batch, &mut answers, threads);
+            seconds += self.pool.install(timed);
+            let judged = judge(&on.scope, asked, batch, &answers, built.exactness());
+            self.note(on, judged.wrong, judged.example);
+        }
+        seconds
+    }
+
+    /// The work of the rays; the answers of the counting pass are compared as well.
+    fn counted<S: Buildable>(
+        &mut self,
+        built: &Built<'_, S>,
+        on: &OnFrame<'_, '_, S>,
+        asked: &BatchSet<'_, S>,
+    ) -> Option<WorkRecord> {
+        if built.foreign().is_some_and(|foreign| !foreign.has_counters()) {
+            return None;
+        }
+        let mut all = WorkRecord { rays: asked.total() as u64, ..WorkRecord::default() };
+        for batch in &asked.batches {
+            let (answers, work) = on.scope.pools.helper.install(|| count(built, batch));
+            let judged = judge(&on.scope, asked, batch, &answers, built.exactness());
+            self.note(on, judged.wrong, judged.example);
+            all.intersection_tests += work.intersection_tests;
+            all.traversal_steps += work.traversal_steps;
+            all.elementary_steps += work.elementary_steps;
+            all.empty_elementary_steps += work.empty_elementary_steps;
+            all.tests_saved += work.tests_saved;
+        }
+        Some(all)
+    }
+
+    fn note<S: Buildable>(
+        &mut self,
+        on: &OnFrame<'_, '_, S>,
+        wrong: usize,
+        example: Option<String>,
+    ) {
+        self.record.mismatches += wrong as u64;
+        if self.record.example.is_none() {
+            let number = on.frame.number;
+            self.record.example = example.map(|example| format!("frame {number}: {example}"));
+        }
+    }
+}
+
+/// Every how many-th ray to time, by what few rays take.
+fn first_look<S: Buildable>(
+    built: &Built<'_, S>,
+    on: &OnFrame<'_, '_, S>,
+    pool: &ThreadPool,
+) -> usize {
+    let all = on.scope.all;
+    let few = all.thinned((all.longest() / LOOK_RAYS).max(1));
+    let of_batch = |batch: &Batch<'_, S>| {
+        let mut answers = Answers::new(batch.kind, batch.rays.len());
+        let mut seconds = || pool.install(|| built.timed(on.scope.clock, batch, &mut answers, 1));
+        // the first time warms up
+        seconds().min(seconds())
+    };
+    let seconds: f64 = few.batches.iter().map(of_batch).sum();
+    stride_for(seconds * few.stride as f64, on.scope.plan.limits.timed_pass)
+}

@@ -1,0 +1,137 @@
+//! Measuring an animation: frames in their order, in each all rows and rounds in a seeded random order.
+
+use accel_core::registry::Buildable;
+use measurement::answers::edges::Edges;
+use measurement::answers::oracle::Oracle;
+use measurement::answers::reference::{Reference, Stage};
+use measurement::rays::batches::BatchSet;
+use measurement::rounds::error::MeasureError;
+use measurement::rounds::scene_run::lights_asked;
+use measurement::rounds::schedule::round_order;
+use measurement::rounds::scope::Scope;
+use measurement::system::clock::Clock;
+use measurement::system::panics::caught;
+use measurement::system::pools::{Pools, pool};
+use measurement::system::progress::Progress;
+use scene_loading::{LoadError, Scene};
+
+use crate::animate::Animate;
+use crate::animate::frame::Frame;
+use crate::animate::lane::{Lane, OnFrame};
+use crate::animate::quality::surface_points;
+use crate::animate::record::{FrameRecord, LaneRecord};
+
+/// What is measured with.
+pub struct Equipment<'a> {
+    /// Time.
+    pub clock: &'a dyn Clock,
+    /// The bar: a step each frame.
+    pub progress: &'a Progress,
+}
+
+/// What came of it.
+#[derive(Debug, Default)]
+pub struct Measured {
+    /// The frames, in their order.
+    pub frames: Vec<FrameRecord>,
+    /// The rows, each with a number of threads.
+    pub lanes: Vec<LaneRecord>,
+}
+
+/// Measures all frames, which `scene_of` makes by their numbers. `watch` sees what there is after each.
+///
+/// # Errors
+/// [`MeasureError`] for a frame that cannot be loaded or answered.
+pub fn measure<S: Buildable>(
+    animate: &Animate<'_>,
+    mut scene_of: impl FnMut(u32) -> Result<Scene, LoadError>,
+    equipment: &Equipment<'_>,
+    mut watch: impl FnMut(&Measured),
+) -> Result<Measured, MeasureError> {
+    let plan = &animate.plan;
+    let pools = Pools::new(plan.threads)?;
+    let measured = animate.threads.iter().map(|&n| pool(n)).collect::<Result<Vec<_>, _>>()?;
+    let mut lanes: Vec<Lane<'_>> = plan
+        .rows
+        .iter()
+        .flat_map(|row| measured.iter().filter_map(|pool| Lane::new(row, pool, animate.rounds)))
+        .collect();
+    let mut all = Measured::default();
+    let mut first = None;
+    let mut before = None;
+    let [begin, end] = animate.frames;
+    for number in begin..=end {
+        equipment.progress.message(format!("{}: frame {number}", animate.scene));
+        let scene = scene_of(number)?;
+        let frame = Frame::<S>::new(number, scene, first.as_ref(), before.as_ref())?;
+        if number > begin && frame.moved.is_none() {
+            lanes.iter_mut().for_each(Lane::forget);
+        }
+        let record = visit_all(animate, &frame, &pools, equipment, &mut lanes)?;
+        all.frames.push(record);
+        all.lanes = lanes.iter().map(|lane| lane.record.clone()).collect();
+        watch(&all);
+        equipment.progress.step(equipment.clock.now());
+        let done = before.replace(frame.geometry);
+        if first.is_none() {
+            first = done;
+        }
+    }
+    Ok(all)
+}
+
+/// All rounds of all rows on a frame.
+fn visit_all<S: Buildable>(
+    animate: &Animate<'_>,
+    frame: &Frame<S>,
+    pools: &Pools,
+    equipment: &Equipment<'_>,
+    lanes: &mut [Lane<'_>],
+) -> Result<FrameRecord, MeasureError> {
+    let plan = &animate.plan;
+    let oracle = Oracle::new(&frame.exact)
+        .map_err(|source| MeasureError::Build { scene: frame.scene.name.clone(), source })?;
+    let stage = Stage { scene: &frame.scene, geometry: &frame.geometry, oracle: &oracle };
+    let Reference { rays, answers, record: judged } = stage.reference(plan, pools)?;
+    let lights = lights_asked(&frame.scene, &plan.settings);
+    let asked = BatchSet::new(&rays, answers, &lights);
+    let asked = asked.in_orders(plan.orders, plan.seed, &frame.scene.name);
+    let confirmed = plan.answers.iter().find(|row| judged.reference == Some(row.label()));
+    let edges = Edges::new(&frame.exact, confirmed.cloned());
+    let points = surface_points(frame.geometry.prims(), plan.seed);
+    let on = OnFrame {
+        frame,
+        scope: Scope {
+            plan,
+            stage: &stage,
+            lights: &lights,
+            all: &asked,
+            is_confirmed: judged.reference.is_some(),
+            edges: &edges,
+            pools,
+            clock: equipment.clock,
+            progress: equipment.progress,
+        },
+        points: &points,
+    };
+    let what = format!("{}/{}", animate.scene, frame.number);
+    for round in 0..animate.rounds {
+        for lane in round_order(plan.seed, &what, round, lanes.len()) {
+            let Some(lane) = lanes.get_mut(lane).filter(|lane| lane.record.error.is_none()) else {
+                continue;
+            };
+            lane.record.error = match caught(|| lane.visit(&on, round)) {
+                Ok(Ok(())) => None,
+                Ok(Err(error)) => Some(format!("frame {}: {error}", frame.number)),
+                Err(panicked) => Some(format!("frame {}: {panicked}", frame.number)),
+            };
+        }
+    }
+    Ok(FrameRecord {
+        frame: frame.number,
+        primitives: frame.geometry.len() as u64,
+        moved: frame.moved.as_ref().map(|moved| moved.len() as u64),
+        rays: asked.total() as u64,
+        oracle: judged,
+    })
+}

@@ -1,0 +1,154 @@
+//! A scene that moves, frame by frame: the plan of `rtbench animate`.
+//!
+//! In each frame every row is updated (as its setting `update` says: built anew, refitted, changed where something
+//! moved, or placed anew) and asked the same rays, in a seeded random order of rows. Rounds are several structures
+//! of the same row, each taken from frame to frame by itself, so that a frame is loaded and its right answers are
+//! found once. All answers of all frames are checked.
+
+pub mod csv;
+pub mod figures;
+pub mod frame;
+pub mod lane;
+pub mod measure;
+pub mod plot;
+pub mod quality;
+pub mod record;
+pub mod table;
+pub mod verdict;
+
+use accel_core::params::ParamKind;
+use accel_core::structures::Entry;
+use accel_core::update;
+use measurement::plan::Plan;
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::select;
+use measurement::settings::MeasuringSettings;
+use measurement::settings::Precision;
+
+/// Width and height of the image, unless it is said: of a quick run, and of another.
+const SIZE: [u32; 2] = [48, 256];
+/// Rounds, likewise.
+const ROUNDS: [u32; 2] = [1, 3];
+/// The rays asked for when none are named.
+const RAYS: [&str; 2] = ["primary", "shadow"];
+/// Tests of the oracle in a frame, at most: there are many frames.
+const ORACLE_TESTS: u64 = 40_000_000;
+
+/// What cannot be animated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnimateError {
+    /// There are no such frames.
+    #[error("--frames {first}..{last}: {scene} has {frames} frames, numbered from 0")]
+    NoSuchFrames {
+        /// Animation.
+        scene: String,
+        /// First frame asked for.
+        first: u32,
+        /// Last frame asked for.
+        last: u32,
+        /// How many there are.
+        frames: u32,
+    },
+    /// Options of runs that mean nothing here.
+    #[error("{0} is not for animations")]
+    NotHere(&'static str),
+    /// What is no plan either.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+/// What is asked for.
+#[derive(Debug, Clone)]
+pub struct AnimateSettings {
+    /// First and last frame; none: all.
+    pub frames: Option<[u32; 2]>,
+    /// Structures, each with its settings if any; none means each at its defaults and with each of its updates.
+    pub structures: Vec<String>,
+    /// Overrides of defaults: `uniform-grid.density=4`.
+    pub overrides: Vec<String>,
+    /// How to measure.
+    pub measuring: MeasuringSettings,
+}
+
+/// A validated animation.
+#[derive(Debug)]
+pub struct Animate<'r> {
+    /// Name of the scene.
+    pub scene: String,
+    /// First and last frame.
+    pub frames: [u32; 2],
+    /// The rows, and how they are measured; without scenes.
+    pub plan: Plan<'r>,
+    /// Structures of a row, each updated and timed.
+    pub rounds: usize,
+    /// Numbers of threads, each measured: one, and as many as are asked for.
+    pub threads: Vec<usize>,
+}
+
+impl<'r> Animate<'r> {
+    /// Validates what is asked for of the scene of that name, which has so many frames.
+    ///
+    /// # Errors
+    /// [`AnimateError`] naming what is valid.
+    pub fn new(
+        args: &AnimateSettings,
+        (scene, frames): (&str, u32),
+        registry: &'r [Entry],
+    ) -> Result<Self, AnimateError> {
+        let [first, last] = args.frames.unwrap_or([0, frames.saturating_sub(1)]);
+        if first > last || last >= frames {
+            return Err(AnimateError::NoSuchFrames { scene: scene.into(), first, last, frames });
+        }
+        let mut measuring = args.measuring.clone();
+        if measuring.time_budget.is_some() {
+            return Err(AnimateError::NotHere("--time-budget"));
+        }
+        if measuring.reference.is_some() {
+            return Err(AnimateError::NotHere("--reference"));
+        }
+        let pick = |of: [u32; 2]| if measuring.quick { of[0] } else { of[1] };
+        let rounds = measuring.rounds.unwrap_or(pick(ROUNDS));
+        measuring.size.get_or_insert(pick(SIZE));
+        measuring.rounds = Some(rounds);
+        if measuring.rays.is_empty() {
+            measuring.rays = RAYS.map(str::to_owned).into();
+        }
+        let structures = match args.structures.is_empty() {
+            true => all_updates(registry),
+            false => args.structures.clone(),
+        };
+        let rows = select(registry, &structures, &args.overrides)?;
+        let mut plan = Plan::over(Vec::new(), rows, 0, &measuring, registry)?;
+        plan.limits.oracle_tests = plan.limits.oracle_tests.min(ORACLE_TESTS);
+        let mut threads = vec![1, plan.threads];
+        threads.dedup();
+        Ok(Self {
+            scene: scene.into(),
+            frames: [first, last],
+            plan,
+            rounds: rounds as usize,
+            threads,
+        })
+    }
+
+    /// Arithmetic of primitives and rays.
+    pub fn precision(&self) -> Precision {
+        self.plan.precision
+    }
+}
+
+/// Every structure that is not too slow, at its defaults and with each other way to update it.
+fn all_updates(registry: &[Entry]) -> Vec<String> {
+    let rows = registry.iter().filter(|entry| !entry.info.sampled).flat_map(|entry| {
+        let name = entry.info.name;
+        let own = entry.info.params.iter().find(|spec| spec.name == update::REFIT.name);
+        let ways = match own.map(|spec| &spec.kind) {
+            Some(ParamKind::Choice(ways)) => ways.iter().skip(1).copied().collect(),
+            _ => Vec::new(),
+        };
+        let ways = ways.into_iter().map(move |way| format!("{name}:update={way}"));
+        std::iter::once(name.to_owned()).chain(ways)
+    });
+    rows.collect()
+}

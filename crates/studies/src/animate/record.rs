@@ -1,0 +1,97 @@
+//! What is recorded of an animation.
+
+use measurement::record::{Compiler, Machine, OracleRecord, Tool, WorkRecord};
+use serde::Serialize;
+
+/// An animation.
+#[derive(Debug, Clone, Serialize)]
+pub struct AnimationRecord {
+    /// What was run.
+    pub tool: Tool,
+    /// The command line, program first.
+    pub command_line: Vec<String>,
+    /// What it ran on.
+    pub machine: Machine,
+    /// What it was compiled with.
+    pub compiler: Compiler,
+    /// Name of the scene.
+    pub scene: String,
+    /// Structures of a row, each updated and timed.
+    pub rounds: usize,
+    /// Seed of orders and samples.
+    pub seed: u64,
+    /// Pixels of the image whose rays are asked.
+    pub resolution: [u32; 2],
+    /// Arithmetic.
+    pub precision: String,
+    /// Kinds of rays.
+    pub kinds: Vec<String>,
+    /// The whole, seconds.
+    pub took_s: f64,
+    /// All frames asked for were measured.
+    pub complete: bool,
+    /// The frames, in their order.
+    pub frames: Vec<FrameRecord>,
+    /// The rows, each with a number of threads.
+    pub lanes: Vec<LaneRecord>,
+}
+
+/// A frame.
+#[derive(Debug, Clone, Serialize)]
+pub struct FrameRecord {
+    /// Its number.
+    pub frame: u32,
+    /// Primitives.
+    pub primitives: u64,
+    /// Of these, those that are others than in the frame before; none in the first, and where there are not the
+    /// same primitives in both.
+    pub moved: Option<u64>,
+    /// Rays of all kinds.
+    pub rays: u64,
+    /// How the right answers were found.
+    pub oracle: OracleRecord,
+}
+
+/// A row with a number of threads.
+#[derive(Debug, Clone, Serialize)]
+pub struct LaneRecord {
+    /// Structure.
+    pub structure: String,
+    /// What differs from its defaults.
+    pub settings: String,
+    /// Threads that update and trace.
+    pub threads: usize,
+    /// What it does wrong on purpose.
+    pub known_defect: Option<String>,
+    /// Why it ended early.
+    pub error: Option<String>,
+    /// Wrong answers in all frames.
+    pub mismatches: u64,
+    /// The first of them.
+    pub example: Option<String>,
+    /// Every how many-th ray was timed.
+    pub stride: usize,
+    /// The frames.
+    pub frames: Vec<LaneFrame>,
+}
+
+/// A row in a frame.
+#[derive(Debug, Clone, Serialize)]
+pub struct LaneFrame {
+    /// Number of the frame.
+    pub frame: u32,
+    /// How many of the rounds updated it; the others built it anew.
+    pub updated: usize,
+    /// Seconds of the update or build, a round each.
+    pub update_s: Vec<f64>,
+    /// Seconds of all rays, a round each; where every n-th ray was timed, n times what they took.
+    pub trace_s: Vec<f64>,
+    /// Bytes of the structure.
+    pub bytes: u64,
+    /// The work of the counting pass; with one thread alone.
+    pub work: Option<WorkRecord>,
+    /// Expected steps and tests of a ray; with one thread alone: see [`crate::animate::quality`].
+    pub expected_cost: Option<f64>,
+    /// End-point overlap, likewise.
+    pub overlap: Option<f64>,
+}

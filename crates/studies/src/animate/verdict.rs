@@ -1,0 +1,110 @@
+//! Which row to take: the most frames a second, and by how many rays a frame has.
+
+use presentation::numbers;
+use statistics::estimate::Estimate;
+
+use crate::animate::figures::Totals;
+use crate::animate::record::{AnimationRecord, LaneRecord};
+
+/// A row and its times.
+type Timed<'a> = (&'a LaneRecord, Totals);
+
+/// Rows that are right, with that many threads.
+fn right(run: &AnimationRecord, threads: usize) -> Vec<Timed<'_>> {
+    let lanes = run.lanes.iter().filter(|lane| lane.threads == threads);
+    let right = lanes.filter(|lane| lane.mismatches == 0);
+    right.filter_map(|lane| Some((lane, lane.totals(run)?))).collect()
+}
+
+/// In words, a line each, for a number of threads.
+pub fn lines(run: &AnimationRecord, threads: usize) -> Vec<String> {
+    let rows = right(run, threads);
+    let fps = |(_, totals): &Timed<'_>| totals.frames_per_second(run.seed);
+    let best = rows.iter().filter_map(|row| Some((row, fps(row)?)));
+    let best = best.max_by(|a, b| a.1.median.total_cmp(&b.1.median));
+    let Some((best, rate)) = best else { return Vec::new() };
+    let threads_of = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
+    let mut lines = vec![format!(
+        "With {threads_of}, {} has the most frames a second: {} at {} rays a frame.",
+        best.0.label(),
+        interval(&rate),
+        best.1.rays.round()
+    )];
+    lines.extend(by_rays(&rows));
+    lines.extend(grid_and_bvh(run, &rows));
+    lines
+}
+
+/// A figure with its interval.
+fn interval(of: &Estimate) -> String {
+    let [median, low, high] = [of.median, of.low, of.high].map(numbers::short);
+    format!("{median} [{low}, {high}]")
+}
+
+/// Rays a frame that are looked at: from few to those of a large image with many bounces.
+const RAYS: [f64; 2] = [1.0, 1e9];
+
+/// Which row is the fastest for how many rays a frame.
+fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
+    let fastest = |rays: f64| {
+        let rows = rows.iter();
+        rows.min_by(|a, b| a.1.seconds_of(rays).total_cmp(&b.1.seconds_of(rays)))
+    };
+    let mut rays = RAYS[0];
+    let mut current = fastest(rays)?;
+    let mut parts = Vec::new();
+    // each row's seconds are a line over the rays: the next row is the one whose line is met first
+    while rays < RAYS[1] {
+        let meets = |row: &Timed<'_>| {
+            let slope = |row: &Timed<'_>| row.1.seconds_of(1.0) - row.1.seconds_of(0.0);
+            let (ahead, gains) =
+                (row.1.seconds_of(0.0) - current.1.seconds_of(0.0), slope(current) - slope(row));
+            (gains > 0.0).then(|| ahead / gains).filter(|&at| at > rays)
+        };
+        let next = rows.iter().filter_map(|row| Some((meets(row)?, row)));
+        let Some((at, row)) =
+            next.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(at, _)| *at < RAYS[1])
+        else {
+            break;
+        };
+        parts.push(format!("{} up to {}", current.0.label(), numbers::short(at)));
+        (rays, current) = (at, row);
+    }
+    parts.push(match parts.is_empty() {
+        true => format!("{} for any number", current.0.label()),
+        false => format!("{} beyond", current.0.label()),
+    });
+    Some(format!("The fastest by rays a frame: {}.", parts.join(", ")))
+}
+
+/// Where a grid that is built anew and a BVH that is refitted break even: of the grids the one with the most
+/// frames a second, and so of the BVHs.
+fn grid_and_bvh(run: &AnimationRecord, rows: &[Timed<'_>]) -> Option<String> {
+    let best = |is: &dyn Fn(&LaneRecord) -> bool| {
+        let own = rows.iter().filter(|(lane, _)| is(lane));
+        own.min_by(|a, b| a.1.seconds_of(a.1.rays).total_cmp(&b.1.seconds_of(b.1.rays)))
+    };
+    let grid =
+        best(&|lane| lane.structure.ends_with("grid") && !lane.settings.contains("update="))?;
+    let bvh = best(&|lane| lane.settings.contains("update=refit"))?;
+    let (grid_label, bvh_label) = (grid.0.label(), bvh.0.label());
+    let pair = |at: &Estimate, first: &str, then: &str| {
+        format!(
+            "Between building {grid_label} anew and refitting ({bvh_label}), {first} is faster up to {} rays a \
+             frame, then {then}.",
+            interval(at)
+        )
+    };
+    Some(if let Some(at) = bvh.1.break_even(&grid.1, run.seed) {
+        pair(&at, &grid_label, &bvh_label)
+    } else if let Some(at) = grid.1.break_even(&bvh.1, run.seed) {
+        pair(&at, &bvh_label, &grid_label)
+    } else {
+        let is_bvh = bvh.1.seconds_of(bvh.1.rays) < grid.1.seconds_of(grid.1.rays);
+        let faster = if is_bvh { bvh_label.clone() } else { grid_label.clone() };
+        format!(
+            "Between building {grid_label} anew and refitting ({bvh_label}), {faster} is faster; the rounds \
+                 do not agree on a number of rays from which on it is not."
+        )
+    })
+}
