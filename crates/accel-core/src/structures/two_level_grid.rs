@@ -21,7 +21,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_walk::{CellPosition, CellWalk};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
-use crate::grid::regular_grid::stored;
+use crate::grid::regular_grid::{CellStorage, contents_of, stored};
 use crate::grid::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direction};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -33,6 +33,7 @@ use crate::query::sink::Sink;
 use crate::room::Room;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::structures::uniform_grid::DenseCells;
+use crate::update::{Change, INCREMENTAL, is_incremental};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
 /// Registry line.
@@ -57,6 +58,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec { kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 }, ..specs::MAX_CELLS },
         specs::MAX_REFERENCES,
         kernel::PARAM,
+        INCREMENTAL,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
@@ -77,6 +79,38 @@ pub struct TwoLevelGrid<S: Scalar> {
     division: CellDivision<S>,
     cells: Vec<UpperCell>,
     leaves: LeafCells,
+    /// With `update=incremental`: what the upper cells list.
+    lists: Option<DenseCells>,
+}
+
+fn rules(params: &Params) -> LeafRules {
+    LeafRules {
+        density: params.real("leaf-density"),
+        room: Room::new(params, [&VOXELS, &REFERENCES]),
+    }
+}
+
+impl<S: Scalar> TwoLevelGrid<S> {
+    /// Changes the cells that something moved in; false where the upper grid is another one, and nothing was done.
+    fn change<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        moved: &[u32],
+    ) -> Result<bool, BuildError> {
+        let Some(lists) = &mut self.lists else { return Ok(false) };
+        let contents = contents_of(prims, params)?;
+        if contents.frame != self.upper {
+            return Ok(false);
+        }
+        let Some(changed) = lists.change(&contents, moved) else { return Ok(false) };
+        let before = (self.cells.as_slice(), &self.leaves);
+        let (division, changed) = (&self.division, &changed.changed);
+        let divided =
+            leaf_cells::redivide(&contents, division, lists, &rules(params), before, changed)?;
+        (self.cells, self.leaves) = divided;
+        Ok(true)
+    }
 }
 
 impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
@@ -84,13 +118,23 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
         let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
-        let rules = LeafRules {
-            density: params.real("leaf-density"),
-            room: Room::new(params, [&VOXELS, &REFERENCES]),
-        };
         let division = CellDivision::new(&contents.frame, contents.padding());
-        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules)?;
-        Ok(Self { upper: contents.frame, division, cells, leaves })
+        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules(params))?;
+        let lists = is_incremental(params).then_some(lists);
+        Ok(Self { upper: contents.frame, division, cells, leaves, lists })
+    }
+
+    fn update<P: PrimSet<S>>(
+        &mut self,
+        prims: &P,
+        params: &Params,
+        moved: &[u32],
+    ) -> Result<Change, BuildError> {
+        if self.change(prims, params, moved)? {
+            return Ok(Change::Updated);
+        }
+        *self = Self::build(prims, params)?;
+        Ok(Change::Rebuilt)
     }
 
     #[inline(always)]
@@ -140,7 +184,8 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
             cells: lists.cells() as u64 + vacant,
             empty_cells: lists.empty_cells() as u64 + vacant,
             references: lists.references() as u64,
-            bytes: (size_of_val(self.cells.as_slice()) + lists.bytes()) as u64,
+            bytes: (size_of_val(self.cells.as_slice()) + lists.bytes()) as u64
+                + self.lists.as_ref().map_or(0, DenseCells::bytes),
             ..Shape::default()
         }
     }

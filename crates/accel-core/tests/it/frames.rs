@@ -242,7 +242,7 @@ fn planted_faults_are_found() {
     for (_, moved) in &mut few {
         moved.retain(|id| id % 2 == 0);
     }
-    for name in ["uniform-grid", "hashed-grid"] {
+    for name in ["uniform-grid", "hashed-grid", "two-level-grid"] {
         let grid = find(name).unwrap();
         let params = grid.defaults().set("update", "incremental").unwrap();
         assert!(wrong_of(grid, &params, &few, &asked).0 > 100, "{name}");

@@ -148,7 +148,10 @@ fn all_updates(registry: &[Entry]) -> Vec<String> {
             _ => Vec::new(),
         };
         let ways = ways.into_iter().map(move |way| format!("{name}:update={way}"));
-        std::iter::once(name.to_owned()).chain(ways)
+        // what is put off until rays come is another way to have less to do
+        let lazy = entry.info.variants.iter().filter(|variant| variant.contains("build=lazy"));
+        let lazy = lazy.map(move |variant| format!("{name} {variant}"));
+        std::iter::once(name.to_owned()).chain(ways).chain(lazy)
     });
     rows.collect()
 }

@@ -161,6 +161,7 @@ mod tests {
         let of = |tracer: &dyn Tracer<f32>, set: &TriangleSet<f32>| {
             quality(tracer, &surface_points(PrimsRef::Watertight(set), 1)).unwrap()
         };
+        let all: Vec<u32> = (0..200).collect();
         for name in ["wide-bvh", "obvhs-bvh2"] {
             let entry = find(name).unwrap();
             let params = entry.defaults().set("update", "refit").unwrap();
@@ -168,7 +169,7 @@ mod tests {
             let first = entry.build(PrimsRef::Watertight(&sets[0]), &params).unwrap();
             let built = of(&*first, &sets[0]);
             let fresh = entry.build(PrimsRef::Watertight(&sets[1]), &params).unwrap();
-            let before = Before { kept: first.released().unwrap(), moved: &[] };
+            let before = Before { kept: first.released().unwrap(), moved: &all };
             let refitted = entry.update(PrimsRef::Watertight(&sets[1]), &params, before).unwrap();
             assert!(refitted.is_updated());
             let [fresh, refitted] = [fresh, refitted].map(|tracer| of(&*tracer, &sets[1]));

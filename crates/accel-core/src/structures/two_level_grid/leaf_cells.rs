@@ -137,6 +137,57 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
 }
 
+/// [`divide`] where the lists of the `changed` upper cells alone (ascending) are others than before, or hold something
+/// that moved: the leaf cells of the others are copied, stretch by stretch.
+///
+/// # Errors
+/// As [`divide`].
+pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
+    contents: &Contents<S, P>,
+    division: &CellDivision<S>,
+    lists: &DenseCells,
+    rules: &LeafRules,
+    (old_cells, old): (&[UpperCell], &LeafCells),
+    changed: &[u32],
+) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
+    let upper = Upper { contents, division, lists, rules };
+    let (old_starts, old_ids) = (old.0.starts(), old.0.ids());
+    let mut cells: Vec<UpperCell> = Vec::with_capacity(old_cells.len());
+    let mut starts: Vec<u32> = Vec::with_capacity(old_starts.len());
+    let mut ids: Vec<u32> = Vec::with_capacity(old_ids.len());
+    let first_leaf =
+        |cell: usize| old_cells.get(cell).map_or(old.0.cells(), |cell| cell.first as usize);
+    let ends = changed.iter().map(|&cell| cell as usize).chain([old_cells.len()]);
+    let mut next = 0;
+    for end in ends {
+        let (from, to) = (first_leaf(next), first_leaf(end));
+        let at = starts.len();
+        let place = |first: u32| (first as usize - from + at) as u32;
+        cells
+            .extend(old_cells[next..end].iter().map(|c| UpperCell { first: place(c.first), ..*c }));
+        let (low, high) = (old_starts[from], old_starts[to]);
+        let before = ids.len() as u32;
+        starts.extend(old_starts[from..to].iter().map(|start| start - low + before));
+        ids.extend_from_slice(&old_ids[low as usize..high as usize]);
+        if end < old_cells.len() {
+            let cell = UpperCell { first: starts.len() as u32, ..upper.resolution(end) };
+            let mut counters = vec![0; cell.leaf_cells()];
+            let mut part = Part { range: end..end + 1, cells: &[cell], counters: &mut counters };
+            let references = upper.count(&mut part);
+            let all = (starts.len() + cell.leaf_cells() + old_cells.len()) as u64;
+            rules.room.check([all, ids.len() as u64 + references])?;
+            let mut own = vec![0; references as usize];
+            upper.fill(&mut part, &mut own, ids.len() as u32);
+            cells.push(cell);
+            starts.append(&mut counters);
+            ids.append(&mut own);
+        }
+        next = end + 1;
+    }
+    starts.push(ids.len() as u32);
+    Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
+}
+
 /// What `f` makes of each, in their order; on one thread without a call to rayon.
 fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Send + Sync) -> Vec<R> {
     match items {
