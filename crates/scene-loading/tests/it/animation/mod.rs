@@ -3,3 +3,4 @@
 mod claims;
 mod files;
 mod generated;
+mod gltf;
