@@ -8,6 +8,7 @@ mod generated;
 
 use std::path::Path;
 
+use crate::aff;
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
 use crate::error::{LoadError, Place};
 use crate::gltf;
@@ -35,8 +36,8 @@ pub trait Animation: Send {
 }
 
 /// Opens an animation by its name: a generated one, at its default size (`marbles`) or another
-/// (`marbles:5`), or the path of a sequence of files (`frame%04d.obj`) or of
-/// a glTF file with an animation.
+/// (`marbles:5`), or the path of a sequence of files (`frame%04d.obj`) of a
+/// glTF file with an animation, or of an AFF file.
 ///
 /// # Errors
 /// [`LoadError::UnknownScene`] with all valid names and the nearest one, [`LoadError::Procedural`] for a
@@ -52,6 +53,9 @@ pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
     }
     if ["gltf", "glb"].contains(&extension(&path).as_str()) {
         return gltf::animated::open(&path);
+    }
+    if extension(&path) == "aff" {
+        return aff::open(&path);
     }
     Err(unknown(name))
 }
@@ -69,7 +73,7 @@ fn unknown(name: &str) -> LoadError {
     };
     let names: Vec<&str> = names.collect();
     let valid = format!(
-        "generated {} (with a size: marbles:5); sequences of files (frame%04d.obj); .gltf and .glb with an animation",
+        "generated {} (with a size: marbles:5); sequences of files (frame%04d.obj); .gltf and .glb with an animation; .aff",
         names.join(", ")
     );
     LoadError::UnknownScene { name: name.to_owned(), suggestion, valid }

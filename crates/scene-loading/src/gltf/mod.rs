@@ -21,6 +21,8 @@ mod pose;
 mod textures;
 mod tree;
 
+pub(crate) use crate::gltf::nodes::cofactor;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
