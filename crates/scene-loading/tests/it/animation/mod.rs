@@ -1,5 +1,6 @@
 //! Scenes that move.
 
+mod aff;
 mod claims;
 mod files;
 mod generated;
