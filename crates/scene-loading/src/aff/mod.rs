@@ -14,6 +14,8 @@
 //! - The descriptions do not say whether the keys of a light (`la`) add to its place: it stays, with a warning.
 //! - What is not visible is drawn together in a point, so that ids stay.
 
+mod lights;
+mod looks;
 mod motion;
 mod read;
 mod shapes;
@@ -25,7 +27,7 @@ use std::path::Path;
 
 use crate::aff::read::read_world;
 use crate::aff::world::World;
-use crate::animation::{Animation, check_frame};
+use crate::animation::frames::{Animation, check_frame};
 use crate::error::{LoadError, Place};
 use crate::input::read::scene_name;
 use crate::scene::{Camera, Scene};
@@ -39,14 +41,14 @@ struct Animated {
     camera: Option<Camera>,
 }
 
-/// Opens a file and those that it includes, all below its folder.
+/// The scene of a file and those that it includes, all below its folder.
 ///
 /// # Errors
 /// Any [`LoadError`] of reading files, [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`],
 /// [`LoadError::OutOfRange`], [`LoadError::NotFinite`], [`LoadError::IndexOutOfRange`],
 /// [`LoadError::CountTooLarge`], [`LoadError::OutsideFolder`], [`LoadError::NoPrimitives`].
-pub(crate) fn open(path: &Path) -> Result<Box<dyn Animation>, LoadError> {
-    let world = read_world(path)?;
+pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, LoadError> {
+    let world = read_world(path, bytes)?;
     let clip = world.clip.ok_or_else(|| {
         let expected = "an entity `a` with start, end and number of frames";
         LoadError::UnexpectedEnd { place: Place::file(path), expected: expected.into() }

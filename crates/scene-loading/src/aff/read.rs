@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
+use crate::aff::looks;
 use crate::aff::motion::{Motion, Motions, brace, rotation};
 use crate::aff::world::{Branch, Part, Step, World};
 use crate::error::{LoadError, Place, shortened};
 use crate::input::read::{confined, lossy_text, read_at_most};
-use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_NAME};
+use crate::limits::{self, MAX_BYTES, MAX_NAME};
 use crate::mesh::{FaceCounts, Tally};
 use crate::nff::tokens::{Word, Words};
 use crate::nff::{cone, surface, view};
-use crate::scene::{Light, Material, Scene};
+use crate::scene::Scene;
 
 /// How deep files may include others, and how many inclusions there may be.
 const MAX_DEPTH: usize = 16;
@@ -28,8 +29,8 @@ const MAX_FRAMES: u64 = 1 << 20;
 const ENTITIES: &str =
     "an entity (v, l, la, b, f, fm, s, c, p, pp, m, tt, ttp, tpa, i, d, x, xs, }, k, a, am)";
 
-/// Reads a file and all that it includes.
-pub(super) fn read_world(path: &Path) -> Result<World, LoadError> {
+/// Reads the bytes of a file and all that it includes.
+pub(super) fn read_world(path: &Path, bytes: Vec<u8>) -> Result<World, LoadError> {
     let root = Branch { parent: 0, step: Step::Fixed(DAffine3::IDENTITY) };
     let mut reader = Reader {
         folder: path.parent().unwrap_or(Path::new("")),
@@ -56,7 +57,6 @@ pub(super) fn read_world(path: &Path) -> Result<World, LoadError> {
         back: Tally::default(),
         named_lights: Vec::new(),
     };
-    let bytes = read_at_most(path, MAX_BYTES)?;
     reader.file(path, bytes, 0)?;
     reader.finish(path)
 }
@@ -82,10 +82,10 @@ pub(super) struct Reader<'a> {
     /// Of the first file: names of others are relative to it.
     folder: &'a Path,
     pub world: World,
-    material: Option<u32>,
+    pub material: Option<u32>,
     /// Files with a higher level are not included.
     detail: u64,
-    branch: usize,
+    pub branch: usize,
     files: BTreeMap<PathBuf, usize>,
     included: usize,
     /// Bytes that may still be read.
@@ -146,7 +146,7 @@ impl Reader<'_> {
                 self.material(material, place)?;
             }
             "fm" => {
-                let material = extended(words)?;
+                let material = looks::extended(words)?;
                 self.material(material, place)?;
             }
             "a" => {
@@ -197,28 +197,6 @@ impl Reader<'_> {
             other => return Err(LoadError::syntax(place, other, ENTITIES)),
         }
         Ok(())
-    }
-
-    fn light(&mut self, words: &mut Words<'_>, place: Place) -> Result<(), LoadError> {
-        let position = words.vector("light position")?;
-        let color = match words.peek().is_some_and(|word| word.looks_numeric()) {
-            true => Some(words.vector("light colour")?.to_array()),
-            false => None,
-        };
-        self.world.lights.push((self.branch, Light::Point { position, color }));
-        limits::check(self.world.lights.len(), MAX_LIGHTS, "the number of lights", || place)
-    }
-
-    fn material(&mut self, material: Material, place: Place) -> Result<(), LoadError> {
-        self.material = Some(self.world.rest.push_material(material));
-        let count = self.world.rest.materials.len();
-        limits::check(count, MAX_MATERIALS, "the number of materials", || place)
-    }
-
-    /// The current material, or a grey one where a primitive comes before the first.
-    pub fn current_material(&mut self) -> u32 {
-        let scene = &mut self.world.rest;
-        *self.material.get_or_insert_with(|| scene.push_material(Material::default()))
     }
 
     fn enter(&mut self, step: Step, words: &mut Words<'_>, place: Place) -> Result<(), LoadError> {
@@ -326,22 +304,4 @@ pub(super) fn name(words: &mut Words<'_>) -> Result<String, LoadError> {
     let word = words.any("a name")?;
     limits::check(word.text.len(), MAX_NAME, "the length of a name", || words.place(word.line))?;
     Ok(word.text.to_owned())
-}
-
-/// What stands behind an `fm`: ambient, diffuse and specular colour, exponent, transmittance, index of
-/// refraction.
-fn extended(words: &mut Words<'_>) -> Result<Material, LoadError> {
-    words.vector("ambient colour")?;
-    let diffuse = words.vector("diffuse colour")?;
-    let specular = words.vector("specular colour")?;
-    let share = diffuse.max_element();
-    Ok(Material {
-        color: if share > 0.0 { (diffuse / share).to_array() } else { [0.0; 3] },
-        diffuse: share,
-        specular: specular.max_element(),
-        shine: words.number("shine")?,
-        transmittance: words.number("transmittance T")?,
-        refraction_index: words.number("index of refraction")?,
-        ..Material::default()
-    })
 }

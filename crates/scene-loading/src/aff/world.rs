@@ -8,6 +8,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 use crate::aff::motion::Motions;
 use crate::aff::tracks::AnimatedPatch;
 use crate::error::{LoadError, Place};
+use crate::gltf::vectors::cofactor;
 use crate::pbrt::state::uniform_scale;
 use crate::scene::{Camera, Instance, Light, Scene, Shape};
 
@@ -156,7 +157,7 @@ fn place(part: &Part, placement: Placement, scene: &mut Scene) -> Result<(), Loa
     if !vertices.iter().all(|v| v.is_finite()) {
         return Err(not_finite(part.place.clone(), "a place in the world"));
     }
-    let of_normals = crate::gltf::cofactor(DMat4::from(to_world));
+    let of_normals = cofactor(DMat4::from(to_world));
     let normals = scene.normals.get_mut(part.normals.clone()).unwrap_or_default();
     normals.iter_mut().for_each(|n| *n = (of_normals * *n).normalize_or_zero());
     if normals.contains(&DVec3::ZERO) {

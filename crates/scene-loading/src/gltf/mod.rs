@@ -20,8 +20,7 @@ mod nodes;
 mod pose;
 mod textures;
 mod tree;
-
-pub(crate) use crate::gltf::nodes::cofactor;
+pub(crate) mod vectors;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
