@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 executions=${1:-10000000}
 shift || true
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(obj mtl gltf nff ply stl triangle_soup pbrt tray_racing packed polygon scene_file effects results records beside settings)
+[ ${#targets[@]} -gt 0 ] || targets=(obj mtl gltf moving_gltf moving_aff nff ply stl triangle_soup pbrt tray_racing packed polygon scene_file effects results records beside settings)
 export CARGO_BUILD_JOBS=${CARGO_BUILD_JOBS:-2}
 # The code is safe Rust: no address sanitizer, which would hide the memory that is really used.
 for target in "${targets[@]}"; do

@@ -14,6 +14,7 @@
     )
 )]
 
+mod aff;
 pub mod animation;
 pub mod error;
 pub mod fetch;

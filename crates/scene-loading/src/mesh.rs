@@ -50,6 +50,11 @@ impl Tally {
 }
 
 impl FaceCounts {
+    /// Counts a face without area that its reader has left out.
+    pub fn without_area(&mut self, place: impl FnOnce() -> Place) {
+        self.without_area.add(place);
+    }
+
     /// One warning for each kind.
     pub fn warn(&self, scene: &mut Scene) {
         self.without_area.warn("faces without area left out", scene);

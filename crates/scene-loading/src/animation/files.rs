@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::animation::{Animation, check_frame};
+use crate::animation::frames::{Animation, check_frame};
 use crate::error::{LoadError, Place};
 use crate::input::read::{extension, read_file, scene_name};
 use crate::limits;

@@ -8,11 +8,11 @@
 
 use std::path::Path;
 
-use crate::animation::{Animation, check_frame};
+use crate::animation::frames::{Animation, check_frame};
 use crate::error::LoadError;
 use crate::gltf::clip::Clip;
 use crate::gltf::{Opened, guarded};
-use crate::input::read::{read_file, scene_name};
+use crate::input::read::scene_name;
 use crate::scene::{Camera, Scene};
 use crate::view_options::light_if_dark;
 
@@ -32,17 +32,11 @@ struct Animated {
     camera: Option<Camera>,
 }
 
-/// Opens the first animation of a file.
+/// The first animation of a file.
 ///
 /// # Errors
 /// [`LoadError::Gltf`] for a file without one or with one that breaks a rule, and those of
-/// [`crate::gltf::load_gltf`].
-pub(crate) fn open(path: &Path) -> Result<Box<dyn Animation>, LoadError> {
-    let bytes = read_file(path)?;
-    parse(path, &bytes)
-}
-
-/// [`open`] for bytes at hand.
+/// [`crate::gltf::parse_gltf`].
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Box<dyn Animation>, LoadError> {
     guarded(path, || {
         let opened = Opened::read(path, bytes)?;

@@ -9,8 +9,8 @@ use glam::{DMat4, DVec3};
 
 use crate::error::LoadError;
 use crate::gltf::buffers::Buffers;
-use crate::gltf::nodes::{cofactor, wide};
 use crate::gltf::pose::Pose;
+use crate::gltf::vectors::{cofactor, wide};
 
 /// What deforms the primitives of a frame.
 pub(crate) struct Deformer<'a> {

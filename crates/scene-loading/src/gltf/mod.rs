@@ -20,6 +20,7 @@ mod nodes;
 mod pose;
 mod textures;
 mod tree;
+pub(crate) mod vectors;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use ::gltf::camera::Projection;
 use ::gltf::khr_lights_punctual::Kind;
 use ::gltf::mesh::Mode;
 use ::gltf::{Document, Node, Semantic};
-use glam::{DMat3, DMat4, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{LoadError, Place};
 use crate::gltf::buffers::Buffers;
@@ -16,6 +16,7 @@ use crate::gltf::materials::material_of;
 use crate::gltf::pose::Pose;
 use crate::gltf::textures::Textures;
 use crate::gltf::tree::{self, Placed};
+use crate::gltf::vectors::{cofactor, wide};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_WARNINGS};
 use crate::polygon::area_vector;
 use crate::progress;
@@ -372,19 +373,6 @@ impl<'a> Walker<'a> {
             scene.last_is_textured(texcoords);
         }
     }
-}
-
-/// What normals are transformed by: the matrix of cofactors, which points as normals do where it mirrors.
-pub(crate) fn cofactor(world: DMat4) -> DMat3 {
-    let m = DMat3::from_mat4(world);
-    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
-        * sign
-}
-
-/// A vector of a file.
-pub(crate) fn wide(v: &[f32; 3]) -> DVec3 {
-    Vec3::from_array(*v).as_dvec3()
 }
 
 /// The triangles of a list, strip or fan, each wound as the format asks.

@@ -54,7 +54,7 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
         match word.text {
             "b" => reader.scene.background = reader.words.vector("background colour")?.to_array(),
             "v" => {
-                reader.scene.camera = reader.view(word)?;
+                reader.scene.camera = view(&mut reader.words, word)?;
                 has_view = true;
             }
             "l" => reader.light()?,
@@ -119,47 +119,6 @@ impl Reader<'_> {
         *self.material.get_or_insert_with(|| self.scene.push_material(Material::default()))
     }
 
-    fn view(&mut self, start: Word<'_>) -> Result<Camera, LoadError> {
-        let (mut from, mut at, mut up) = (None, None, None);
-        let (mut angle, mut hither, mut resolution) = (None, None, None);
-        while let Some(word) = self.words.peek() {
-            let key = word.text;
-            if !["from", "at", "up", "angle", "hither", "resolution"].contains(&key) {
-                break;
-            }
-            self.words.next();
-            match key {
-                "from" => from = Some(self.words.vector("view `from`")?),
-                "at" => at = Some(self.words.vector("view `at`")?),
-                "up" => up = Some(self.words.vector("view `up`")?),
-                "angle" => angle = Some(self.words.number("view `angle`")?),
-                "hither" => hither = Some(self.words.number("view `hither`")?),
-                _ => {
-                    let mut side = || self.words.integer("view `resolution`", 1, 65_536);
-                    resolution = Some([side()?, side()?]);
-                }
-            }
-        }
-        let missing = |key: &'static str| LoadError::Syntax {
-            place: self.words.place(start.line),
-            found: format!("a view without `{key}`"),
-            expected: "v with from, at, up, angle, resolution (and hither)".into(),
-        };
-        let [width, height] = resolution.ok_or_else(|| missing("resolution"))?;
-        let camera = Camera {
-            from: from.ok_or_else(|| missing("from"))?,
-            at: at.ok_or_else(|| missing("at"))?,
-            up: up.ok_or_else(|| missing("up"))?,
-            angle: angle.ok_or_else(|| missing("angle"))?,
-            hither: hither.unwrap_or(0.0),
-            // The range check above keeps both within u32.
-            resolution: [width as u32, height as u32],
-            ..Camera::default()
-        };
-        camera.check(|| self.words.place(start.line))?;
-        Ok(camera)
-    }
-
     fn light(&mut self) -> Result<(), LoadError> {
         let position = self.words.vector("light position")?;
         let coloured = self.words.peek().is_some_and(|word| word.looks_numeric());
@@ -172,18 +131,7 @@ impl Reader<'_> {
     }
 
     fn surface(&mut self) -> Result<(), LoadError> {
-        let color: Rgb = self.words.vector("surface colour")?.to_array();
-        let material = Material {
-            name: String::new(),
-            color,
-            diffuse: self.words.number("diffuse share Kd")?,
-            specular: self.words.number("specular share Ks")?,
-            shine: self.words.number("shine")?,
-            transmittance: self.words.number("transmittance T")?,
-            refraction_index: self.words.number("index of refraction")?,
-            texture: None,
-            roughness: 0.0,
-        };
+        let material = surface(&mut self.words)?;
         self.material = Some(self.scene.push_material(material));
         Ok(())
     }
@@ -205,22 +153,7 @@ impl Reader<'_> {
     }
 
     fn cone(&mut self, start: Word<'_>) -> Result<(), LoadError> {
-        let cone = Cone {
-            base: self.words.vector("cone base")?,
-            base_radius: self.words.number("cone base radius")?,
-            apex: self.words.vector("cone apex")?,
-            apex_radius: self.words.number("cone apex radius")?,
-        };
-        let (smaller, larger) =
-            (cone.base_radius.min(cone.apex_radius), cone.base_radius.max(cone.apex_radius));
-        if smaller < 0.0 && larger > 0.0 {
-            return Err(LoadError::NegativeRadius {
-                place: self.words.place(start.line),
-                what: "one of two radii of a cone",
-                radius: smaller,
-                expected: "both at least 0, or both at most 0 (seen from inside)",
-            });
-        }
+        let cone = cone(&mut self.words, start)?;
         let material = self.material();
         self.scene.push_cone(material, cone);
         Ok(())
@@ -283,6 +216,85 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// What stands behind a `v`.
+pub(crate) fn view(words: &mut Words<'_>, start: Word<'_>) -> Result<Camera, LoadError> {
+    let (mut from, mut at, mut up) = (None, None, None);
+    let (mut angle, mut hither, mut resolution) = (None, None, None);
+    while let Some(word) = words.peek() {
+        let key = word.text;
+        if !["from", "at", "up", "angle", "hither", "resolution"].contains(&key) {
+            break;
+        }
+        words.next();
+        match key {
+            "from" => from = Some(words.vector("view `from`")?),
+            "at" => at = Some(words.vector("view `at`")?),
+            "up" => up = Some(words.vector("view `up`")?),
+            "angle" => angle = Some(words.number("view `angle`")?),
+            "hither" => hither = Some(words.number("view `hither`")?),
+            _ => {
+                let mut side = || words.integer("view `resolution`", 1, 65_536);
+                resolution = Some([side()?, side()?]);
+            }
+        }
+    }
+    let missing = |key: &'static str| LoadError::Syntax {
+        place: words.place(start.line),
+        found: format!("a view without `{key}`"),
+        expected: "v with from, at, up, angle, resolution (and hither)".into(),
+    };
+    let [width, height] = resolution.ok_or_else(|| missing("resolution"))?;
+    let camera = Camera {
+        from: from.ok_or_else(|| missing("from"))?,
+        at: at.ok_or_else(|| missing("at"))?,
+        up: up.ok_or_else(|| missing("up"))?,
+        angle: angle.ok_or_else(|| missing("angle"))?,
+        hither: hither.unwrap_or(0.0),
+        // The range check above keeps both within u32.
+        resolution: [width as u32, height as u32],
+        ..Camera::default()
+    };
+    camera.check(|| words.place(start.line))?;
+    Ok(camera)
+}
+
+/// What stands behind an `f`.
+pub(crate) fn surface(words: &mut Words<'_>) -> Result<Material, LoadError> {
+    let color: Rgb = words.vector("surface colour")?.to_array();
+    Ok(Material {
+        name: String::new(),
+        color,
+        diffuse: words.number("diffuse share Kd")?,
+        specular: words.number("specular share Ks")?,
+        shine: words.number("shine")?,
+        transmittance: words.number("transmittance T")?,
+        refraction_index: words.number("index of refraction")?,
+        texture: None,
+        roughness: 0.0,
+    })
+}
+
+/// What stands behind a `c`.
+pub(crate) fn cone(words: &mut Words<'_>, start: Word<'_>) -> Result<Cone, LoadError> {
+    let cone = Cone {
+        base: words.vector("cone base")?,
+        base_radius: words.number("cone base radius")?,
+        apex: words.vector("cone apex")?,
+        apex_radius: words.number("cone apex radius")?,
+    };
+    let (smaller, larger) =
+        (cone.base_radius.min(cone.apex_radius), cone.base_radius.max(cone.apex_radius));
+    if smaller < 0.0 && larger > 0.0 {
+        return Err(LoadError::NegativeRadius {
+            place: words.place(start.line),
+            what: "one of two radii of a cone",
+            radius: smaller,
+            expected: "both at least 0, or both at most 0 (seen from inside)",
+        });
+    }
+    Ok(cone)
 }
 
 /// Names a vertex in errors; formatted only when there is one.

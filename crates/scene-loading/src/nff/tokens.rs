@@ -26,11 +26,17 @@ pub(crate) struct Words<'a> {
     path: &'a Path,
     rest: &'a str,
     line: usize,
+    comments: &'static [char],
 }
 
 impl<'a> Words<'a> {
     pub fn new(path: &'a Path, text: &'a str) -> Self {
-        Self { path, rest: text, line: 1 }
+        Self { path, rest: text, line: 1, comments: &['#'] }
+    }
+
+    /// With other characters that start comments.
+    pub fn with_comments(self, comments: &'static [char]) -> Self {
+        Self { comments, ..self }
     }
 
     /// Bytes not yet read: an upper bound for what the file can still hold.
@@ -49,7 +55,7 @@ impl<'a> Words<'a> {
             let (blank, _) = self.rest.split_at(self.rest.len() - text.len());
             self.line += blank.bytes().filter(|&b| b == b'\n').count();
             self.rest = text;
-            if !text.starts_with('#') {
+            if !text.starts_with(self.comments) {
                 break;
             }
             self.rest = text.find('\n').and_then(|end| text.get(end..)).unwrap_or("");

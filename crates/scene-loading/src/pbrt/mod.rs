@@ -18,7 +18,7 @@
 mod looks;
 mod params;
 mod shapes;
-mod state;
+pub(crate) mod state;
 mod tokens;
 
 use std::collections::{BTreeMap, HashMap};

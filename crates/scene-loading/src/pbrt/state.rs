@@ -183,7 +183,7 @@ fn look_at(from: DVec3, at: DVec3, up: DVec3) -> Option<DMat4> {
 }
 
 /// The factor by which a transform scales all lengths; none where that differs by direction.
-pub(super) fn uniform_scale(matrix: &DMat4) -> Option<f64> {
+pub(crate) fn uniform_scale(matrix: &DMat4) -> Option<f64> {
     let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec4::truncate);
     let scale = x.length();
     let slack = scale * 1e-6;

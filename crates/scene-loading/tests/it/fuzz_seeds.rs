@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use scene_loading::animation;
 use scene_loading::gltf::parse_gltf;
 use scene_loading::info::{SceneInfo, validate};
 use scene_loading::nff::parse_nff;
@@ -67,6 +68,22 @@ fn mtl() {
 #[test]
 fn gltf() {
     assert!(replay("gltf", |path, bytes| parse_gltf(path, &bytes)) >= 3);
+}
+
+/// The last frame of an animation, which a file with that ending holds.
+fn last_frame(ending: &str, bytes: Vec<u8>) -> Result<Scene, LoadError> {
+    let mut animation = animation::parse(Path::new(&format!("a.x.{ending}")), bytes)?;
+    animation.frame(animation.frames() - 1)
+}
+
+#[test]
+fn moving_gltf() {
+    assert!(replay("moving_gltf", |_, bytes| last_frame("gltf", bytes)) >= 4);
+}
+
+#[test]
+fn moving_aff() {
+    assert!(replay("moving_aff", |_, bytes| last_frame("aff", bytes)) >= 3);
 }
 
 #[test]

@@ -3,9 +3,10 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use crate::animation::generated::chance;
+use crate::animation::generated::clock::{Frames, seconds};
 use crate::animation::generated::mesh::Mesh;
 use crate::animation::generated::stage::Stage;
-use crate::animation::generated::{Frames, chance, seconds};
 use crate::procedural::parts::{View, ground, matte, stage};
 
 /// From one street to the next, and the side of a building's plot, units.

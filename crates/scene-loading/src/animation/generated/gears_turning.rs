@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3};
 
-use crate::animation::generated::Frames;
+use crate::animation::generated::clock::Frames;
 use crate::animation::generated::mesh::Mesh;
 use crate::animation::generated::stage::Stage;
 use crate::procedural::gears::{self, TEETH};

@@ -2,6 +2,7 @@
 
 mod chance;
 mod city;
+mod clock;
 mod cloth;
 mod falling;
 mod gears_turning;
@@ -13,7 +14,8 @@ mod stage;
 mod walker;
 mod wall;
 
-use crate::animation::{Animation, check_frame};
+use crate::animation::frames::{Animation, check_frame};
+use crate::animation::generated::clock::Frames;
 use crate::error::LoadError;
 use crate::procedural::SpecError;
 use crate::scene::Scene;
@@ -36,12 +38,6 @@ pub struct AnimatedEntry {
     /// The animation at a size from 1 to `max_size`.
     pub open: fn(u32) -> Box<dyn Animation>,
 }
-
-/// Frames per second.
-const RATE: u32 = 25;
-
-/// Makes frames, in any order.
-type Frames = Box<dyn FnMut(u32) -> Scene + Send>;
 
 macro_rules! animated {
     ($($name:literal $module:ident $size:literal..=$max:literal, $frames:literal frames: $summary:literal)*) => {
@@ -115,9 +111,4 @@ pub(super) fn open(spec: &str) -> Result<Option<Box<dyn Animation>>, LoadError> 
         LoadError::Procedural { spec: spec.to_owned(), message: error.to_string() }
     })?;
     Ok(Some((entry.open)(size)))
-}
-
-/// When a frame is, in seconds.
-fn seconds(frame: u32) -> f64 {
-    f64::from(frame) / f64::from(RATE)
 }

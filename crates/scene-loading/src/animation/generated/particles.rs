@@ -6,8 +6,9 @@
 
 use glam::DVec3;
 
+use crate::animation::generated::chance;
+use crate::animation::generated::clock::Frames;
 use crate::animation::generated::replay::Replay;
-use crate::animation::generated::{Frames, chance};
 use crate::procedural::parts::{View, matte, stage};
 use crate::scene::{Primitive, Shape};
 

@@ -5,9 +5,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use crate::animation::generated::chance;
+use crate::animation::generated::clock::{Frames, seconds};
 use crate::animation::generated::mesh::Mesh;
 use crate::animation::generated::stage::Stage;
-use crate::animation::generated::{Frames, chance, seconds};
 use crate::procedural::parts::{View, ground, matte, stage};
 
 /// Where the wall is hit: above the middle of its foot, for a wall 2 wide and 1 high.

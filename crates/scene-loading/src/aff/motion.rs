@@ -1,0 +1,142 @@
+//! Keyframes (`k`): what is said of a name over time, and how it is read.
+
+use std::collections::BTreeMap;
+
+use glam::{DAffine3, DQuat, DVec3};
+
+use crate::aff::spline::{Key, Track};
+use crate::error::LoadError;
+use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::Tally;
+use crate::nff::tokens::Words;
+
+/// The fewest keys of a track: the first and the last only shape the curve.
+const FEWEST: u64 = 4;
+
+/// What moves a name.
+#[derive(Debug, Default)]
+pub(super) struct Motion {
+    pub translation: Option<Track<DVec3>>,
+    pub rotation: Option<Track<DQuat>>,
+    scale: Option<Track<DVec3>>,
+    /// From a time on it is seen or not; seen before the first.
+    visibility: Vec<(f64, bool)>,
+}
+
+/// Motions by names; of two of a name the later one counts.
+pub(super) type Motions = BTreeMap<String, Motion>;
+
+impl Motion {
+    /// Scaled first, then turned, then moved.
+    pub fn at(&self, time: f64) -> DAffine3 {
+        let translation = self.translation.as_ref().map_or(DVec3::ZERO, |track| track.at(time));
+        let rotation = self.rotation.as_ref().map_or(DQuat::IDENTITY, |track| track.at(time));
+        let scale = self.scale.as_ref().map_or(DVec3::ONE, |track| track.at(time));
+        DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+    }
+
+    pub fn is_visible(&self, time: f64) -> bool {
+        let now = self.visibility.iter().take_while(|(from, _)| *from <= time).last();
+        now.is_none_or(|(_, visible)| *visible)
+    }
+
+    /// True when it may vanish or be mirrored: what follows it is no rigid part.
+    pub fn is_unsteady(&self) -> bool {
+        let keys = self.scale.iter().flat_map(|track| track.keys()).map(|key| key.value);
+        let hides = self.visibility.iter().any(|(_, visible)| !visible);
+        hides || keys.clone().zip(keys.skip(1)).any(|(a, b)| a != b)
+    }
+
+    /// Reads what stands behind the name, from the brace on; counts keys that go back in time.
+    pub fn read(words: &mut Words<'_>, back: &mut Tally) -> Result<Self, LoadError> {
+        brace(words)?;
+        let mut motion = Self::default();
+        loop {
+            let word = words.any("a kind of keys or }")?;
+            let place = words.place(word.line);
+            let fewest = if word.text == "visibility" { 1 } else { FEWEST };
+            match word.text {
+                "}" => return Ok(motion),
+                "transl" | "rot" | "scale" | "visibility" => {}
+                other => {
+                    let expected = "transl, rot, scale, visibility or }";
+                    return Err(LoadError::syntax(place, other, expected));
+                }
+            }
+            let count = words.integer("the number of keys", fewest, MAX_ELEMENTS as u64)?;
+            // a key has at least two numbers and four characters
+            let room = words.remaining() / 4 + 1;
+            limits::check(count as usize, room, "the number of keys", || place)?;
+            match word.text {
+                "transl" => {
+                    motion.translation = Some(Track::<DVec3>::new(places(words, count, back)?))
+                }
+                "scale" => motion.scale = Some(Track::<DVec3>::new(places(words, count, back)?)),
+                "rot" => {
+                    let turn = |words: &mut Words<'_>| rotation(words);
+                    motion.rotation = Some(Track::<DQuat>::new(keys(words, count, back, turn)?));
+                }
+                _ => {
+                    let mut last = None;
+                    for _ in 0..count {
+                        let time = time(words, &mut last, back)?;
+                        let visible = words.integer("whether it is visible", 0, 1)? == 1;
+                        motion.visibility.push((time, visible));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A brace that opens.
+pub(super) fn brace(words: &mut Words<'_>) -> Result<(), LoadError> {
+    let word = words.any("{")?;
+    match word.text {
+        "{" => Ok(()),
+        other => Err(LoadError::syntax(words.place(word.line), other, "{")),
+    }
+}
+
+/// An axis and degrees about it; about no axis nothing is turned.
+pub(super) fn rotation(words: &mut Words<'_>) -> Result<DQuat, LoadError> {
+    let axis = words.vector("an axis")?;
+    let angle = words.number("an angle")?.to_radians();
+    Ok(axis.try_normalize().map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle)))
+}
+
+fn places(
+    words: &mut Words<'_>,
+    count: u64,
+    back: &mut Tally,
+) -> Result<Vec<Key<DVec3>>, LoadError> {
+    keys(words, count, back, |words| words.vector("the values of a key"))
+}
+
+fn keys<T>(
+    words: &mut Words<'_>,
+    count: u64,
+    back: &mut Tally,
+    value: impl Fn(&mut Words<'_>) -> Result<T, LoadError>,
+) -> Result<Vec<Key<T>>, LoadError> {
+    let mut last = None;
+    let mut keys = Vec::new();
+    for _ in 0..count {
+        let time = time(words, &mut last, back)?;
+        let value = value(words)?;
+        let shape = words.vector("tension, continuity and bias")?.to_array();
+        keys.push(Key { time, value, shape });
+    }
+    Ok(keys)
+}
+
+/// The time of a key; one before that of the key in front is counted.
+fn time(words: &mut Words<'_>, last: &mut Option<f64>, back: &mut Tally) -> Result<f64, LoadError> {
+    let line = words.peek().map_or(0, |word| word.line);
+    let time = words.number("the time of a key")?;
+    if last.is_some_and(|last| last > time) {
+        back.add(|| words.place(line));
+    }
+    *last = Some(time);
+    Ok(time)
+}

@@ -1,0 +1,307 @@
+//! The reader of AFF files: entities in the order of the file, and the files that it includes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::DAffine3;
+
+use crate::aff::looks;
+use crate::aff::motion::{Motion, Motions, brace, rotation};
+use crate::aff::world::{Branch, Part, Step, World};
+use crate::error::{LoadError, Place, shortened};
+use crate::input::read::{confined, lossy_text, read_at_most};
+use crate::limits::{self, MAX_BYTES, MAX_NAME};
+use crate::mesh::{FaceCounts, Tally};
+use crate::nff::tokens::{Word, Words};
+use crate::nff::{cone, surface, view};
+use crate::scene::Scene;
+
+/// How deep files may include others, and how many inclusions there may be.
+const MAX_DEPTH: usize = 16;
+const MAX_FILES: usize = 1 << 16;
+
+/// The most transforms.
+const MAX_BRANCHES: usize = 1 << 20;
+
+/// The most frames.
+const MAX_FRAMES: u64 = 1 << 20;
+
+const ENTITIES: &str =
+    "an entity (v, l, la, b, f, fm, s, c, p, pp, m, tt, ttp, tpa, i, d, x, xs, }, k, a, am)";
+
+/// Reads the bytes of a file and all that it includes.
+pub(super) fn read_world(path: &Path, bytes: Vec<u8>) -> Result<World, LoadError> {
+    let root = Branch { parent: 0, step: Step::Fixed(DAffine3::IDENTITY) };
+    let mut reader = Reader {
+        folder: path.parent().unwrap_or(Path::new("")),
+        world: World {
+            path: path.to_path_buf(),
+            rest: Scene::default(),
+            has_view: false,
+            branches: vec![root],
+            parts: Vec::new(),
+            lights: Vec::new(),
+            patches: Vec::new(),
+            motions: Motions::new(),
+            clip: None,
+        },
+        material: None,
+        detail: 0,
+        branch: 0,
+        files: BTreeMap::new(),
+        included: 0,
+        budget: MAX_BYTES,
+        runs: Vec::new(),
+        counts: FaceCounts::default(),
+        textured: Tally::default(),
+        back: Tally::default(),
+        named_lights: Vec::new(),
+    };
+    reader.file(path, bytes, 0)?;
+    reader.finish(path)
+}
+
+/// A file that is being read.
+pub(super) struct Opened<'a> {
+    pub words: Words<'a>,
+    /// Number of the file, and of this inclusion.
+    file: usize,
+    inclusion: usize,
+    /// Runs of primitives so far.
+    runs: usize,
+}
+
+/// Where a run of primitives comes from: which file, in which inclusion, which run in that.
+struct Run {
+    inclusion: usize,
+    file: usize,
+    number: usize,
+}
+
+pub(super) struct Reader<'a> {
+    /// Of the first file: names of others are relative to it.
+    folder: &'a Path,
+    pub world: World,
+    pub material: Option<u32>,
+    /// Files with a higher level are not included.
+    detail: u64,
+    pub branch: usize,
+    files: BTreeMap<PathBuf, usize>,
+    included: usize,
+    /// Bytes that may still be read.
+    budget: u64,
+    /// Where the parts come from.
+    runs: Vec<Run>,
+    pub counts: FaceCounts,
+    pub textured: Tally,
+    /// Keys that go back in time.
+    back: Tally,
+    named_lights: Vec<String>,
+}
+
+impl Reader<'_> {
+    fn file(&mut self, path: &Path, bytes: Vec<u8>, depth: usize) -> Result<(), LoadError> {
+        let too_large = || LoadError::TooLarge { place: Place::file(path), limit: MAX_BYTES };
+        self.budget = self.budget.checked_sub(bytes.len() as u64).ok_or_else(too_large)?;
+        // braces are words of their own wherever they stand
+        let text = lossy_text(bytes).replace('{', " { ").replace('}', " } ");
+        let next = self.files.len();
+        let file = *self.files.entry(path.to_path_buf()).or_insert(next);
+        let words = Words::new(path, &text).with_comments(&['#', '%']);
+        let mut opened = Opened { words, file, inclusion: self.included, runs: 0 };
+        let base = self.branch;
+        while let Some(word) = opened.words.next() {
+            self.entity(word, &mut opened, base, depth)?;
+        }
+        if self.branch != base {
+            let place = Place::file(path);
+            return Err(LoadError::UnexpectedEnd { place, expected: "}".into() });
+        }
+        Ok(())
+    }
+
+    fn entity(
+        &mut self,
+        word: Word<'_>,
+        opened: &mut Opened<'_>,
+        base: usize,
+        depth: usize,
+    ) -> Result<(), LoadError> {
+        let words = &mut opened.words;
+        let place = words.place(word.line);
+        match word.text {
+            "v" => {
+                self.world.rest.camera = view(words, word)?;
+                self.world.has_view = true;
+            }
+            "l" => self.light(words, place)?,
+            "la" => {
+                let name = name(words)?;
+                self.light(words, place)?;
+                self.named_lights.push(name);
+            }
+            "b" => self.world.rest.background = words.vector("background colour")?.to_array(),
+            "f" => {
+                let material = surface(words)?;
+                self.material(material, place)?;
+            }
+            "fm" => {
+                let material = looks::extended(words)?;
+                self.material(material, place)?;
+            }
+            "a" => {
+                let (from, to) = (words.number("the start")?, words.number("the end")?);
+                let frames = words.integer("the number of frames", 1, MAX_FRAMES)?;
+                if to < from {
+                    return Err(LoadError::OutOfRange {
+                        place,
+                        what: "the end".into(),
+                        found: to.to_string(),
+                        expected: format!("at least the start, {from}"),
+                    });
+                }
+                // the range check keeps it within u32
+                self.world.clip = Some((from, to, frames as u32));
+            }
+            "am" => {
+                words.vector("ambient light")?;
+            }
+            "d" => self.detail = words.integer("a level of detail", 0, u64::MAX)?,
+            "i" => self.include(words, place, depth)?,
+            "k" => {
+                let name = name(words)?;
+                self.world.motions.insert(name, Motion::read(words, &mut self.back)?);
+            }
+            "x" => {
+                let step = Step::Named(name(words)?);
+                self.enter(step, words, place)?;
+            }
+            "xs" => {
+                let scale = words.vector("a scale")?;
+                let rotation = rotation(words)?;
+                let translation = words.vector("a translation")?;
+                let step = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+                self.enter(Step::Fixed(step), words, place)?;
+            }
+            "}" => {
+                if self.branch == base {
+                    return Err(LoadError::syntax(place, "}", "as many { before it"));
+                }
+                self.branch = self.world.branches.get(self.branch).map_or(0, |b| b.parent);
+            }
+            "s" | "c" | "p" | "pp" | "m" | "tt" | "ttp" | "tpa" => {
+                self.begin(word.text == "tpa", opened, place);
+                self.shape(word, &mut opened.words)?;
+                self.end();
+            }
+            other => return Err(LoadError::syntax(place, other, ENTITIES)),
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, step: Step, words: &mut Words<'_>, place: Place) -> Result<(), LoadError> {
+        brace(words)?;
+        self.world.branches.push(Branch { parent: self.branch, step });
+        self.branch = self.world.branches.len() - 1;
+        limits::check(self.branch, MAX_BRANCHES, "the number of transforms", || place)
+    }
+
+    fn include(
+        &mut self,
+        words: &mut Words<'_>,
+        place: Place,
+        depth: usize,
+    ) -> Result<(), LoadError> {
+        let level = words.integer("a level of detail", 0, u64::MAX)?;
+        let name = name(words)?;
+        if level > self.detail {
+            return Ok(());
+        }
+        limits::check(depth + 1, MAX_DEPTH, "the depth of included files", || place.clone())?;
+        self.included += 1;
+        limits::check(self.included, MAX_FILES, "the number of included files", || place.clone())?;
+        let path = confined(self.folder, &name)
+            .ok_or_else(|| LoadError::OutsideFolder { place, uri: shortened(&name) })?;
+        let bytes = read_at_most(&path, self.budget)?;
+        self.file(&path, bytes, depth + 1)
+    }
+
+    /// Has primitives that follow belong to a part: that of those before, if nothing is between.
+    fn begin(&mut self, is_soft: bool, opened: &mut Opened<'_>, place: Place) {
+        let scene = &self.world.rest;
+        let last = self.world.parts.last();
+        let goes_on = last
+            .is_some_and(|last| last.branch == self.branch && last.is_soft == is_soft)
+            && self.runs.last().is_some_and(|run| run.inclusion == opened.inclusion);
+        if goes_on {
+            return;
+        }
+        let (inclusion, file, number) = (opened.inclusion, opened.file, opened.runs);
+        self.runs.push(Run { inclusion, file, number });
+        opened.runs += 1;
+        let here = |length: usize| length..length;
+        self.world.parts.push(Part {
+            branch: self.branch,
+            object: 0,
+            is_soft,
+            primitives: here(scene.primitives.len()),
+            vertices: here(scene.vertices.len()),
+            normals: here(scene.normals.len()),
+            spheres: here(scene.spheres.len()),
+            cones: here(scene.cones.len()),
+            place,
+        });
+    }
+
+    /// Has the last part end here.
+    fn end(&mut self) {
+        let scene = &self.world.rest;
+        let Some(part) = self.world.parts.last_mut() else { return };
+        part.primitives.end = scene.primitives.len();
+        part.vertices.end = scene.vertices.len();
+        part.normals.end = scene.normals.len();
+        part.spheres.end = scene.spheres.len();
+        part.cones.end = scene.cones.len();
+    }
+
+    fn finish(mut self, path: &Path) -> Result<World, LoadError> {
+        let scene = &mut self.world.rest;
+        if scene.primitives.is_empty() {
+            let expected = "primitive (s, c, p, pp, m, tt, ttp, tpa)";
+            return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+        }
+        self.counts.warn(scene);
+        self.textured.warn("textured shapes or meshes: their images are not read", scene);
+        self.back.warn("keys that go back in time", scene);
+        let keyed = |name: &&String| self.world.motions.contains_key(*name);
+        let moved = self.named_lights.iter().filter(keyed).count();
+        if moved > 0 {
+            let text = format!("{}: {moved} lights with keyframes stay in place", path.display());
+            scene.warnings.push(crate::scene::Warning(text));
+        }
+        // a run that a file makes whenever it is included is the same object
+        let mut objects = BTreeMap::new();
+        for (part, run) in self.world.parts.iter_mut().zip(&self.runs) {
+            let next = objects.len() as u32;
+            let what = (run.file, run.number, part.primitives.len());
+            part.object = *objects.entry(what).or_insert(next);
+        }
+        self.world.parts.retain(|part| !part.primitives.is_empty());
+        Ok(self.world)
+    }
+
+    /// What stands behind a `c`.
+    pub fn cone(&mut self, words: &mut Words<'_>, start: Word<'_>) -> Result<(), LoadError> {
+        let cone = cone(words, start)?;
+        let material = self.current_material();
+        self.world.rest.push_cone(material, cone);
+        Ok(())
+    }
+}
+
+/// A name without blanks.
+pub(super) fn name(words: &mut Words<'_>) -> Result<String, LoadError> {
+    let word = words.any("a name")?;
+    limits::check(word.text.len(), MAX_NAME, "the length of a name", || words.place(word.line))?;
+    Ok(word.text.to_owned())
+}

@@ -1,0 +1,207 @@
+//! What AFF files say, before it moves: primitives in the spaces of the braces that they stand in.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use glam::{DAffine3, DMat3, DMat4, DVec3};
+
+use crate::aff::motion::Motions;
+use crate::aff::tracks::AnimatedPatch;
+use crate::error::{LoadError, Place};
+use crate::gltf::vectors::cofactor;
+use crate::pbrt::state::uniform_scale;
+use crate::scene::{Camera, Instance, Light, Scene, Shape};
+
+/// A scene that moves.
+pub(super) struct World {
+    pub path: PathBuf,
+    /// Materials, background, view; primitives in the spaces of their branches.
+    pub rest: Scene,
+    /// Whether a file says so.
+    pub has_view: bool,
+    /// Transforms; the first is the world, the others come behind those that they are in.
+    pub branches: Vec<Branch>,
+    /// Runs of primitives in one branch, in order.
+    pub parts: Vec<Part>,
+    /// Lights and the branches that they are in.
+    pub lights: Vec<(usize, Light)>,
+    /// Triangles that are animated corner by corner.
+    pub patches: Vec<AnimatedPatch>,
+    pub motions: Motions,
+    /// First and last second, number of frames.
+    pub clip: Option<(f64, f64, u32)>,
+}
+
+/// A pair of braces.
+pub(super) struct Branch {
+    pub parent: usize,
+    pub step: Step,
+}
+
+/// From the space within the braces to that around them.
+pub(super) enum Step {
+    Fixed(DAffine3),
+    Named(String),
+}
+
+/// Consecutive primitives.
+pub(super) struct Part {
+    pub branch: usize,
+    /// The same for runs that several inclusions of a file make.
+    pub object: u32,
+    /// Its corners move by themselves.
+    pub is_soft: bool,
+    pub primitives: Range<usize>,
+    pub vertices: Range<usize>,
+    pub normals: Range<usize>,
+    pub spheres: Range<usize>,
+    pub cones: Range<usize>,
+    /// Where it begins.
+    pub place: Place,
+}
+
+/// Where a branch is.
+#[derive(Clone, Copy)]
+struct Placement {
+    to_world: DAffine3,
+    is_visible: bool,
+    /// It keeps its size and sense throughout.
+    is_steady: bool,
+}
+
+impl World {
+    /// The scene at a time.
+    ///
+    /// # Errors
+    /// [`LoadError::OutOfRange`] where a sphere or a cone is scaled by other than one factor,
+    /// [`LoadError::NotFinite`] where a place is.
+    pub fn at(&self, time: f64) -> Result<Scene, LoadError> {
+        let placements = self.placements(time);
+        let mut scene = self.rest.clone();
+        scene.camera = self.camera(time)?;
+        for (branch, light) in &self.lights {
+            let to_world = placement(&placements, *branch).to_world;
+            let position = to_world.transform_point3(light.position());
+            if !position.is_finite() {
+                return Err(not_finite(Place::file(&self.path), "the place of a light"));
+            }
+            scene.lights.push(Light::Point { position, color: light.color() });
+        }
+        for patch in &self.patches {
+            patch.set(time, &mut scene);
+        }
+        for part in &self.parts {
+            place(part, placement(&placements, part.branch), &mut scene)?;
+        }
+        Ok(scene)
+    }
+
+    fn placements(&self, time: f64) -> Vec<Placement> {
+        let world = Placement { to_world: DAffine3::IDENTITY, is_visible: true, is_steady: true };
+        let mut placements: Vec<Placement> = Vec::with_capacity(self.branches.len());
+        for branch in &self.branches {
+            let around = placements.get(branch.parent).copied().unwrap_or(world);
+            let motion = match &branch.step {
+                Step::Fixed(_) => None,
+                Step::Named(name) => self.motions.get(name),
+            };
+            let step = match &branch.step {
+                Step::Fixed(step) => *step,
+                Step::Named(_) => motion.map_or(DAffine3::IDENTITY, |motion| motion.at(time)),
+            };
+            placements.push(Placement {
+                to_world: around.to_world * step,
+                is_visible: around.is_visible && motion.is_none_or(|m| m.is_visible(time)),
+                is_steady: around.is_steady && motion.is_none_or(|m| !m.is_unsteady()),
+            });
+        }
+        placements
+    }
+
+    /// The view, which the keys of the name `camera` move: it looks along -z, y is up.
+    fn camera(&self, time: f64) -> Result<Camera, LoadError> {
+        let mut camera = self.rest.camera;
+        let Some(motion) = self.motions.get("camera") else { return Ok(camera) };
+        let ahead = camera.at - camera.from;
+        if let Some(track) = &motion.translation {
+            camera.from = track.at(time);
+        }
+        camera.at = camera.from + ahead;
+        if let Some(track) = &motion.rotation {
+            let turn = track.at(time);
+            camera.at = camera.from - turn * DVec3::Z * ahead.length();
+            camera.up = turn * DVec3::Y;
+        }
+        camera.check(|| Place::file(&self.path))?;
+        Ok(camera)
+    }
+}
+
+fn not_finite(place: Place, what: &str) -> LoadError {
+    LoadError::NotFinite { place, what: what.into(), found: "NaN or infinite".into() }
+}
+
+fn placement(all: &[Placement], branch: usize) -> Placement {
+    let world = Placement { to_world: DAffine3::IDENTITY, is_visible: true, is_steady: true };
+    all.get(branch).copied().unwrap_or(world)
+}
+
+/// Brings a part to where it is. What is not seen is drawn together in one point: it keeps its ids.
+fn place(part: &Part, placement: Placement, scene: &mut Scene) -> Result<(), LoadError> {
+    let mut to_world = placement.to_world;
+    if !placement.is_visible {
+        to_world.matrix3 = DMat3::ZERO;
+    }
+    let vertices = scene.vertices.get_mut(part.vertices.clone()).unwrap_or_default();
+    vertices.iter_mut().for_each(|v| *v = to_world.transform_point3(*v));
+    if !vertices.iter().all(|v| v.is_finite()) {
+        return Err(not_finite(part.place.clone(), "a place in the world"));
+    }
+    let of_normals = cofactor(DMat4::from(to_world));
+    let normals = scene.normals.get_mut(part.normals.clone()).unwrap_or_default();
+    normals.iter_mut().for_each(|n| *n = (of_normals * *n).normalize_or_zero());
+    if normals.contains(&DVec3::ZERO) {
+        flatten(part, scene);
+    }
+    if !(part.spheres.is_empty() && part.cones.is_empty()) {
+        let scale = match to_world.matrix3 == DMat3::ZERO {
+            true => Some(0.0),
+            false => uniform_scale(&DMat4::from(to_world)),
+        };
+        let scale = scale.ok_or_else(|| LoadError::OutOfRange {
+            place: part.place.clone(),
+            what: "the scale of a sphere or cone".into(),
+            found: to_world.matrix3.to_string(),
+            expected: "the same in all directions".into(),
+        })?;
+        for sphere in scene.spheres.get_mut(part.spheres.clone()).unwrap_or_default() {
+            sphere.center = to_world.transform_point3(sphere.center);
+            sphere.radius *= scale;
+        }
+        for cone in scene.cones.get_mut(part.cones.clone()).unwrap_or_default() {
+            cone.base = to_world.transform_point3(cone.base);
+            cone.apex = to_world.transform_point3(cone.apex);
+            cone.base_radius *= scale;
+            cone.apex_radius *= scale;
+        }
+    }
+    let is_rigid = placement.is_steady && !part.is_soft && to_world.matrix3.determinant() != 0.0;
+    if is_rigid {
+        // loaders take at most 64 Mi primitives
+        let [first, count] = [part.primitives.start, part.primitives.len()].map(|n| n as u32);
+        let (object, placement) = (part.object, to_world);
+        scene.instances.push(Instance { object, first, count, placement });
+    }
+    Ok(())
+}
+
+/// Makes triangles of patches that lack a normal.
+fn flatten(part: &Part, scene: &mut Scene) {
+    for primitive in scene.primitives.get_mut(part.primitives.clone()).unwrap_or_default() {
+        let Shape::Patch { v, n } = primitive.shape else { continue };
+        let lacks = |&i: &u32| scene.normals.get(i as usize).is_none_or(|n| *n == DVec3::ZERO);
+        if n.iter().any(lacks) {
+            primitive.shape = Shape::Triangle { v };
+        }
+    }
+}
