@@ -6,6 +6,7 @@ use glam::DVec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
@@ -242,6 +243,13 @@ impl<S: Scalar> MixedSet<S> {
     pub(crate) fn motion(&self) -> &Motion<S> {
         &self.motion
     }
+
+    /// From now on bounds hold the way within segment `k` of `n` equal ones of the exposure. They are padded as
+    /// for all of it: tests round as if a primitive were where it is at time 0.
+    pub(crate) fn narrow_to(&mut self, k: usize, n: usize) {
+        let margin = S::EPSILON * self.magnitude * S::from_f64(PADDING_ULPS);
+        self.motion.narrow_to(k, n, margin);
+    }
 }
 
 /// Tests find primitives where they are at time 0; bounds hold their whole way.
@@ -264,7 +272,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Sphere => self.spheres[i].bounds(),
             PrimitiveKind::Cone => self.cones[i].bounds(),
         };
-        self.motion.swept(id, still)
+        self.motion.swept(id, still).expanded(self.motion.margin())
     }
 
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
@@ -276,7 +284,9 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Sphere => self.spheres[i].extent(direction),
             PrimitiveKind::Cone => self.cones[i].extent(direction),
         };
-        self.motion.swept_extent(id, still, direction)
+        let (low, high) = self.motion.swept_extent(id, still, direction);
+        let margin = self.motion.margin().to_f64() * direction.abs().element_sum();
+        (low - margin, high + margin)
     }
 
     fn farthest(&self, id: u32, from: DVec3) -> f64 {
@@ -289,7 +299,11 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Cone => self.cones[i].farthest(from),
         };
         // the distance is convex along the way: one of its ends is farthest
-        still(from).max(still(from - self.motion.way(id)))
+        let farthest = match self.motion.ways(id) {
+            Some([first, last]) => still(from - first).max(still(from - last)),
+            None => still(from),
+        };
+        farthest + self.motion.margin().to_f64()
     }
 
     fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
@@ -302,13 +316,15 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Sphere => self.spheres[i].hull(balls),
             PrimitiveKind::Cone => self.cones[i].hull(balls),
         }
-        let way = self.motion.way(id);
-        if way != DVec3::ZERO {
+        if let Some([from, to]) = self.motion.ways(id) {
             for still in first..balls.len() {
                 let ball = balls[still];
-                balls.push(Ball { center: ball.center + way, ..ball });
+                balls[still].center = ball.center + from;
+                balls.push(Ball { center: ball.center + to, ..ball });
             }
         }
+        let margin = self.motion.margin().to_f64();
+        balls[first..].iter_mut().for_each(|ball| ball.radius += margin);
     }
 
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
@@ -319,7 +335,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     }
 
     fn moves(&self, id: u32) -> bool {
-        self.motion.way(id) != DVec3::ZERO
+        self.motion.velocity(id).is_some()
     }
 
     fn kind(&self, id: u32) -> PrimitiveKind {

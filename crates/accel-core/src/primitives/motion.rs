@@ -12,11 +12,15 @@ pub(crate) struct Motion<S: Scalar> {
     velocities: Vec<[S; 3]>,
     /// They move from time 0 to this one.
     exposure: S,
+    /// The times of which bounds hold the way: all of them, or a segment's.
+    span: [S; 2],
+    /// By how much the bounds of a segment are larger.
+    margin: S,
 }
 
 impl<S: Scalar> Default for Motion<S> {
     fn default() -> Self {
-        Self { velocities: Vec::new(), exposure: S::ZERO }
+        Self { velocities: Vec::new(), exposure: S::ZERO, span: [S::ZERO; 2], margin: S::ZERO }
     }
 }
 
@@ -29,6 +33,42 @@ impl<S: Scalar> Motion<S> {
         }
         self.velocities[index] = Vec3::<S>::from_dvec3(velocity).to_array();
         self.exposure = S::from_f64(exposure);
+        self.span = [S::ZERO, self.exposure];
+    }
+
+    /// From now on bounds are those of segment `k` of `n` equal ones of the exposure, a little more of it on
+    /// both sides, and larger by `margin`.
+    pub fn narrow_to(&mut self, k: usize, n: usize, margin: S) {
+        let exposure = self.exposure.to_f64();
+        let rounding = 4.0 * S::EPSILON.to_f64();
+        let at = |part: f64| S::from_f64(exposure * part.clamp(0.0, 1.0));
+        self.span = [at(k as f64 / n as f64 - rounding), at((k + 1) as f64 / n as f64 + rounding)];
+        self.margin = margin;
+    }
+
+    /// Which of `n` equal segments of the exposure a moment is in.
+    #[inline(always)]
+    pub(crate) fn segment(&self, time: S, n: usize) -> usize {
+        // NaN and what is below 0 give 0
+        let part = time.to_f64() / self.exposure.to_f64() * n as f64;
+        (part as usize).min(n - 1)
+    }
+
+    /// The moment of a ray: what moves stands still before its exposure and after it.
+    #[inline(always)]
+    pub(crate) fn moment(&self, time: S) -> S {
+        if time > self.exposure {
+            self.exposure
+        } else if time > S::ZERO {
+            time
+        } else {
+            S::ZERO
+        }
+    }
+
+    /// By how much bounds are larger than the way.
+    pub(crate) fn margin(&self) -> S {
+        self.margin
     }
 
     /// Whether anything moves.
@@ -43,25 +83,28 @@ impl<S: Scalar> Motion<S> {
         (v != [S::ZERO; 3]).then(|| Vec3::<S>::from_array(v))
     }
 
-    /// From where a primitive starts to where it ends.
-    pub fn way(&self, id: u32) -> DVec3 {
-        self.velocity(id).map_or(DVec3::ZERO, |v| (v * self.exposure).to_dvec3())
+    /// From where a primitive is at time 0 to where it is first and last within bounds.
+    pub fn ways(&self, id: u32) -> Option<[DVec3; 2]> {
+        let velocity = self.velocity(id)?;
+        Some(self.span.map(|time| (velocity * time).to_dvec3()))
     }
 
     /// Bounds of the whole way, from those at time 0. Rounding is left to the padding of boxes.
     pub fn swept(&self, id: u32, still: Aabb<S>) -> Aabb<S> {
         let Some(velocity) = self.velocity(id) else { return still };
-        let way = velocity * self.exposure;
-        if !way.is_finite() {
-            return Aabb { min: way, max: way };
+        let [first, last] = self.span.map(|time| velocity * time);
+        if !last.is_finite() {
+            return Aabb { min: last, max: last };
         }
-        still.union(Aabb { min: still.min + way, max: still.max + way })
+        let at = |way| Aabb { min: still.min + way, max: still.max + way };
+        at(first).union(at(last))
     }
 
     /// Extent of the whole way along `direction`, from that at time 0.
     pub fn swept_extent(&self, id: u32, still: (f64, f64), direction: DVec3) -> (f64, f64) {
-        let along = self.way(id).dot(direction);
-        (still.0.min(still.0 + along), still.1.max(still.1 + along))
+        let Some(ways) = self.ways(id) else { return still };
+        let [first, last] = ways.map(|way| way.dot(direction));
+        (still.0 + first.min(last), still.1 + first.max(last))
     }
 
     /// Bytes of the velocities.

@@ -2,11 +2,11 @@
 //!
 //! Paper: R. Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984: each ray
 //! has a time, and primitives are where they are then. Structures see the bounds of the whole
-//! way, as in A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988, whose
-//! subdivision of time we leave out.
+//! way, or of a segment of it, as in A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988:
+//! see [`crate::structures::time_segments`].
 //!
 //! The motion is a translation at constant velocity, which serves every kind of primitive: the ray
-//! is moved the other way and meets the primitive at rest. It is a view of a [`MixedSet`] and not
+//! is moved the other way and meets the primitive at rest, in the shear that it has wherever it begins. It is a view of a [`MixedSet`] and not
 //! part of its tests, so that sets at rest pay nothing for it.
 
 use glam::DVec3;
@@ -14,7 +14,7 @@ use glam::DVec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
+use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind, Shear};
 
 /// A mixed set as rays with a time see it.
 #[derive(Debug)]
@@ -32,7 +32,8 @@ impl<S: Scalar> MixedSet<S> {
 }
 
 impl<S: Scalar> PrimSet<S> for InMotion<S> {
-    type RaySetup = <MixedSet<S> as PrimSet<S>>::RaySetup;
+    /// The shear, and the moment.
+    type RaySetup = (Shear<S>, S);
 
     #[inline(always)]
     fn len(&self) -> usize {
@@ -65,16 +66,23 @@ impl<S: Scalar> PrimSet<S> for InMotion<S> {
 
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup {
-        self.set.setup(ray)
+        (self.set.setup(ray), self.set.motion().moment(ray.time))
     }
 
     #[inline(always)]
-    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S> {
+    fn intersect(
+        &self,
+        id: u32,
+        ray: &Ray<S>,
+        (shear, moment): &Self::RaySetup,
+        t_max: S,
+    ) -> Option<S> {
         match self.set.motion().velocity(id) {
-            None => self.set.intersect(id, ray, setup, t_max),
+            None => self.set.intersect(id, ray, shear, t_max),
             Some(velocity) => {
-                let relative = Ray { origin: ray.origin - velocity * ray.time, ..*ray };
-                self.set.intersect(id, &relative, &self.set.setup(&relative), t_max)
+                let relative = Ray { origin: ray.origin - velocity * *moment, ..*ray };
+                let shear = shear.moved_to(relative.origin, self.set.magnitude());
+                self.set.intersect(id, &relative, &shear, t_max)
             }
         }
     }

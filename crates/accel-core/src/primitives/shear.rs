@@ -3,7 +3,7 @@
 //! Paper: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
 /// The ray's shear to the axis it runs along most.
 #[derive(Debug, Clone, Copy)]
@@ -74,8 +74,17 @@ impl<S: Scalar> Shear<S> {
             origin,
             shear: [dx * inv, dy * inv, inv],
             fine: S::from_i32(4) * magnitude,
-            near: S::from_i32(20) * S::EPSILON * (magnitude + origin[2].abs()),
+            near: near(magnitude, origin[2]),
         }
+    }
+
+    /// The shear of the same ray from another origin, to the bit that of [`Shear::of`] with the same
+    /// `magnitude`: all else depends on the direction alone.
+    #[inline(always)]
+    pub(crate) fn moved_to(&self, origin: Vec3<S>, magnitude: S) -> Self {
+        // SAFETY: `axes` is only ever set by `of`
+        let origin = unsafe { along(&origin.to_array(), self.axes) };
+        Self { origin, near: near(magnitude, origin[2]), ..*self }
     }
 
     /// What the third coordinate of a sheared vertex is scaled by.
@@ -92,6 +101,12 @@ impl<S: Scalar> Shear<S> {
         let [x, y, z] = [x - self.origin[0], y - self.origin[1], z - self.origin[2]];
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
+}
+
+/// [`Shear::near`] for a ray that begins at this depth.
+#[inline(always)]
+fn near<S: Scalar>(magnitude: S, depth: S) -> S {
+    S::from_i32(20) * S::EPSILON * (magnitude + depth.abs())
 }
 
 /// Coordinates by axis, in that order.

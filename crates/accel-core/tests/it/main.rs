@@ -18,4 +18,5 @@ mod obvhs_direct;
 mod octree_and_kd_tree;
 mod planes_of_cells;
 mod threads;
+mod time_segments;
 mod volumes;

@@ -6,6 +6,7 @@ mod foreign;
 mod in_motion;
 pub(crate) mod nearby;
 pub(crate) mod tested;
+mod timing;
 
 pub use bound::Bound;
 pub use foreign::{Foreign, Origin};
