@@ -10,10 +10,13 @@ use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
+use crate::primitives::precise;
 use crate::primitives::shear::Shear;
 use crate::primitives::sphere::{Rearranged, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
+use crate::primitives::tagged::{INDEX_BITS, Tagged};
 use crate::primitives::triangle::{TriangleTest, Watertight};
+use crate::primitives::watertight;
 use crate::primitives::{
     Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet,
 };
@@ -26,31 +29,6 @@ pub(crate) enum ShapeRef<'a, S: Scalar> {
     Sphere(&'a Sphere<S>),
     /// Any other.
     Other,
-}
-
-/// The kind in the upper two bits, the index within the kind below.
-#[derive(Debug, Clone, Copy)]
-struct Tagged(u32);
-
-const INDEX_BITS: u32 = 30;
-
-impl Tagged {
-    fn new(kind: PrimitiveKind, index: usize) -> Self {
-        Self((kind as u32) << INDEX_BITS | index as u32)
-    }
-    #[inline(always)]
-    fn kind(self) -> PrimitiveKind {
-        match self.0 >> INDEX_BITS {
-            0 => PrimitiveKind::Triangle,
-            1 => PrimitiveKind::Polygon,
-            2 => PrimitiveKind::Sphere,
-            _ => PrimitiveKind::Cone,
-        }
-    }
-    #[inline(always)]
-    fn index(self) -> usize {
-        (self.0 & ((1 << INDEX_BITS) - 1)) as usize
-    }
 }
 
 /// Primitives of any kind. Built by [`MixedSetBuilder`].
@@ -184,6 +162,9 @@ impl<S: Scalar> MixedSetBuilder<S> {
 
     /// The finished set.
     pub fn finish(mut self) -> MixedSet<S> {
+        if self.set.has_motion() {
+            self.set.motion.hold(self.set.len());
+        }
         if !self.set.is_empty() {
             self.set.magnitude = self.set.scene_bounds().magnitude();
         }
@@ -237,6 +218,38 @@ impl<S: Scalar> MixedSet<S> {
             }
             PrimitiveKind::Sphere => Q::intersect(&self.spheres[i], ray, t_max),
             PrimitiveKind::Cone => self.cones[i].intersect(ray, t_max),
+        }
+    }
+
+    /// The parameter of the hit of primitive `id` where it is at `moment`; `shear` is that of the ray. At rest, or
+    /// at time 0, it is that of the primitive as it stands, to the bit.
+    #[inline(always)]
+    pub(crate) fn intersect_moved(
+        &self,
+        id: u32,
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        moment: S,
+        t_max: S,
+    ) -> Option<S> {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        let velocity = self.motion.velocity_or_zero(id);
+        // each kind computes no more of it than its test needs, and what is rare anew: nothing is kept in memory
+        let relative = || ray.moved_back(velocity, moment);
+        let shear = || shear.moved_back(velocity, moment, self.magnitude);
+        match tagged.kind() {
+            PrimitiveKind::Triangle => {
+                let triangle = &self.triangles[i];
+                watertight::intersect_in(triangle, &shear(), ray.t_min, t_max, || {
+                    precise::intersect(triangle, &relative(), &shear(), t_max)
+                })
+            }
+            PrimitiveKind::Polygon => {
+                self.polygons[i].intersect(&self.polygon_vertices, &relative(), &shear(), t_max)
+            }
+            PrimitiveKind::Sphere => self.spheres[i].intersect(&relative(), t_max),
+            PrimitiveKind::Cone => self.cones[i].intersect(&relative(), t_max),
         }
     }
 
@@ -330,6 +343,13 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         match self.shape(id) {
             ShapeRef::Triangle(v) if !self.moves(id) => Some(v.map(Vec3::<S>::from_array)),
+            _ => None,
+        }
+    }
+
+    fn corners_in_block(&self, id: u32) -> Option<[Vec3<S>; 3]> {
+        match self.shape(id) {
+            ShapeRef::Triangle(v) if self.has_motion() => Some(v.map(Vec3::<S>::from_array)),
             _ => None,
         }
     }

@@ -8,7 +8,10 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 /// How the primitives of a set move.
 #[derive(Debug, Clone)]
 pub(crate) struct Motion<S: Scalar> {
-    /// World units a unit of time, by id; those beyond the end are at rest.
+    /// Which velocity, by id; those beyond the end are at rest.
+    which: Vec<u32>,
+    /// World units a unit of time; the first is zero. What belongs together has one, so that blocks of it are
+    /// known by their numbers.
     velocities: Vec<[S; 3]>,
     /// They move from time 0 to this one.
     exposure: S,
@@ -20,20 +23,33 @@ pub(crate) struct Motion<S: Scalar> {
 
 impl<S: Scalar> Default for Motion<S> {
     fn default() -> Self {
-        Self { velocities: Vec::new(), exposure: S::ZERO, span: [S::ZERO; 2], margin: S::ZERO }
+        let (which, zero) = (Vec::new(), S::ZERO);
+        Self { which, velocities: vec![[zero; 3]], exposure: zero, span: [zero; 2], margin: zero }
     }
 }
 
 impl<S: Scalar> Motion<S> {
     /// Lets a primitive move.
     pub fn set(&mut self, id: u32, velocity: DVec3, exposure: f64) {
-        let index = id as usize;
-        if self.velocities.len() <= index {
-            self.velocities.resize(index + 1, [S::ZERO; 3]);
-        }
-        self.velocities[index] = Vec3::<S>::from_dvec3(velocity).to_array();
+        let velocity = Vec3::<S>::from_dvec3(velocity).to_array();
+        let number = match velocity == [S::ZERO; 3] {
+            true => 0,
+            false => {
+                if self.velocities.len() == 1 || self.velocities.last() != Some(&velocity) {
+                    self.velocities.push(velocity);
+                }
+                self.velocities.len() as u32 - 1
+            }
+        };
+        self.hold(id as usize + 1);
+        self.which[id as usize] = number;
         self.exposure = S::from_f64(exposure);
         self.span = [S::ZERO, self.exposure];
+    }
+
+    /// Has a number for each of so many primitives, and maybe more.
+    pub fn hold(&mut self, primitives: usize) {
+        self.which.resize(primitives.max(self.which.len()), 0);
     }
 
     /// From now on bounds are those of segment `k` of `n` equal ones of the exposure, a little more of it on
@@ -73,14 +89,33 @@ impl<S: Scalar> Motion<S> {
 
     /// Whether anything moves.
     pub fn any(&self) -> bool {
-        !self.velocities.is_empty()
+        !self.which.is_empty()
+    }
+
+    /// Its velocity, zero if it is at rest.
+    #[inline(always)]
+    pub(crate) fn velocity_or_zero(&self, id: u32) -> &[S; 3] {
+        let number = self.which.get(id as usize).map_or(0, |&number| number);
+        &self.velocities[number as usize]
+    }
+
+    /// The velocities of a block's triangles; one where it is that of all. Lanes without a triangle do as the first.
+    #[inline(always)]
+    pub(crate) fn of_lanes<const N: usize>(&self, ids: [u32; N]) -> Lanes<'_, S, N> {
+        let which = |id: u32| self.which.get(id as usize).copied();
+        let first = which(ids[0]).unwrap_or(0);
+        let numbers = ids.map(|id| which(id).unwrap_or(first));
+        match numbers.iter().all(|&number| number == first) {
+            true => Lanes::One(&self.velocities[first as usize]),
+            false => Lanes::Each(numbers.map(|number| &self.velocities[number as usize])),
+        }
     }
 
     /// Its velocity, if it moves.
     #[inline(always)]
     pub(crate) fn velocity(&self, id: u32) -> Option<Vec3<S>> {
-        let v = *self.velocities.get(id as usize)?;
-        (v != [S::ZERO; 3]).then(|| Vec3::<S>::from_array(v))
+        let number = *self.which.get(id as usize)? as usize;
+        (number != 0).then(|| Vec3::<S>::from_array(self.velocities[number]))
     }
 
     /// From where a primitive is at time 0 to where it is first and last within bounds.
@@ -109,6 +144,14 @@ impl<S: Scalar> Motion<S> {
 
     /// Bytes of the velocities.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.velocities.as_slice())
+        size_of_val(self.which.as_slice()) + size_of_val(self.velocities.as_slice())
     }
+}
+
+/// Velocities of lanes.
+pub(crate) enum Lanes<'a, S, const N: usize> {
+    /// Of all.
+    One(&'a [S; 3]),
+    /// Of each.
+    Each([&'a [S; 3]; N]),
 }

@@ -3,7 +3,7 @@
 //! Paper: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::{Scalar, Vector};
 
 /// The ray's shear to the axis it runs along most.
 #[derive(Debug, Clone, Copy)]
@@ -78,12 +78,13 @@ impl<S: Scalar> Shear<S> {
         }
     }
 
-    /// The shear of the same ray from another origin, to the bit that of [`Shear::of`] with the same
-    /// `magnitude`: all else depends on the direction alone.
+    /// The shear of the same ray from an origin moved back along a way of this velocity, to the bit that of
+    /// [`Shear::of`] with the same `magnitude`: all else depends on the direction alone.
     #[inline(always)]
-    pub(crate) fn moved_to(&self, origin: Vec3<S>, magnitude: S) -> Self {
+    pub(crate) fn moved_back(&self, velocity: &[S; 3], time: S, magnitude: S) -> Self {
         // SAFETY: `axes` is only ever set by `of`
-        let origin = unsafe { along(&origin.to_array(), self.axes) };
+        let velocity = unsafe { along(velocity, self.axes) };
+        let origin = std::array::from_fn(|k| self.origin[k] - velocity[k] * time);
         Self { origin, near: near(magnitude, origin[2]), ..*self }
     }
 

@@ -9,7 +9,9 @@ use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet};
 use crate::query::cells::{CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink};
+use crate::query::tracer::tested::{asks_for_blocks, blocks_of};
 use crate::structure::{BuildError, Shape, Structure};
 
 /// The setting, which every structure has.
@@ -21,10 +23,16 @@ pub const PARAM: ParamSpec = ParamSpec {
     kind: ParamKind::Integer { min: 1, max: 8 },
 };
 
+/// A structure, with its lists as blocks where that is asked for.
+struct Segment<S, T> {
+    structure: T,
+    blocks: Option<ListBlocks<S>>,
+}
+
 /// The structures of all segments.
 pub struct TimeSegments<'a, S: Scalar, T> {
     set: &'a MixedSet<S>,
-    structures: Vec<T>,
+    segments: Vec<Segment<S, T>>,
 }
 
 impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
@@ -33,49 +41,65 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     /// # Errors
     /// [`BuildError`] of the first that cannot be built.
     pub fn build(set: &'a MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
-        let segments = params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize);
-        if segments == 1 {
-            return Ok(Self { set, structures: vec![T::build(set, params)?] });
+        let has_blocks = asks_for_blocks(params);
+        let segment = |part: &MixedSet<S>| {
+            let structure = T::build(part, params)?;
+            let blocks = if has_blocks { blocks_of(part, &structure, params)? } else { None };
+            Ok(Segment { structure, blocks })
+        };
+        let n = params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize);
+        if n == 1 {
+            return Ok(Self { set, segments: vec![segment(set)?] });
         }
         // a copy of the set, whose bounds are those of a segment while its structure is built
         params.fits(set.bytes() as u128)?;
         let mut part = set.clone();
-        let mut build = |k| {
-            part.narrow_to(k, segments);
-            T::build(&part, params)
+        let mut narrowed = |k| {
+            part.narrow_to(k, n);
+            segment(&part)
         };
-        Ok(Self { set, structures: (0..segments).map(&mut build).collect::<Result<_, _>>()? })
+        Ok(Self { set, segments: (0..n).map(&mut narrowed).collect::<Result<_, BuildError>>()? })
     }
 
     #[inline(always)]
-    fn at(&self, ray: &Ray<S>) -> &T {
-        match &self.structures[..] {
+    fn at(&self, ray: &Ray<S>) -> &Segment<S, T> {
+        match &self.segments[..] {
             [all] => all,
             several => &several[self.set.motion().segment(ray.time, several.len())],
         }
     }
 
+    /// The blocks of the lists that a ray may meet.
+    #[inline(always)]
+    pub(crate) fn blocks(&self, ray: &Ray<S>) -> Option<&ListBlocks<S>> {
+        if T::HAS_LISTS { self.at(ray).blocks.as_ref() } else { None }
+    }
+
     /// The walk of all passes that count.
     #[inline(never)]
     pub(crate) fn counted_walk(&self, ray: &Ray<S>, mut sink: ErasedSink<'_, S>) {
-        self.at(ray).walk(ray, &mut sink);
+        self.at(ray).structure.walk(ray, &mut sink);
     }
 
     /// The walk of all passes that are timed.
     #[inline(never)]
     pub(crate) fn timed_walk(&self, ray: &Ray<S>, mut sink: RelayedSink<'_, S>) {
-        self.at(ray).walk(ray, &mut sink);
+        self.at(ray).structure.walk(ray, &mut sink);
     }
 
     /// The sum of all; the resolution is that of the first.
     pub(crate) fn shape(&self) -> Shape {
-        let shapes = self.structures.iter().map(Structure::shape);
+        let shapes = self.segments.iter().map(|segment| {
+            let shape = segment.structure.shape();
+            let blocks = segment.blocks.as_ref().map_or(0, ListBlocks::bytes);
+            Shape { bytes: shape.bytes + blocks, ..shape }
+        });
         shapes.reduce(with).unwrap_or_default()
     }
 
     /// The cells of each segment, one after the other.
     pub(crate) fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        self.structures.iter().try_for_each(|structure| structure.cells(each))
+        self.segments.iter().try_for_each(|segment| segment.structure.cells(each))
     }
 }
 

@@ -288,9 +288,10 @@ impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
             Over::Triangles(set) => self.triangle(&set.triangles()[id as usize], ray, setup, t_max),
             Over::Mixed(set) => match set.motion().velocity(id) {
                 None => self.of_shape(set, id, ray, setup, t_max),
-                Some(velocity) => {
-                    let moment = set.motion().moment(ray.time);
-                    let relative = Ray { origin: ray.origin - velocity * moment, ..*ray };
+                Some(_) => {
+                    let motion = set.motion();
+                    let moment = motion.moment(ray.time);
+                    let relative = ray.moved_back(motion.velocity_or_zero(id), moment);
                     self.of_shape(set, id, &relative, &self.setup(&relative), t_max)
                 }
             },

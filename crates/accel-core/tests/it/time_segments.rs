@@ -17,18 +17,18 @@ use crate::common::{Random, rays_for};
 const SEGMENTS: [usize; 4] = [1, 2, 3, 8];
 
 /// Primitives of all kinds within the unit cube at the end of the exposure, most of which come from as far away
-/// as `from`.
-fn scene<S: Scalar>(from: DVec3, exposure: f64, seed: u64) -> MixedSet<S> {
+/// as `from`; or triangles alone, which structures keep in blocks.
+fn scene<S: Scalar>(kinds: u32, from: DVec3, exposure: f64, seed: u64) -> MixedSet<S> {
     let mut r = Random::new(seed);
     let mut set = MixedSetBuilder::<S>::default();
     for i in 0..160 {
         let velocity = from * r.signed() / exposure;
         let is_moving = i % 4 != 0;
         let p = r.point() - if is_moving { velocity * exposure } else { DVec3::ZERO };
-        match i % 5 {
-            0 => set.sphere(p, 0.02 + 0.08 * r.unit()),
-            1 => set.cone(Cone::new(p, 0.05, p + r.signed() * 0.2, 0.03)),
-            2 => {
+        match i % kinds {
+            1 => set.sphere(p, 0.02 + 0.08 * r.unit()),
+            2 => set.cone(Cone::new(p, 0.05, p + r.signed() * 0.2, 0.03)),
+            3 => {
                 let corner = |x: f64, y: f64| p + dvec3(x, y, 0.0) * 0.2;
                 set.polygon(&[corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 1.)])
             }
@@ -47,7 +47,7 @@ fn scene<S: Scalar>(from: DVec3, exposure: f64, seed: u64) -> MixedSet<S> {
 fn rays<S: Buildable>(exposure: f64, seed: u64) -> Vec<Ray<S>> {
     let mut r = Random::new(seed);
     let all = rays_for::<S>((DVec3::ZERO, DVec3::ONE), &mut r);
-    let mut rays: Vec<_> = all.into_iter().step_by(7).collect();
+    let mut rays: Vec<_> = all.into_iter().step_by(11).collect();
     for (i, ray) in rays.iter_mut().enumerate() {
         let boundary = r.one_of(&[0., 1. / 8., 1. / 3., 3. / 8., 1. / 2., 2. / 3., 7. / 8., 1.]);
         let next = 1.0 + S::EPSILON.to_f64() * r.one_of(&[-2.0, -0.5, 0.0, 1.0, 3.0]);
@@ -64,10 +64,14 @@ fn rays<S: Buildable>(exposure: f64, seed: u64) -> Vec<Ray<S>> {
 
 fn agree<S: Buildable>() {
     let mut hits = 0;
-    for (name, from, exposure) in
-        [("near", DVec3::splat(0.5), 1.0), ("far", dvec3(700.0, 20.0, 3.0), 0.3)]
-    {
-        let set = scene::<S>(from, exposure, 31);
+    let far = dvec3(700.0, 20.0, 3.0);
+    for (name, kinds, from, exposure) in [
+        ("near", 5, DVec3::splat(0.5), 1.0),
+        ("triangles", 1, DVec3::splat(0.5), 1.0),
+        ("far", 5, far, 0.3),
+        ("far triangles", 1, far, 0.3),
+    ] {
+        let set = scene::<S>(kinds, from, exposure, 31);
         let rays = rays::<S>(exposure, 32);
         let expected = Answers::expected(PrimsRef::Mixed(&set), &rays);
         hits += expected.hits.iter().filter(|hit| hit.is_hit()).count();
@@ -78,7 +82,7 @@ fn agree<S: Buildable>() {
             assert!(wrong.is_empty(), "{} mismatches, first ones:\n{shown:#?}", wrong.len());
         }
     }
-    assert!(hits > 1000, "the rays hit next to nothing: {hits}");
+    assert!(hits > 800, "the rays hit next to nothing: {hits}");
 }
 
 #[test]
@@ -149,7 +153,7 @@ fn memory_is_the_sum_of_segments_and_a_scene_at_rest_has_one() {
         assert_eq!(cells, shape.cells + shape.inner_cells);
         shape
     };
-    let moving = scene::<f32>(DVec3::splat(0.5), 1.0, 4);
+    let moving = scene::<f32>(5, DVec3::splat(0.5), 1.0, 4);
     assert!(built(&moving, "4").bytes > built(&moving, "1").bytes * 2);
     let mut still = MixedSetBuilder::<f32>::default();
     still.sphere(DVec3::ZERO, 1.0).unwrap();

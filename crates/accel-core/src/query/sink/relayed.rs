@@ -4,6 +4,7 @@
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
+use crate::primitives::TriangleBlock;
 use crate::query::sink::Sink;
 
 /// A sink behind one dynamic call a list. It counts no steps, and where the query ends stands here, so that a
@@ -25,13 +26,33 @@ impl<'a, S: Scalar> RelayedSink<'a, S> {
 /// [`Sink::test`] as an object has it: where the query ends after it, or `None` if it is over.
 trait Tests<S: Scalar> {
     fn tested(&mut self, ids: &[u32]) -> Option<S>;
+    fn tested_block(&mut self, block: &TriangleBlock<S>) -> Option<S>;
+    fn tested_blocks(&mut self, blocks: &[TriangleBlock<S>]) -> Option<S>;
 }
 
 impl<S: Scalar, K: Sink<S>> Tests<S> for K {
     fn tested(&mut self, ids: &[u32]) -> Option<S> {
-        match self.test(ids) {
-            ControlFlow::Continue(()) => Some(self.t_max()),
-            ControlFlow::Break(()) => None,
+        self.test(ids).is_continue().then(|| self.t_max())
+    }
+
+    fn tested_block(&mut self, block: &TriangleBlock<S>) -> Option<S> {
+        self.test_block(block).is_continue().then(|| self.t_max())
+    }
+
+    fn tested_blocks(&mut self, blocks: &[TriangleBlock<S>]) -> Option<S> {
+        self.test_blocks(blocks).is_continue().then(|| self.t_max())
+    }
+}
+
+impl<S: Scalar> RelayedSink<'_, S> {
+    #[inline(always)]
+    fn goes_on_to(&mut self, t_max: Option<S>) -> ControlFlow<()> {
+        match t_max {
+            Some(t_max) => {
+                self.t_max = t_max;
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
         }
     }
 }
@@ -51,13 +72,20 @@ impl<S: Scalar> Sink<S> for RelayedSink<'_, S> {
 
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
-        match self.query.tested(ids) {
-            Some(t_max) => {
-                self.t_max = t_max;
-                ControlFlow::Continue(())
-            }
-            None => ControlFlow::Break(()),
-        }
+        let t_max = self.query.tested(ids);
+        self.goes_on_to(t_max)
+    }
+
+    #[inline(always)]
+    fn test_block(&mut self, block: &TriangleBlock<S>) -> ControlFlow<()> {
+        let t_max = self.query.tested_block(block);
+        self.goes_on_to(t_max)
+    }
+
+    #[inline(always)]
+    fn test_blocks(&mut self, blocks: &[TriangleBlock<S>]) -> ControlFlow<()> {
+        let t_max = self.query.tested_blocks(blocks);
+        self.goes_on_to(t_max)
     }
 
     #[inline(always)]

@@ -46,7 +46,8 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>>
 
     fn timing<R>(&self, pass: impl FnOnce(Timing<'_, S, P>) -> R) -> R {
         let walk = |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_walk(ray, sink);
-        pass(Timing { prims: &*self.prims, reach: self.reach, walk: &walk })
+        let blocks = |ray: &Ray<S>| self.segments.blocks(ray);
+        pass(Timing { prims: &*self.prims, reach: self.reach, walk: &walk, blocks: &blocks })
     }
 
     fn has_no_mailbox(&self) -> bool {

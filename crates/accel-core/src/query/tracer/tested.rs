@@ -3,9 +3,10 @@
 
 use super::{Bound, Tracer};
 use crate::geometry::scalar::Scalar;
+use crate::memory::OutOfMemory;
 use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
-use crate::query::kernel;
+use crate::query::kernel::{self, ListBlocks};
 use crate::query::mailbox::{self, Setting};
 use crate::structure::{BuildError, Structure, refuse_unusable};
 
@@ -18,8 +19,27 @@ pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structur
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let mailbox = mailbox_of::<S, B>(over, params)?;
     let bound = Bound::new(prims, T::build(over, params)?).with_mailbox(mailbox);
-    let has_blocks = params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params);
-    Ok(Box::new(if has_blocks { bound.with_blocks(over, params)? } else { bound }))
+    Ok(Box::new(if asks_for_blocks(params) { bound.with_blocks(over, params)? } else { bound }))
+}
+
+/// Whether the settings ask for lists as blocks.
+pub(crate) fn asks_for_blocks(params: &Params) -> bool {
+    params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params)
+}
+
+/// The lists of the structure as blocks, where it has lists and blocks serve the set that it was built over.
+pub(crate) fn blocks_of<S: Scalar, B: PrimSet<S>, T: Structure<S>>(
+    over: &B,
+    structure: &T,
+    params: &Params,
+) -> Result<Option<ListBlocks<S>>, OutOfMemory> {
+    if !T::HAS_LISTS {
+        return Ok(None);
+    }
+    let mut lists = Vec::new();
+    structure.lists(&mut |list| lists.push(list));
+    params.fits(ListBlocks::<S>::bytes_for(&lists))?;
+    Ok(ListBlocks::of(over, &lists))
 }
 
 fn asks_for_mailbox(params: &Params) -> bool {

@@ -6,8 +6,9 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::NoCounters;
+use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::MailboxSource;
-use crate::query::sink::{AnyHit, ClosestHit, RelayedSink};
+use crate::query::sink::{AnyHit, ClosestHit, RelayedSink, Sink};
 
 /// A structure's walk with the primitives it was built over.
 pub(super) struct Timing<'a, S: Scalar, P> {
@@ -17,6 +18,8 @@ pub(super) struct Timing<'a, S: Scalar, P> {
     pub reach: S,
     /// The structure's walk.
     pub walk: &'a dyn Fn(&Ray<S>, RelayedSink<'_, S>),
+    /// The blocks of its lists, where it has some.
+    pub blocks: &'a dyn Fn(&Ray<S>) -> Option<&'a ListBlocks<S>>,
 }
 
 impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
@@ -28,10 +31,8 @@ impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
         mailboxes: B,
     ) {
         closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
-            let mut sink =
-                ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-            (self.walk)(ray, RelayedSink::new(&mut sink));
-            sink.finish().0
+            let query = ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
+            self.walked(ray, query).finish().0
         });
     }
 
@@ -45,11 +46,25 @@ impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
         for (ray, blocked) in rays.iter().zip(blocked) {
             *blocked = near(self.reach, ray, false, |ray, _| {
                 let mailbox = mailboxes.next_ray();
-                let mut sink =
-                    AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-                (self.walk)(ray, RelayedSink::new(&mut sink));
-                sink.finish().0
+                let query = AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
+                self.walked(ray, query).finish().0
             });
+        }
+    }
+
+    /// The query after the walk.
+    #[inline(always)]
+    fn walked<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
+        match (self.blocks)(ray) {
+            Some(blocks) => {
+                let mut query = BlockSink::new(blocks, query);
+                (self.walk)(ray, RelayedSink::new(&mut query));
+                query.into_query()
+            }
+            None => {
+                (self.walk)(ray, RelayedSink::new(&mut query));
+                query
+            }
         }
     }
 }
