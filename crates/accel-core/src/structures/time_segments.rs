@@ -29,6 +29,23 @@ struct Segment<S, T> {
     blocks: Option<ListBlocks<S>>,
 }
 
+impl<S: Scalar, T: Structure<S>> Segment<S, T> {
+    fn build(part: &MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
+        let structure = T::build(part, params)?;
+        let blocks = match asks_for_blocks(params) {
+            true => blocks_of(part, &structure, params)?,
+            false => None,
+        };
+        Ok(Self { structure, blocks })
+    }
+
+    fn shape(&self) -> Shape {
+        let shape = self.structure.shape();
+        let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
+        Shape { bytes: shape.bytes + blocks, ..shape }
+    }
+}
+
 /// The structures of all segments.
 pub struct TimeSegments<'a, S: Scalar, T> {
     set: &'a MixedSet<S>,
@@ -41,22 +58,18 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     /// # Errors
     /// [`BuildError`] of the first that cannot be built.
     pub fn build(set: &'a MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
-        let has_blocks = asks_for_blocks(params);
-        let segment = |part: &MixedSet<S>| {
-            let structure = T::build(part, params)?;
-            let blocks = if has_blocks { blocks_of(part, &structure, params)? } else { None };
-            Ok(Segment { structure, blocks })
-        };
         let n = params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize);
         if n == 1 {
-            return Ok(Self { set, segments: vec![segment(set)?] });
+            return Ok(Self { set, segments: vec![Segment::build(set, params)?] });
         }
         // a copy of the set, whose bounds are those of a segment while its structure is built
         params.fits(set.bytes() as u128)?;
-        let mut part = set.clone();
+        let (mut part, mut left) = (set.clone(), params.clone());
         let mut narrowed = |k| {
             part.narrow_to(k, n);
-            segment(&part)
+            let segment = Segment::<S, T>::build(&part, &left)?;
+            left = left.clone().within(left.memory().beside(segment.shape().bytes));
+            Ok(segment)
         };
         Ok(Self { set, segments: (0..n).map(&mut narrowed).collect::<Result<_, BuildError>>()? })
     }
@@ -89,11 +102,7 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
 
     /// The sum of all; the resolution is that of the first.
     pub(crate) fn shape(&self) -> Shape {
-        let shapes = self.segments.iter().map(|segment| {
-            let shape = segment.structure.shape();
-            let blocks = segment.blocks.as_ref().map_or(0, ListBlocks::bytes);
-            Shape { bytes: shape.bytes + blocks, ..shape }
-        });
+        let shapes = self.segments.iter().map(Segment::shape);
         shapes.reduce(with).unwrap_or_default()
     }
 
