@@ -11,7 +11,7 @@ use crate::primitives::{MixedSet, PrimSet};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink};
-use crate::query::tracer::tested::{asks_for_blocks, blocks_of};
+use crate::query::tracer::tested::asks_for_blocks;
 use crate::structure::{BuildError, Shape, Structure};
 
 /// The setting, which every structure has.
@@ -33,7 +33,7 @@ impl<S: Scalar, T: Structure<S>> Segment<S, T> {
     fn build(part: &MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
         let structure = T::build(part, params)?;
         let blocks = match asks_for_blocks(params) {
-            true => blocks_of(part, &structure, params)?,
+            true => ListBlocks::of_structure(part, &structure, params)?,
             false => None,
         };
         Ok(Self { structure, blocks })

@@ -5,7 +5,6 @@ use std::ops::Deref;
 
 use super::counting::Counting;
 use super::nearby::{closest, near};
-use super::tested::blocks_of;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
@@ -55,7 +54,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         params: &Params,
     ) -> Result<Self, OutOfMemory> {
         if P::HAS_BLOCKS {
-            self.blocks = blocks_of(over, &self.structure, params)?;
+            self.blocks = ListBlocks::of_structure(over, &self.structure, params)?;
         }
         Ok(self)
     }

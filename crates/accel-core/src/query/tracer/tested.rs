@@ -3,10 +3,9 @@
 
 use super::{Bound, Tracer};
 use crate::geometry::scalar::Scalar;
-use crate::memory::OutOfMemory;
 use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
-use crate::query::kernel::{self, ListBlocks};
+use crate::query::kernel;
 use crate::query::mailbox::{self, Setting};
 use crate::structure::{BuildError, Structure, refuse_unusable};
 
@@ -25,21 +24,6 @@ pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structur
 /// Whether the settings ask for lists as blocks.
 pub(crate) fn asks_for_blocks(params: &Params) -> bool {
     params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params)
-}
-
-/// The lists of the structure as blocks, where it has lists and blocks serve the set that it was built over.
-pub(crate) fn blocks_of<S: Scalar, B: PrimSet<S>, T: Structure<S>>(
-    over: &B,
-    structure: &T,
-    params: &Params,
-) -> Result<Option<ListBlocks<S>>, OutOfMemory> {
-    if !T::HAS_LISTS {
-        return Ok(None);
-    }
-    let mut lists = Vec::new();
-    structure.lists(&mut |list| lists.push(list));
-    params.fits(ListBlocks::<S>::bytes_for(&lists))?;
-    Ok(ListBlocks::of(over, &lists))
 }
 
 fn asks_for_mailbox(params: &Params) -> bool {
