@@ -12,7 +12,7 @@ use accel_core::params::{ParamSpec, Params};
 use accel_core::primitives::PrimsRef;
 use accel_core::query::tracer::{Before, Origin, Tracer};
 use accel_core::structure::{BuildError, StructureInfo, no_defect};
-use accel_core::structures::Entry;
+use accel_core::structures::{COMMON, Entry};
 use accel_core::variants::chosen_tests;
 
 use crate::description::{Description, leak};
@@ -76,7 +76,7 @@ pub fn entry(
     let name = leak(name);
     let specs: &'static [ParamSpec] = Vec::leak(specs);
     for spec in specs {
-        if specs.iter().chain(chosen_tests::PARAMS).filter(|s| s.name == spec.name).count() > 1 {
+        if specs.iter().chain(COMMON).filter(|s| s.name == spec.name).count() > 1 {
             return Err(invalid(&format_args!("there are two settings '{}'", spec.name)));
         }
         Params::new(name, specs, [(spec.name, spec.default)]).map_err(|e| invalid(&e))?;
@@ -133,7 +133,7 @@ fn built<'a>(
             "plugins serve scenes of triangles at rest; scenes named ...-tess are tessellated",
         ));
     };
-    if params.changed().any(|(name, _)| chosen_tests::PARAMS.iter().any(|p| p.name == name)) {
+    if chosen_tests::Choice::of(params).is_some() {
         return Err(refused("plugins serve no triangle-test and no sphere-test of ours"));
     }
     let settings = plugin.description.settings.iter();

@@ -35,6 +35,12 @@ impl<S: Scalar> Ray<S> {
         self.origin + self.direction * t
     }
 
+    /// The same ray as what moves with this velocity sees it after `time`.
+    #[inline(always)]
+    pub(crate) fn moved_back(&self, velocity: &[S; 3], time: S) -> Self {
+        Self { origin: self.origin - Vec3::<S>::from_array(*velocity) * time, ..*self }
+    }
+
     /// The power of two that brings the largest component of the direction into [1, 2).
     #[inline(always)]
     pub(crate) fn unit_factor(&self) -> S {

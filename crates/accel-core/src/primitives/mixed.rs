@@ -6,13 +6,17 @@ use glam::DVec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
+use crate::primitives::precise;
 use crate::primitives::shear::Shear;
 use crate::primitives::sphere::{Rearranged, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
+use crate::primitives::tagged::{INDEX_BITS, Tagged};
 use crate::primitives::triangle::{TriangleTest, Watertight};
+use crate::primitives::watertight;
 use crate::primitives::{
     Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet,
 };
@@ -25,31 +29,6 @@ pub(crate) enum ShapeRef<'a, S: Scalar> {
     Sphere(&'a Sphere<S>),
     /// Any other.
     Other,
-}
-
-/// The kind in the upper two bits, the index within the kind below.
-#[derive(Debug, Clone, Copy)]
-struct Tagged(u32);
-
-const INDEX_BITS: u32 = 30;
-
-impl Tagged {
-    fn new(kind: PrimitiveKind, index: usize) -> Self {
-        Self((kind as u32) << INDEX_BITS | index as u32)
-    }
-    #[inline(always)]
-    fn kind(self) -> PrimitiveKind {
-        match self.0 >> INDEX_BITS {
-            0 => PrimitiveKind::Triangle,
-            1 => PrimitiveKind::Polygon,
-            2 => PrimitiveKind::Sphere,
-            _ => PrimitiveKind::Cone,
-        }
-    }
-    #[inline(always)]
-    fn index(self) -> usize {
-        (self.0 & ((1 << INDEX_BITS) - 1)) as usize
-    }
 }
 
 /// Primitives of any kind. Built by [`MixedSetBuilder`].
@@ -183,6 +162,9 @@ impl<S: Scalar> MixedSetBuilder<S> {
 
     /// The finished set.
     pub fn finish(mut self) -> MixedSet<S> {
+        if self.set.has_motion() {
+            self.set.motion.hold(self.set.len());
+        }
         if !self.set.is_empty() {
             self.set.magnitude = self.set.scene_bounds().magnitude();
         }
@@ -245,8 +227,47 @@ impl<S: Scalar> MixedSet<S> {
         }
     }
 
+    /// The parameter of the hit of primitive `id` where it is at `moment`; `shear` is that of the ray. At rest, or
+    /// at time 0, it is that of the primitive as it stands, to the bit.
+    #[inline(always)]
+    pub(crate) fn intersect_moved(
+        &self,
+        id: u32,
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        moment: S,
+        t_max: S,
+    ) -> Option<S> {
+        let tagged = self.order[id as usize];
+        let i = tagged.index();
+        let velocity = self.motion.velocity_or_zero(id);
+        // each kind computes no more of it than its test needs, and what is rare anew: nothing is kept in memory
+        let relative = || ray.moved_back(velocity, moment);
+        let shear = || shear.moved_back(velocity, moment, self.magnitude);
+        match tagged.kind() {
+            PrimitiveKind::Triangle => {
+                let triangle = &self.triangles[i];
+                watertight::intersect_in(triangle, &shear(), ray.t_min, t_max, || {
+                    precise::intersect(triangle, &relative(), &shear(), t_max)
+                })
+            }
+            PrimitiveKind::Polygon => {
+                self.polygons[i].intersect(&self.polygon_vertices, &relative(), &shear(), t_max)
+            }
+            PrimitiveKind::Sphere => self.spheres[i].intersect(&relative(), t_max),
+            PrimitiveKind::Cone => self.cones[i].intersect(&relative(), t_max),
+        }
+    }
+
     pub(crate) fn motion(&self) -> &Motion<S> {
         &self.motion
+    }
+
+    /// From now on bounds hold the way within segment `k` of `n` equal ones of the exposure. They are padded as
+    /// for all of it: tests round as if a primitive were where it is at time 0.
+    pub(crate) fn narrow_to(&mut self, k: usize, n: usize) {
+        let margin = S::EPSILON * self.magnitude * S::from_f64(PADDING_ULPS);
+        self.motion.narrow_to(k, n, margin);
     }
 }
 
@@ -270,7 +291,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Sphere => self.spheres[i].bounds(),
             PrimitiveKind::Cone => self.cones[i].bounds(),
         };
-        self.motion.swept(id, still)
+        self.motion.swept(id, still).expanded(self.motion.margin())
     }
 
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
@@ -282,7 +303,9 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Sphere => self.spheres[i].extent(direction),
             PrimitiveKind::Cone => self.cones[i].extent(direction),
         };
-        self.motion.swept_extent(id, still, direction)
+        let (low, high) = self.motion.swept_extent(id, still, direction);
+        let margin = self.motion.margin().to_f64() * direction.abs().element_sum();
+        (low - margin, high + margin)
     }
 
     fn farthest(&self, id: u32, from: DVec3) -> f64 {
@@ -295,7 +318,11 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Cone => self.cones[i].farthest(from),
         };
         // the distance is convex along the way: one of its ends is farthest
-        still(from).max(still(from - self.motion.way(id)))
+        let farthest = match self.motion.ways(id) {
+            Some([first, last]) => still(from - first).max(still(from - last)),
+            None => still(from),
+        };
+        farthest + self.motion.margin().to_f64()
     }
 
     fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
@@ -308,13 +335,15 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Sphere => self.spheres[i].hull(balls),
             PrimitiveKind::Cone => self.cones[i].hull(balls),
         }
-        let way = self.motion.way(id);
-        if way != DVec3::ZERO {
+        if let Some([from, to]) = self.motion.ways(id) {
             for still in first..balls.len() {
                 let ball = balls[still];
-                balls.push(Ball { center: ball.center + way, ..ball });
+                balls[still].center = ball.center + from;
+                balls.push(Ball { center: ball.center + to, ..ball });
             }
         }
+        let margin = self.motion.margin().to_f64();
+        balls[first..].iter_mut().for_each(|ball| ball.radius += margin);
     }
 
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
@@ -324,8 +353,15 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
         }
     }
 
+    fn corners_in_block(&self, id: u32) -> Option<[Vec3<S>; 3]> {
+        match self.shape(id) {
+            ShapeRef::Triangle(v) if self.has_motion() => Some(v.map(Vec3::<S>::from_array)),
+            _ => None,
+        }
+    }
+
     fn moves(&self, id: u32) -> bool {
-        self.motion.way(id) != DVec3::ZERO
+        self.motion.velocity(id).is_some()
     }
 
     fn kind(&self, id: u32) -> PrimitiveKind {

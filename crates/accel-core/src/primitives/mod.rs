@@ -22,6 +22,7 @@ mod retested;
 mod shear;
 mod sphere;
 mod support;
+mod tagged;
 pub(crate) mod triangle;
 mod triangle_block;
 pub(crate) mod watertight;

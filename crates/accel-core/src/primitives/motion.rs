@@ -8,64 +8,150 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 /// How the primitives of a set move.
 #[derive(Debug, Clone)]
 pub(crate) struct Motion<S: Scalar> {
-    /// World units a unit of time, by id; those beyond the end are at rest.
+    /// Which velocity, by id; those beyond the end are at rest.
+    which: Vec<u32>,
+    /// World units a unit of time; the first is zero. What belongs together has one, so that blocks of it are
+    /// known by their numbers.
     velocities: Vec<[S; 3]>,
     /// They move from time 0 to this one.
     exposure: S,
+    /// The times of which bounds hold the way: all of them, or a segment's.
+    span: [S; 2],
+    /// By how much the bounds of a segment are larger.
+    margin: S,
 }
 
 impl<S: Scalar> Default for Motion<S> {
     fn default() -> Self {
-        Self { velocities: Vec::new(), exposure: S::ZERO }
+        let (which, zero) = (Vec::new(), S::ZERO);
+        Self { which, velocities: vec![[zero; 3]], exposure: zero, span: [zero; 2], margin: zero }
     }
 }
 
 impl<S: Scalar> Motion<S> {
     /// Lets a primitive move.
     pub fn set(&mut self, id: u32, velocity: DVec3, exposure: f64) {
-        let index = id as usize;
-        if self.velocities.len() <= index {
-            self.velocities.resize(index + 1, [S::ZERO; 3]);
-        }
-        self.velocities[index] = Vec3::<S>::from_dvec3(velocity).to_array();
+        let velocity = Vec3::<S>::from_dvec3(velocity).to_array();
+        let number = match velocity == [S::ZERO; 3] {
+            true => 0,
+            false => {
+                if self.velocities.len() == 1 || self.velocities.last() != Some(&velocity) {
+                    self.velocities.push(velocity);
+                }
+                self.velocities.len() as u32 - 1
+            }
+        };
+        self.hold(id as usize + 1);
+        self.which[id as usize] = number;
         self.exposure = S::from_f64(exposure);
+        self.span = [S::ZERO, self.exposure];
+    }
+
+    /// Has a number for each of so many primitives, and maybe more.
+    pub fn hold(&mut self, primitives: usize) {
+        self.which.resize(primitives.max(self.which.len()), 0);
+    }
+
+    /// From now on bounds are those of segment `k` of `n` equal ones of the exposure, a little more of it on
+    /// both sides, and larger by `margin`.
+    pub fn narrow_to(&mut self, k: usize, n: usize, margin: S) {
+        let exposure = self.exposure.to_f64();
+        let rounding = 4.0 * S::EPSILON.to_f64();
+        let at = |part: f64| S::from_f64(exposure * part.clamp(0.0, 1.0));
+        self.span = [at(k as f64 / n as f64 - rounding), at((k + 1) as f64 / n as f64 + rounding)];
+        self.margin = margin;
+    }
+
+    /// Which of `n` equal segments of the exposure a moment is in.
+    #[inline(always)]
+    pub(crate) fn segment(&self, time: S, n: usize) -> usize {
+        // NaN and what is below 0 give 0
+        let part = time.to_f64() / self.exposure.to_f64() * n as f64;
+        (part as usize).min(n - 1)
+    }
+
+    /// The moment of a ray: what moves stands still before its exposure and after it.
+    #[inline(always)]
+    pub(crate) fn moment(&self, time: S) -> S {
+        if time > self.exposure {
+            self.exposure
+        } else if time > S::ZERO {
+            time
+        } else {
+            S::ZERO
+        }
+    }
+
+    /// By how much bounds are larger than the way.
+    pub(crate) fn margin(&self) -> S {
+        self.margin
     }
 
     /// Whether anything moves.
     pub fn any(&self) -> bool {
-        !self.velocities.is_empty()
+        !self.which.is_empty()
+    }
+
+    /// Its velocity, zero if it is at rest.
+    #[inline(always)]
+    pub(crate) fn velocity_or_zero(&self, id: u32) -> &[S; 3] {
+        let number = self.which.get(id as usize).map_or(0, |&number| number);
+        &self.velocities[number as usize]
+    }
+
+    /// The velocities of a block's triangles; one where it is that of all. Lanes without a triangle do as the first.
+    #[inline(always)]
+    pub(crate) fn of_lanes<const N: usize>(&self, ids: [u32; N]) -> Lanes<'_, S, N> {
+        let which = |id: u32| self.which.get(id as usize).copied();
+        let first = which(ids[0]).unwrap_or(0);
+        let numbers = ids.map(|id| which(id).unwrap_or(first));
+        match numbers.iter().all(|&number| number == first) {
+            true => Lanes::One(&self.velocities[first as usize]),
+            false => Lanes::Each(numbers.map(|number| &self.velocities[number as usize])),
+        }
     }
 
     /// Its velocity, if it moves.
     #[inline(always)]
     pub(crate) fn velocity(&self, id: u32) -> Option<Vec3<S>> {
-        let v = *self.velocities.get(id as usize)?;
-        (v != [S::ZERO; 3]).then(|| Vec3::<S>::from_array(v))
+        let number = *self.which.get(id as usize)? as usize;
+        (number != 0).then(|| Vec3::<S>::from_array(self.velocities[number]))
     }
 
-    /// From where a primitive starts to where it ends.
-    pub fn way(&self, id: u32) -> DVec3 {
-        self.velocity(id).map_or(DVec3::ZERO, |v| (v * self.exposure).to_dvec3())
+    /// From where a primitive is at time 0 to where it is first and last within bounds.
+    pub fn ways(&self, id: u32) -> Option<[DVec3; 2]> {
+        let velocity = self.velocity(id)?;
+        Some(self.span.map(|time| (velocity * time).to_dvec3()))
     }
 
     /// Bounds of the whole way, from those at time 0. Rounding is left to the padding of boxes.
     pub fn swept(&self, id: u32, still: Aabb<S>) -> Aabb<S> {
         let Some(velocity) = self.velocity(id) else { return still };
-        let way = velocity * self.exposure;
-        if !way.is_finite() {
-            return Aabb { min: way, max: way };
+        let [first, last] = self.span.map(|time| velocity * time);
+        if !last.is_finite() {
+            return Aabb { min: last, max: last };
         }
-        still.union(Aabb { min: still.min + way, max: still.max + way })
+        let at = |way| Aabb { min: still.min + way, max: still.max + way };
+        at(first).union(at(last))
     }
 
     /// Extent of the whole way along `direction`, from that at time 0.
     pub fn swept_extent(&self, id: u32, still: (f64, f64), direction: DVec3) -> (f64, f64) {
-        let along = self.way(id).dot(direction);
-        (still.0.min(still.0 + along), still.1.max(still.1 + along))
+        let Some(ways) = self.ways(id) else { return still };
+        let [first, last] = ways.map(|way| way.dot(direction));
+        (still.0 + first.min(last), still.1 + first.max(last))
     }
 
     /// Bytes of the velocities.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.velocities.as_slice())
+        size_of_val(self.which.as_slice()) + size_of_val(self.velocities.as_slice())
     }
+}
+
+/// Velocities of lanes.
+pub(crate) enum Lanes<'a, S, const N: usize> {
+    /// Of all.
+    One(&'a [S; 3]),
+    /// Of each.
+    Each([&'a [S; 3]; N]),
 }

@@ -2,19 +2,22 @@
 //!
 //! Paper: R. Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984: each ray
 //! has a time, and primitives are where they are then. Structures see the bounds of the whole
-//! way, as in A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988, whose
-//! subdivision of time we leave out.
+//! way, or of a segment of it, as in A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988:
+//! see [`crate::structures::time_segments`].
 //!
 //! The motion is a translation at constant velocity, which serves every kind of primitive: the ray
-//! is moved the other way and meets the primitive at rest. It is a view of a [`MixedSet`] and not
+//! is moved the other way and meets the primitive at rest, in the shear that it has wherever it begins. It is a view of a [`MixedSet`] and not
 //! part of its tests, so that sets at rest pay nothing for it.
 
 use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
+use crate::primitives::motion::Lanes;
+use crate::primitives::triangle_block::{StartLanes, TriangleBlock};
+use crate::primitives::watertight;
+use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind, Shear};
 
 /// A mixed set as rays with a time see it.
 #[derive(Debug)]
@@ -31,8 +34,35 @@ impl<S: Scalar> MixedSet<S> {
     }
 }
 
+impl<S: Scalar> InMotion<S> {
+    /// Lanes of a block that are hit, with their parameters.
+    #[inline(always)]
+    fn hits_in(
+        &self,
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        (shear, moment): &(Shear<S>, S),
+        t_max: S,
+    ) -> Option<(u32, [S; 8])> {
+        let (motion, magnitude) = (self.set.motion(), self.set.magnitude());
+        let from = match motion.of_lanes(block.ids().0) {
+            Lanes::One(velocity) => {
+                StartLanes::same(&shear.moved_back(velocity, *moment, magnitude))
+            }
+            Lanes::Each(velocities) => StartLanes::each(velocities, shear, *moment, magnitude),
+        };
+        block.hits_from(&from, ray.t_min, shear, t_max, |lane| {
+            let velocity = motion.velocity_or_zero(block.id(lane));
+            let shear = shear.moved_back(velocity, *moment, magnitude);
+            let relative = ray.moved_back(velocity, *moment);
+            watertight::intersect(&block.triangle(lane), &relative, &shear, t_max)
+        })
+    }
+}
+
 impl<S: Scalar> PrimSet<S> for InMotion<S> {
-    type RaySetup = <MixedSet<S> as PrimSet<S>>::RaySetup;
+    /// The shear, and the moment.
+    type RaySetup = (Shear<S>, S);
 
     #[inline(always)]
     fn len(&self) -> usize {
@@ -63,20 +93,46 @@ impl<S: Scalar> PrimSet<S> for InMotion<S> {
         self.set.kind(id)
     }
 
+    const HAS_BLOCKS: bool = true;
+
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup {
-        self.set.setup(ray)
+        (self.set.setup(ray), self.set.motion().moment(ray.time))
     }
 
     #[inline(always)]
-    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S> {
-        match self.set.motion().velocity(id) {
-            None => self.set.intersect(id, ray, setup, t_max),
-            Some(velocity) => {
-                let relative = Ray { origin: ray.origin - velocity * ray.time, ..*ray };
-                self.set.intersect(id, &relative, &self.set.setup(&relative), t_max)
-            }
+    fn intersect(
+        &self,
+        id: u32,
+        ray: &Ray<S>,
+        (shear, moment): &Self::RaySetup,
+        t_max: S,
+    ) -> Option<S> {
+        self.set.intersect_moved(id, ray, shear, *moment, t_max)
+    }
+
+    #[inline(always)]
+    fn closest_in_block(
+        &self,
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::RaySetup,
+        best: &mut Hit<S>,
+    ) {
+        if let Some((lanes, t)) = self.hits_in(block, ray, setup, best.t) {
+            block.take_closest(lanes, &t, best);
         }
+    }
+
+    #[inline(always)]
+    fn is_blocked_in(
+        &self,
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::RaySetup,
+    ) -> bool {
+        let hits = self.hits_in(block, ray, setup, ray.t_max);
+        hits.is_some_and(|(lanes, _)| block.any_of(lanes, |id| self.is_opaque(id)))
     }
 
     #[inline(always)]
@@ -90,5 +146,73 @@ impl<S: Scalar> PrimSet<S> for InMotion<S> {
 
     fn bytes(&self) -> usize {
         self.set.bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::scalar::{Vec3, Vector};
+    use crate::primitives::MixedSetBuilder;
+    use crate::structures::test_scenes::Random;
+
+    /// Tests of the moved ray, set up anew, and blocks of eight, against what is derived from the ray.
+    fn is_as_set_up_anew<S: Scalar>() {
+        let mut random = Random(8);
+        let mut set = MixedSetBuilder::<S>::default();
+        for i in 0..64 {
+            let mut point = || random.point([1.0; 3]);
+            set.triangle([point(), point(), point()]).unwrap();
+            if i % 8 != 3 {
+                set.last_moves(point() * 4.0 - DVec3::splat(2.0), 0.5).unwrap();
+            }
+        }
+        let set = set.finish();
+        let moving = set.in_motion();
+        let (mut hits, mut blocked) = (0, 0);
+        for i in 0..2000 {
+            let [from, to] = [0; 2].map(|_| Vec3::<S>::from_dvec3(random.point([1.0; 3])));
+            let mut direction = (to - from).to_array();
+            if i % 5 == 0 {
+                direction[i % 3] = S::from_f64([0.0, -1e-42, 1e-20][i / 5 % 3]);
+            }
+            let time = S::from_f64(random.unit() * 0.5);
+            let ray = Ray { time, ..Ray::new(from, Vec3::<S>::from_array(direction)) };
+            let setup = moving.setup(&ray);
+            let t_max = S::from_f64(1.5);
+            let mut best = [Hit { t: t_max, id: u32::MAX }; 8];
+            for id in 0..64 {
+                let relative = ray.moved_back(set.motion().velocity_or_zero(id), time);
+                let anew = set.intersect(id, &relative, &set.setup(&relative), t_max);
+                let derived = moving.intersect(id, &ray, &setup, t_max);
+                assert_eq!(anew.map(S::to_f64), derived.map(S::to_f64), "{} {id}", S::NAME);
+                hits += u32::from(anew.is_some());
+                let best = &mut best[id as usize / 8];
+                if let Some(t) = anew.filter(|&t| t < best.t) {
+                    *best = Hit { t, id };
+                }
+            }
+            for (k, expected) in (0..).zip(best) {
+                let ids = k * 8..k * 8 + if k == 7 { 5 } else { 8 };
+                if expected.is_hit() && !ids.contains(&expected.id) {
+                    continue;
+                }
+                let corners = |id| set.corners_in_block(id).unwrap().map(|p| p.to_array());
+                let block = TriangleBlock::new(ids.map(|id| (id, corners(id))), false);
+                let mut found = Hit { t: t_max, id: u32::MAX };
+                moving.closest_in_block(&block, &ray, &setup, &mut found);
+                assert_eq!(found, expected, "{} {i} {k}", S::NAME);
+                let ray = Ray { t_max, ..ray };
+                assert_eq!(moving.is_blocked_in(&block, &ray, &setup), expected.is_hit());
+                blocked += u32::from(found.is_hit());
+            }
+        }
+        assert!(hits > 1000 && blocked > 500, "{hits} {blocked}");
+    }
+
+    #[test]
+    fn what_is_derived_from_the_ray_is_what_would_be_set_up_anew() {
+        is_as_set_up_anew::<f32>();
+        is_as_set_up_anew::<f64>();
     }
 }

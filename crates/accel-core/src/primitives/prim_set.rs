@@ -78,6 +78,10 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn corners(&self, _id: u32) -> Option<[Vec3<S>; 3]> {
         None
     }
+    /// The corners of a primitive that may be in a block of triangles, of one that moves where it is at time 0.
+    fn corners_in_block(&self, id: u32) -> Option<[Vec3<S>; 3]> {
+        if self.is_watertight() { self.corners(id) } else { None }
+    }
     /// Whether lists of its primitives may be kept as blocks of triangles; false where no test is
     /// compiled for them.
     const HAS_BLOCKS: bool = false;
@@ -101,7 +105,7 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
     /// Replaces `best` by a closer hit of a primitive of the block within the ray's interval, or by an
-    /// equal one of a lower id. The block is made of triangles of this set ([`PrimSet::corners`]).
+    /// equal one of a lower id. The block is made of triangles of this set ([`PrimSet::corners_in_block`]).
     #[inline(always)]
     fn closest_in_block(
         &self,

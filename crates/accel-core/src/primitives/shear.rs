@@ -74,8 +74,18 @@ impl<S: Scalar> Shear<S> {
             origin,
             shear: [dx * inv, dy * inv, inv],
             fine: S::from_i32(4) * magnitude,
-            near: S::from_i32(20) * S::EPSILON * (magnitude + origin[2].abs()),
+            near: near(magnitude, origin[2]),
         }
+    }
+
+    /// The shear of the same ray from an origin moved back along a way of this velocity, to the bit that of
+    /// [`Shear::of`] with the same `magnitude`: all else depends on the direction alone.
+    #[inline(always)]
+    pub(crate) fn moved_back(&self, velocity: &[S; 3], time: S, magnitude: S) -> Self {
+        // SAFETY: `axes` is only ever set by `of`
+        let velocity = unsafe { along(velocity, self.axes) };
+        let origin = std::array::from_fn(|k| self.origin[k] - velocity[k] * time);
+        Self { origin, near: near(magnitude, origin[2]), ..*self }
     }
 
     /// What the third coordinate of a sheared vertex is scaled by.
@@ -92,6 +102,12 @@ impl<S: Scalar> Shear<S> {
         let [x, y, z] = [x - self.origin[0], y - self.origin[1], z - self.origin[2]];
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
+}
+
+/// [`Shear::near`] for a ray that begins at this depth.
+#[inline(always)]
+fn near<S: Scalar>(magnitude: S, depth: S) -> S {
+    S::from_i32(20) * S::EPSILON * (magnitude + depth.abs())
 }
 
 /// Coordinates by axis, in that order.

@@ -80,7 +80,7 @@ impl<S: Scalar> TriangleBlock<S> {
 
     /// The id in a lane that has one.
     #[inline(always)]
-    fn id(&self, lane: usize) -> u32 {
+    pub(crate) fn id(&self, lane: usize) -> u32 {
         if lane == 0 { self.ids[0] & !MORE } else { self.ids[lane] }
     }
 
@@ -127,9 +127,25 @@ impl<S: Scalar> TriangleBlock<S> {
         shear: &Shear<S>,
         t_max: S,
     ) -> Option<(u32, [S; LANES])> {
-        let (mut lanes, doubtful, mut t) = self.test(ray, shear, t_max)?;
+        let from = StartLanes::same(shear);
+        self.hits_from(&from, ray.t_min, shear, t_max, |lane| {
+            watertight::intersect(&self.triangle(lane), ray, shear, t_max)
+        })
+    }
+
+    /// The same of a ray that begins elsewhere for each lane; `again` is the scalar test of a lane.
+    #[inline(always)]
+    pub(crate) fn hits_from(
+        &self,
+        from: &StartLanes<S>,
+        t_min: S,
+        shear: &Shear<S>,
+        t_max: S,
+        again: impl Fn(usize) -> Option<S>,
+    ) -> Option<(u32, [S; LANES])> {
+        let (mut lanes, doubtful, mut t) = self.test(from, t_min, shear, t_max)?;
         if doubtful != 0 {
-            lanes |= self.test_again(ray, shear, t_max, doubtful, &mut t);
+            lanes |= test_again(doubtful, &mut t, again);
         }
         Some((lanes, t))
     }
@@ -170,12 +186,18 @@ impl<S: Scalar> TriangleBlock<S> {
     /// Lanes that are hit, lanes that the scalar test must judge, and parameters; `None` where
     /// there are neither.
     #[inline(always)]
-    fn test(&self, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<(u32, u32, [S; LANES])> {
+    fn test(
+        &self,
+        from: &StartLanes<S>,
+        t_min: S,
+        shear: &Shear<S>,
+        t_max: S,
+    ) -> Option<(u32, u32, [S; LANES])> {
         let splat = EightOf::<S>::splat;
         if shear.is_too_small() {
             return Some((0, self.filled(), [S::ZERO; LANES]));
         }
-        let [a, b, c] = sheared(&self.corners, shear);
+        let [a, b, c] = sheared_from(&self.corners, &from.origin, shear);
         let products =
             [[c[0] * b[1], c[1] * b[0]], [a[0] * c[1], a[1] * c[0]], [b[0] * a[1], b[1] * a[0]]];
         let [u, v, w] = products.map(|[p, q]| p - q);
@@ -199,32 +221,63 @@ impl<S: Scalar> TriangleBlock<S> {
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * splat(shear.depth_scale()) / det;
         // NaN fails all comparisons
-        let begun = splat(ray.t_min).at_most(t);
-        let near = depth.absolute().below(splat(shear.near) * square);
+        let begun = splat(t_min).at_most(t);
+        let near = depth.absolute().below(from.near * square);
         let doubts = (doubtful | begun & near).high_bits() | !suffice.high_bits();
         let within = begun & t.at_most(splat(t_max));
         Some((within.high_bits() & alike & !doubts, doubts & alike, t.to_array()))
     }
+}
 
-    /// The scalar test for some lanes: those that are hit, their parameters written to `t`.
-    #[cold]
-    #[inline(never)]
-    fn test_again(
-        &self,
-        ray: &Ray<S>,
-        shear: &Shear<S>,
-        t_max: S,
-        lanes: u32,
-        t: &mut [S; LANES],
-    ) -> u32 {
-        let mut hits = 0;
-        for (lane, t) in t.iter_mut().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
-            if let Some(found) = watertight::intersect(&self.triangle(lane), ray, shear, t_max) {
-                *t = found;
-                hits |= 1 << lane;
-            }
+/// The scalar test for some lanes: those that are hit, their parameters written to `t`.
+#[cold]
+#[inline(never)]
+fn test_again<S: Scalar>(
+    lanes: u32,
+    t: &mut [S; LANES],
+    again: impl Fn(usize) -> Option<S>,
+) -> u32 {
+    let mut hits = 0;
+    for (lane, t) in t.iter_mut().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1) {
+        if let Some(found) = again(lane) {
+            *t = found;
+            hits |= 1 << lane;
         }
-        hits
+    }
+    hits
+}
+
+/// Where a ray begins for each lane, in the sheared space: elsewhere for each triangle that moves its own way.
+pub(crate) struct StartLanes<S: Scalar> {
+    origin: [EightOf<S>; 3],
+    /// As in [`Shear`].
+    near: EightOf<S>,
+}
+
+impl<S: Scalar> StartLanes<S> {
+    /// Where the ray of the shear begins, for all.
+    #[inline(always)]
+    pub(crate) fn same(shear: &Shear<S>) -> Self {
+        let splat = EightOf::<S>::splat;
+        Self { origin: shear.origin.map(splat), near: splat(shear.near) }
+    }
+
+    /// For each lane what [`Shear::moved_back`] makes of it.
+    #[inline(always)]
+    pub(crate) fn each(
+        velocities: [&[S; 3]; LANES],
+        shear: &Shear<S>,
+        time: S,
+        magnitude: S,
+    ) -> Self {
+        let splat = EightOf::<S>::splat;
+        let along: [_; 3] = std::array::from_fn(|k| {
+            let axis = shear.axes[k].min(2);
+            EightOf::<S>::new(velocities.map(|velocity| velocity[axis])) * splat(time)
+        });
+        let origin: [_; 3] = std::array::from_fn(|k| splat(shear.origin[k]) - along[k]);
+        let near = splat(S::from_i32(20) * S::EPSILON);
+        Self { origin, near: near * (splat(magnitude) + origin[2].absolute()) }
     }
 }
 
@@ -234,9 +287,18 @@ pub(super) fn sheared<S: Scalar>(
     corners: &[[[S; LANES]; 3]; 3],
     shear: &Shear<S>,
 ) -> [[EightOf<S>; 3]; 3] {
-    let splat = EightOf::<S>::splat;
+    sheared_from(corners, &shear.origin.map(EightOf::<S>::splat), shear)
+}
+
+/// The same from an origin for each lane.
+#[inline(always)]
+fn sheared_from<S: Scalar>(
+    corners: &[[[S; LANES]; 3]; 3],
+    origin: &[EightOf<S>; 3],
+    shear: &Shear<S>,
+) -> [[EightOf<S>; 3]; 3] {
     let [kx, ky, kz] = shear.axes.map(|k| k.min(2));
-    let (origin, factors) = (shear.origin.map(splat), shear.shear.map(splat));
+    let factors = shear.shear.map(EightOf::<S>::splat);
     std::array::from_fn(|i| {
         let corner = &corners[i];
         let z = EightOf::<S>::new(corner[kz]) - origin[2];
@@ -304,7 +366,7 @@ mod tests {
             assert!(!block.any(&ray, &shear, |_| false));
             hits += usize::from(best.is_hit());
             ties += usize::from(best.id == 87);
-            let tested = block.test(&ray, &shear, ray.t_max);
+            let tested = block.test(&StartLanes::same(&shear), ray.t_min, &shear, ray.t_max);
             let is_doubtful = tested.is_some_and(|(_, doubts, _)| doubts & 31 != 0);
             doubtful += usize::from(is_doubtful && round % 8 < 4);
             edge_on += usize::from(is_doubtful && round % 8 == 7);

@@ -37,6 +37,18 @@ pub(crate) fn intersect<S: Scalar>(
     shear: &Shear<S>,
     t_max: S,
 ) -> Option<S> {
+    intersect_in(tri, shear, ray.t_min, t_max, || precise::intersect(tri, ray, shear, t_max))
+}
+
+/// The same in the sheared space alone; `precisely` is asked where that does not tell enough.
+#[inline(always)]
+pub(crate) fn intersect_in<S: Scalar>(
+    tri: &[[S; 3]; 3],
+    shear: &Shear<S>,
+    t_min: S,
+    t_max: S,
+    precisely: impl FnOnce() -> Option<S>,
+) -> Option<S> {
     let a = shear.apply(&tri[0]);
     let b = shear.apply(&tri[1]);
     let c = shear.apply(&tri[2]);
@@ -51,12 +63,12 @@ pub(crate) fn intersect<S: Scalar>(
     let t = depth * shear.shear[2] / det;
     let (terms, largest) = (terms(&[a, b, c]), largest(&[a, b, c]));
     // NaN fails all comparisons
-    let is_begun = t >= ray.t_min;
+    let is_begun = t >= t_min;
     // also where the determinant is zero, or NaN; whatever was hit before, lest answers depend on order
     if !weights_suffice(terms, largest, det, shear.fine)
         || is_begun && depth.abs() < shear.near * (largest * largest)
     {
-        return precise::intersect(tri, ray, shear, t_max);
+        return precisely();
     }
     (is_begun && t <= t_max).then_some(t)
 }

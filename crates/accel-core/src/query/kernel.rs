@@ -11,9 +11,11 @@
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamKind, ParamSpec};
+use crate::memory::OutOfMemory;
+use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
+use crate::structure::Structure;
 use crate::update::ChangedLists;
 
 /// The setting, for the parameter list of a structure whose lists are short, or so many that blocks of
@@ -41,6 +43,24 @@ pub(crate) struct ListBlocks<S> {
 }
 
 impl<S: Scalar> ListBlocks<S> {
+    /// Of the lists of a structure over this set, where it has lists and blocks serve the set.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`] where the limit of `params` does not allow them.
+    pub(crate) fn of_structure<P: PrimSet<S>, T: Structure<S>>(
+        prims: &P,
+        structure: &T,
+        params: &Params,
+    ) -> Result<Option<Self>, OutOfMemory> {
+        if !T::HAS_LISTS {
+            return Ok(None);
+        }
+        let mut lists = Vec::new();
+        structure.lists(&mut |list| lists.push(list));
+        params.fits(Self::bytes_for(&lists))?;
+        Ok(Self::of(prims, &lists))
+    }
+
     /// Of these lists, each named once, parts of one array. `None` where
     /// blocks do not serve the set or are too many for their numbers, or lists lie too far apart.
     pub(crate) fn of<P: PrimSet<S>>(prims: &P, lists: &[&[u32]]) -> Option<Self> {

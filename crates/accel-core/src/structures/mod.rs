@@ -25,6 +25,7 @@ pub mod proximity_clouds;
 pub mod recursive_grid;
 #[cfg(test)]
 pub(crate) mod test_scenes;
+pub mod time_segments;
 pub mod two_level_grid;
 pub mod uniform_grid;
 pub mod wide_bvh;
@@ -36,6 +37,7 @@ use crate::query::tracer::tested::{mailbox_of, tested_as};
 use crate::query::tracer::{Before, Bound, BoundInMotion, Tracer};
 use crate::registry::{self, Buildable, Listed};
 use crate::structure::{BuildError, Structure};
+use crate::structures::time_segments::TimeSegments;
 use crate::variants::chosen_tests::{self, Choice, ChosenTests};
 
 /// Every structure of the workspace: one line each.
@@ -64,6 +66,10 @@ pub static REGISTRY: &[Entry] = &[
     entry!(embree::Embree, embree::INFO),
 ];
 
+/// Parameters that every structure has.
+pub const COMMON: &[ParamSpec] =
+    &[chosen_tests::TRIANGLE_TEST, chosen_tests::SPHERE_TEST, time_segments::PARAM];
+
 /// A structure that answers rays.
 pub struct Traceable;
 
@@ -73,7 +79,7 @@ impl Listed for Traceable {
         &Params,
         Option<Before<'_>>,
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>;
-    const COMMON: &'static [ParamSpec] = chosen_tests::PARAMS;
+    const COMMON: &'static [ParamSpec] = COMMON;
 }
 
 /// One line of [`REGISTRY`].
@@ -118,29 +124,35 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     params: &Params,
     before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    if let Some(choice) = Choice::of(params) {
-        // built from the same bounds, so the structure is that of the set itself
-        let (view, mailbox, structure) = match prims {
-            PrimsRef::Watertight(p) => {
-                let mailbox = mailbox_of::<S, _>(p, params)?;
-                (ChosenTests::of_triangles(p, choice), mailbox, T::build(p, params)?)
-            }
-            PrimsRef::Mixed(p) => {
-                let mailbox = mailbox_of::<S, _>(p, params)?;
-                (ChosenTests::of_mixed(p, choice), mailbox, T::build(p, params)?)
-            }
-        };
-        return Ok(Box::new(Bound::new(Box::new(view), structure).with_mailbox(mailbox)));
-    }
-    match prims {
-        PrimsRef::Watertight(p) => tested_as::<S, _, _, T>(p, p, params, before),
-        PrimsRef::Mixed(p) if p.has_motion() => {
-            // built from the bounds of the whole way, so the structure is that of any mixed set
+    let choice = Choice::of(params);
+    match (prims, choice) {
+        (PrimsRef::Mixed(p), choice) if p.has_motion() => {
             let mailbox = mailbox_of::<S, _>(p, params)?;
-            let bound = Bound::new(p.in_motion(), T::build(p, params)?).with_mailbox(mailbox);
-            Ok(Box::new(BoundInMotion(bound)))
+            let segments = TimeSegments::<S, T>::build(p, params)?;
+            Ok(match choice {
+                None => Box::new(BoundInMotion::new(p.in_motion(), segments, mailbox)),
+                Some(choice) => {
+                    let view = Box::new(ChosenTests::of_mixed(p, choice));
+                    Box::new(BoundInMotion::new(view, segments, mailbox))
+                }
+            })
         }
-        PrimsRef::Mixed(p) => tested_as::<S, _, _, T>(p, p, params, before),
+        (PrimsRef::Watertight(p), None) => tested_as::<S, _, _, T>(p, p, params, before),
+        (PrimsRef::Mixed(p), None) => tested_as::<S, _, _, T>(p, p, params, before),
+        (prims, Some(choice)) => {
+            // built from the same bounds, so the structure is that of the set itself
+            let (view, mailbox, structure) = match prims {
+                PrimsRef::Watertight(p) => {
+                    let mailbox = mailbox_of::<S, _>(p, params)?;
+                    (ChosenTests::of_triangles(p, choice), mailbox, T::build(p, params)?)
+                }
+                PrimsRef::Mixed(p) => {
+                    let mailbox = mailbox_of::<S, _>(p, params)?;
+                    (ChosenTests::of_mixed(p, choice), mailbox, T::build(p, params)?)
+                }
+            };
+            Ok(Box::new(Bound::new(Box::new(view), structure).with_mailbox(mailbox)))
+        }
     }
 }
 

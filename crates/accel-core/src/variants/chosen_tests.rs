@@ -8,7 +8,7 @@
 //! `compiled-tests`, which compiles each into the traversals of some structures as the default
 //! is (`variants/compiled_tests.rs`, [`is_compiled`]).
 //!
-//! The settings are parameters of every structure ([`PARAMS`]).
+//! The settings are parameters of every structure ([`TRIANGLE_TEST`], [`SPHERE_TEST`]).
 
 use glam::DVec3;
 
@@ -30,31 +30,31 @@ use crate::variants::triangle_tests::{
 /// The test that is compiled into every walk.
 const DEFAULT: &str = "default";
 
-/// Parameters that every structure has.
-pub static PARAMS: &[ParamSpec] = &[
-    ParamSpec {
-        name: "triangle-test",
-        summary: "test of triangles: the default is the watertight one, compiled into each walk; \
-                  others are called, unless built with the feature compiled-tests",
-        default: DEFAULT,
-        kind: ParamKind::Choice(&[
-            DEFAULT,
-            "moeller-trumbore",
-            "moeller-trumbore-epsilon",
-            "pluecker",
-            "watertight",
-            "watertight-fallback",
-            "f64",
-        ]),
-    },
-    ParamSpec {
-        name: "sphere-test",
-        summary: "test of spheres: the default is the rearranged one, compiled into each walk; \
-                  others are called, unless built with the feature compiled-tests",
-        default: DEFAULT,
-        kind: ParamKind::Choice(&[DEFAULT, "naive", "rearranged", "f64"]),
-    },
-];
+/// A setting that every structure has.
+pub const TRIANGLE_TEST: ParamSpec = ParamSpec {
+    name: "triangle-test",
+    summary: "test of triangles: the default is the watertight one, compiled into each walk; \
+              others are called, unless built with the feature compiled-tests",
+    default: DEFAULT,
+    kind: ParamKind::Choice(&[
+        DEFAULT,
+        "moeller-trumbore",
+        "moeller-trumbore-epsilon",
+        "pluecker",
+        "watertight",
+        "watertight-fallback",
+        "f64",
+    ]),
+};
+
+/// Another.
+pub const SPHERE_TEST: ParamSpec = ParamSpec {
+    name: "sphere-test",
+    summary: "test of spheres: the default is the rearranged one, compiled into each walk; \
+              others are called, unless built with the feature compiled-tests",
+    default: DEFAULT,
+    kind: ParamKind::Choice(&[DEFAULT, "naive", "rearranged", "f64"]),
+};
 
 /// Whether a tracer's chosen tests are compiled into its traversals, as the default tests are.
 pub fn is_compiled<S: Scalar>(tracer: &dyn Tracer<S>) -> bool {
@@ -288,8 +288,10 @@ impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
             Over::Triangles(set) => self.triangle(&set.triangles()[id as usize], ray, setup, t_max),
             Over::Mixed(set) => match set.motion().velocity(id) {
                 None => self.of_shape(set, id, ray, setup, t_max),
-                Some(velocity) => {
-                    let relative = Ray { origin: ray.origin - velocity * ray.time, ..*ray };
+                Some(_) => {
+                    let motion = set.motion();
+                    let moment = motion.moment(ray.time);
+                    let relative = ray.moved_back(motion.velocity_or_zero(id), moment);
                     self.of_shape(set, id, &relative, &self.setup(&relative), t_max)
                 }
             },
@@ -315,7 +317,9 @@ mod tests {
     use crate::primitives::MixedSetBuilder;
 
     fn choice(settings: &[(&str, &str)]) -> Option<Choice> {
-        Choice::of(&Params::new("x", PARAMS, settings.iter().copied()).unwrap())
+        Choice::of(
+            &Params::new("x", &[TRIANGLE_TEST, SPHERE_TEST], settings.iter().copied()).unwrap(),
+        )
     }
 
     #[test]
@@ -324,7 +328,8 @@ mod tests {
         let chosen = choice(&[("sphere-test", "naive")]).unwrap();
         assert_eq!(chosen.triangle, TriangleChoice::Watertight);
         let defect = |name, value| {
-            known_defect(&Params::new("x", PARAMS, [(name, value)]).unwrap()).is_some()
+            known_defect(&Params::new("x", &[TRIANGLE_TEST, SPHERE_TEST], [(name, value)]).unwrap())
+                .is_some()
         };
         for test in ["moeller-trumbore", "moeller-trumbore-epsilon", "pluecker", "f64"] {
             assert!(defect("triangle-test", test), "{test}");

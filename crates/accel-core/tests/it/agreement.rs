@@ -76,16 +76,27 @@ pub fn mismatches<S: Buildable>(
     prims: PrimsRef<S>,
     rays: &[Ray<S>],
 ) -> Vec<String> {
+    mismatches_under(registry, &[], name, prims, rays)
+}
+
+/// The same with further settings.
+pub fn mismatches_under<S: Buildable>(
+    registry: &[Entry],
+    also: &[(&str, &str)],
+    name: &str,
+    prims: PrimsRef<S>,
+    rays: &[Ray<S>],
+) -> Vec<String> {
     let expected = Answers::expected(prims, rays);
     let mut wrong = Vec::new();
     for entry in registry {
         for variant in entry.info.variants.iter().chain(entry.info.also_tested) {
             let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
-            let params = entry.params(settings).unwrap();
+            let params = entry.params(settings.chain(also.iter().copied())).unwrap();
             if (entry.info.known_defect)(&params).is_some() {
                 continue;
             }
-            let label = format!("{name} {} {} {variant}", S::NAME, entry.info.name);
+            let label = format!("{name} {} {} {variant} {also:?}", S::NAME, entry.info.name);
             let tracer = match entry.build(prims, &params) {
                 Ok(tracer) => tracer,
                 Err(e) => {

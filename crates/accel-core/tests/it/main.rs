@@ -19,4 +19,5 @@ mod obvhs_direct;
 mod octree_and_kd_tree;
 mod planes_of_cells;
 mod threads;
+mod time_segments;
 mod volumes;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use accel_core::params::ParamSpec;
 use accel_core::structure::StructureInfo;
-use accel_core::variants::chosen_tests;
+use accel_core::structures::COMMON;
 use renderer::RayKind;
 use renderer::tracers::{TRACERS, TracerInfo};
 use scene_loading::animation::ANIMATED;
@@ -24,11 +24,9 @@ use studies::accuracy::axis::AXES;
 /// [`Error::Output`].
 pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let value = match args.what {
-        Listed::Structures => context
-            .registry
-            .iter()
-            .map(|e| structure(e.info, chosen_tests::PARAMS))
-            .collect::<Vec<_>>(),
+        Listed::Structures => {
+            context.registry.iter().map(|e| structure(e.info, COMMON)).collect::<Vec<_>>()
+        }
         Listed::Occluders => context.occluders.iter().map(|e| structure(e.info, &[])).collect(),
         Listed::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
         Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
@@ -84,7 +82,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
                 write_structure(out, e.info)?;
             }
             writeln!(out, "every structure:")?;
-            chosen_tests::PARAMS.iter().try_for_each(|p| write_param(out, p))?;
+            COMMON.iter().try_for_each(|p| write_param(out, p))?;
         }
         Format::Text if args.what == Listed::Occluders => {
             for e in context.occluders.iter().filter(|e| is_asked(e.info.name)) {

@@ -1,6 +1,6 @@
 //! Exit codes and messages.
 
-use accel_core::variants::chosen_tests;
+use accel_core::structures::COMMON;
 use std::io::{self, Write};
 use std::process::{Command, Stdio};
 
@@ -131,7 +131,7 @@ fn lists_come_from_the_registries() {
         serde_json::from_str(&run("list structures --format json").out).unwrap();
     for (entry, listed) in PLANTED.iter().zip(json.as_array().unwrap()) {
         assert_eq!(listed["name"], entry.info.name);
-        let params = entry.info.params.len() + chosen_tests::PARAMS.len();
+        let params = entry.info.params.len() + COMMON.len();
         assert_eq!(listed["params"].as_array().unwrap().len(), params);
         assert!(text.out.contains(entry.info.summary) && text.out.contains(entry.info.paper));
         for p in entry.info.params {

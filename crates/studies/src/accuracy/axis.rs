@@ -89,6 +89,7 @@ pub static AXES: &[&Axis] = &[
     &axes::effects::GLOSS,
     &axes::effects::MOTION,
     &axes::effects::FOCUS,
+    &axes::time_segments::AXIS,
     &axes::gating::AXIS,
     #[cfg(feature = "compiled-tests")]
     &axes::right_answers::AXIS,

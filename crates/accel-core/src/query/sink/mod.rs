@@ -58,10 +58,12 @@ pub trait Sink<S: Scalar> {
 
 mod counting_calls;
 mod erased;
+mod relayed;
 
 pub(crate) use counting_calls::{count, count_steps};
 
 pub use erased::ErasedSink;
+pub(crate) use relayed::RelayedSink;
 
 /// The closest hit in `[t_min, t_max]`; of equal hits the lowest id wins.
 pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {

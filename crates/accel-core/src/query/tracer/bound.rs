@@ -56,11 +56,8 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         over: &B,
         params: &Params,
     ) -> Result<Self, OutOfMemory> {
-        if T::HAS_LISTS && P::HAS_BLOCKS {
-            let mut lists = Vec::new();
-            self.structure.lists(&mut |list| lists.push(list));
-            params.fits(ListBlocks::<S>::bytes_for(&lists))?;
-            self.blocks = ListBlocks::of(over, &lists);
+        if P::HAS_BLOCKS {
+            self.blocks = ListBlocks::of_structure(over, &self.structure, params)?;
         }
         Ok(self)
     }
@@ -159,13 +156,13 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         }
     }
 
-    pub(super) fn count_all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
+    fn count_all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
         self.counting(|counting| {
             self.mailbox.with(|mailbox| counting.closest_hits(rays, hits, mailbox))
         })
     }
 
-    pub(super) fn count_all_occlusions(
+    fn count_all_occlusions(
         &self,
         rays: &[Ray<S>],
         rule: ShadowRule,
@@ -176,15 +173,15 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         })
     }
 
-    pub(super) fn way_of(&self, ray: &Ray<S>) -> Way<S> {
+    fn way_of(&self, ray: &Ray<S>) -> Way<S> {
         self.counting(|counting| self.mailbox.with(|mailbox| counting.way(ray, mailbox)))
     }
 
-    pub(super) fn cells_of(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+    fn cells_of(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         self.structure.cells(each)
     }
 
-    pub(super) fn whole_shape(&self) -> Shape {
+    fn whole_shape(&self) -> Shape {
         let shape = self.structure.shape();
         let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
         Shape { bytes: shape.bytes + self.mailbox.bytes() + blocks, ..shape }

@@ -1,38 +1,85 @@
 //! Tracing a set whose primitives move.
 //!
-//! It walks with the one [`ErasedSink`](crate::query::sink::ErasedSink) that counting walks with, so that
-//! motion costs no structure another compiled walk; scenes at rest are traced by [`Bound`] as ever.
+//! A structure has one walk for what counts, with the one [`ErasedSink`], and one for what is timed, with the one
+//! [`RelayedSink`]: motion costs no structure a walk for each query and mailbox. Scenes at rest are traced by
+//! [`Bound`](super::Bound) as ever.
 
+use std::ops::Deref;
+
+use super::counting::Counting;
+use super::timing::Timing;
+use super::{ShadowCount, ShadowRule, Tracer};
+use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::primitives::InMotion;
+use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
-use crate::query::tracer::{Bound, ShadowCount, ShadowRule, Tracer};
+use crate::query::mailbox::{NoMailbox, Setting};
+use crate::query::sink::{ErasedSink, RelayedSink};
 use crate::query::way::Way;
 use crate::structure::{Shape, Structure};
+use crate::structures::time_segments::TimeSegments;
 
-/// A structure over a set in motion.
-pub struct BoundInMotion<'a, S: Scalar, T>(pub Bound<S, &'a InMotion<S>, T>);
+/// Structures over a set in motion, one a segment of time. `H` holds the primitives, as in
+/// [`Bound`](super::Bound).
+pub struct BoundInMotion<'a, S: Scalar, H, T> {
+    prims: H,
+    segments: TimeSegments<'a, S, T>,
+    mailbox: Setting,
+    reach: S,
+}
 
-impl<S: Scalar, T: Structure<S>> Tracer<S> for BoundInMotion<'_, S, T> {
+impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>>
+    BoundInMotion<'a, S, H, T>
+{
+    /// Joins structures with the primitives they were built over.
+    pub fn new(prims: H, segments: TimeSegments<'a, S, T>, mailbox: Setting) -> Self {
+        let reach = far_ray::reach(prims.magnitude());
+        Self { prims, segments, mailbox, reach }
+    }
+
+    fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
+        let walk = |ray: &Ray<S>, sink: ErasedSink<'_, S>| self.segments.counted_walk(ray, sink);
+        pass(Counting { prims: &*self.prims, reach: self.reach, walk: &walk })
+    }
+
+    fn timing<R>(&self, pass: impl FnOnce(Timing<'_, S, P>) -> R) -> R {
+        let walk = |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_walk(ray, sink);
+        let blocks = |ray: &Ray<S>| self.segments.blocks(ray);
+        pass(Timing { prims: &*self.prims, reach: self.reach, walk: &walk, blocks: &blocks })
+    }
+
+    fn has_no_mailbox(&self) -> bool {
+        !T::DUPLICATES || matches!(self.mailbox, Setting::None)
+    }
+}
+
+impl<S, P, H, T> Tracer<S> for BoundInMotion<'_, S, H, T>
+where
+    S: Scalar,
+    P: PrimSet<S>,
+    H: Deref<Target = P> + Send + Sync,
+    T: Structure<S>,
+{
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        self.0.count_all_closest(rays, hits);
+        self.timing(|timing| match self.has_no_mailbox() {
+            true => timing.closest_hits(rays, hits, NoMailbox),
+            false => self.mailbox.with(|mailbox| timing.closest_hits(rays, hits, mailbox)),
+        });
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        const PART: usize = 256;
-        let mut answers = [ShadowCount::default(); PART];
-        for (rays, blocked) in rays.chunks(PART).zip(blocked.chunks_mut(PART)) {
-            self.0.count_all_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
-            for (blocked, answer) in blocked.iter_mut().zip(&answers) {
-                *blocked = answer.blocked;
-            }
-        }
+        self.timing(|timing| match self.has_no_mailbox() {
+            true => timing.occlusions(rays, blocked, NoMailbox),
+            false => self.mailbox.with(|mailbox| timing.occlusions(rays, blocked, mailbox)),
+        });
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.0.count_all_closest(rays, hits)
+        self.counting(|counting| {
+            self.mailbox.with(|mailbox| counting.closest_hits(rays, hits, mailbox))
+        })
     }
 
     fn count_occlusions(
@@ -41,18 +88,22 @@ impl<S: Scalar, T: Structure<S>> Tracer<S> for BoundInMotion<'_, S, T> {
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        self.0.count_all_occlusions(rays, rule, answers)
+        self.counting(|counting| {
+            self.mailbox.with(|mailbox| counting.occlusions(rays, rule, answers, mailbox))
+        })
     }
 
     fn shape(&self) -> Shape {
-        self.0.whole_shape()
+        let shape = self.segments.shape();
+        Shape { bytes: shape.bytes + self.mailbox.bytes(), ..shape }
     }
 
+    /// Those of each segment, one after the other.
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        self.0.cells_of(each)
+        self.segments.cells(each)
     }
 
     fn way(&self, ray: &Ray<S>) -> Result<Way<S>, NoCells> {
-        Ok(self.0.way_of(ray))
+        Ok(self.counting(|counting| self.mailbox.with(|mailbox| counting.way(ray, mailbox))))
     }
 }

@@ -7,6 +7,7 @@ mod in_motion;
 mod kept;
 pub(crate) mod nearby;
 pub(crate) mod tested;
+mod timing;
 
 pub use bound::Bound;
 pub use foreign::{Foreign, Origin};

@@ -20,7 +20,7 @@ pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structur
     before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let mailbox = mailbox_of::<S, B>(over, params)?;
-    let has_blocks = params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params);
+    let has_blocks = asks_for_blocks(params);
     let of_frame = |parts: &Parts<S, T>| parts.primitives == over.len();
     let Some((mut parts, moved)) =
         before.and_then(Before::parts::<S, T>).filter(|b| of_frame(&b.0))
@@ -37,6 +37,11 @@ pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structur
         }
         (true, ..) => bound.with_blocks(over, params)?,
     }))
+}
+
+/// Whether the settings ask for lists as blocks.
+pub(crate) fn asks_for_blocks(params: &Params) -> bool {
+    params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params)
 }
 
 fn asks_for_mailbox(params: &Params) -> bool {

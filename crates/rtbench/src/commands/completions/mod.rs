@@ -4,7 +4,7 @@ mod scripts;
 
 use accel_core::params::{ParamKind, ParamSpec};
 use accel_core::structure::StructureInfo;
-use accel_core::variants::chosen_tests;
+use accel_core::structures::COMMON;
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, CommandFactory};
 use renderer::RayKind;
@@ -93,7 +93,7 @@ impl Names {
 }
 
 fn params(info: &'static StructureInfo) -> impl Iterator<Item = &'static ParamSpec> {
-    info.params.iter().chain(chosen_tests::PARAMS)
+    info.params.iter().chain(COMMON)
 }
 
 /// A structure, and with each of its settings: the values of those that have few.

@@ -21,6 +21,7 @@ pub mod secondary_rays;
 pub mod shadow_terminator;
 pub mod smallest_offset;
 pub mod sphere_test;
+pub mod time_segments;
 pub mod triangle_aims;
 pub mod triangle_test;
 pub mod voxel_walk;

@@ -1,0 +1,126 @@
+//! Segments of time: structures over what moves, each over the way within its part of the exposure.
+//!
+//! Paper: A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988.
+//! Deviations: he divides space and time in turns, as need be; we divide time alone, first, into equal parts. A
+//! ray has one time and so goes to one structure; nothing else changes, and neither do answers.
+
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::params::{ParamKind, ParamSpec, Params};
+use crate::primitives::{MixedSet, PrimSet};
+use crate::query::cells::{CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
+use crate::query::sink::{ErasedSink, RelayedSink};
+use crate::query::tracer::tested::asks_for_blocks;
+use crate::structure::{BuildError, Shape, Structure};
+
+/// The setting, which every structure has.
+pub const PARAM: ParamSpec = ParamSpec {
+    name: "time-segments",
+    summary: "equal parts of the time the shutter is open, each with a structure of its own over what moves \
+              in it; a scene at rest has one",
+    default: "1",
+    kind: ParamKind::Integer { min: 1, max: 8 },
+};
+
+/// A structure, with its lists as blocks where that is asked for.
+struct Segment<S, T> {
+    structure: T,
+    blocks: Option<ListBlocks<S>>,
+}
+
+impl<S: Scalar, T: Structure<S>> Segment<S, T> {
+    fn build(part: &MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
+        let structure = T::build(part, params)?;
+        let blocks = match asks_for_blocks(params) {
+            true => ListBlocks::of_structure(part, &structure, params)?,
+            false => None,
+        };
+        Ok(Self { structure, blocks })
+    }
+
+    fn shape(&self) -> Shape {
+        let shape = self.structure.shape();
+        let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
+        Shape { bytes: shape.bytes + blocks, ..shape }
+    }
+}
+
+/// The structures of all segments.
+pub struct TimeSegments<'a, S: Scalar, T> {
+    set: &'a MixedSet<S>,
+    segments: Vec<Segment<S, T>>,
+}
+
+impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
+    /// Builds as many structures as the settings say.
+    ///
+    /// # Errors
+    /// [`BuildError`] of the first that cannot be built.
+    pub fn build(set: &'a MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
+        let n = params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize);
+        if n == 1 {
+            return Ok(Self { set, segments: vec![Segment::build(set, params)?] });
+        }
+        // a copy of the set, whose bounds are those of a segment while its structure is built
+        params.fits(set.bytes() as u128)?;
+        let (mut part, mut left) = (set.clone(), params.clone());
+        let mut narrowed = |k| {
+            part.narrow_to(k, n);
+            let segment = Segment::<S, T>::build(&part, &left)?;
+            left = left.clone().within(left.memory().beside(segment.shape().bytes));
+            Ok(segment)
+        };
+        Ok(Self { set, segments: (0..n).map(&mut narrowed).collect::<Result<_, BuildError>>()? })
+    }
+
+    #[inline(always)]
+    fn at(&self, ray: &Ray<S>) -> &Segment<S, T> {
+        match &self.segments[..] {
+            [all] => all,
+            several => &several[self.set.motion().segment(ray.time, several.len())],
+        }
+    }
+
+    /// The blocks of the lists that a ray may meet.
+    #[inline(always)]
+    pub(crate) fn blocks(&self, ray: &Ray<S>) -> Option<&ListBlocks<S>> {
+        if T::HAS_LISTS { self.at(ray).blocks.as_ref() } else { None }
+    }
+
+    /// The walk of all passes that count.
+    #[inline(never)]
+    pub(crate) fn counted_walk(&self, ray: &Ray<S>, mut sink: ErasedSink<'_, S>) {
+        self.at(ray).structure.walk(ray, &mut sink);
+    }
+
+    /// The walk of all passes that are timed.
+    #[inline(never)]
+    pub(crate) fn timed_walk(&self, ray: &Ray<S>, mut sink: RelayedSink<'_, S>) {
+        self.at(ray).structure.walk(ray, &mut sink);
+    }
+
+    /// The sum of all; the resolution is that of the first.
+    pub(crate) fn shape(&self) -> Shape {
+        let shapes = self.segments.iter().map(Segment::shape);
+        shapes.reduce(with).unwrap_or_default()
+    }
+
+    /// The cells of each segment, one after the other.
+    pub(crate) fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
+        self.segments.iter().try_for_each(|segment| segment.structure.cells(each))
+    }
+}
+
+/// Both together.
+fn with(a: Shape, b: Shape) -> Shape {
+    Shape {
+        inner_cells: a.inner_cells + b.inner_cells,
+        cells: a.cells + b.cells,
+        empty_cells: a.empty_cells + b.empty_cells,
+        references: a.references + b.references,
+        resolution: a.resolution,
+        bytes: a.bytes + b.bytes,
+        pending_cells: a.pending_cells.map(|n| n + b.pending_cells.unwrap_or(0)),
+    }
+}

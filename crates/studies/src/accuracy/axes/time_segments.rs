@@ -1,0 +1,249 @@
+//! Motion: what moves while rays are traced, by 1 to 8 segments of time, against the same held still at 1 to 8
+//! moments.
+//!
+//! Papers: A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988 (segments); J. Korein,
+//! N. Badler, "Temporal Anti-Aliasing in Computer Generated Animation", SIGGRAPH 1983 (moments).
+//!
+//! Every other primitive moves by a tenth of the scene's size, each in a direction of its own, and every ray has a
+//! random time. Held still, it sees the middle of the part that its time is in, and the rays of a part are traced
+//! together, as by one who draws an image a moment.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use accel_core::Ray;
+use accel_core::query::tracer::Tracer;
+use glam::DVec3;
+use renderer::Geometry;
+use scene_loading::{Scene, Shape};
+
+use crate::accuracy::axis::{Axis, Measure};
+use crate::accuracy::error_of::Tally;
+use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
+use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::work::Work;
+use crate::error::StudyError;
+use measurement::plan::rows::Row;
+use measurement::rays::batches::Answers;
+use statistics::random::Random;
+
+/// Registry line.
+pub static AXIS: Axis = Axis {
+    name: "time-segments",
+    summary: "what moves, by 1 to 8 segments of time, or held still at 1 to 8 moments",
+    paper: "Glassner 1988; Korein, Badler 1983",
+    metric: "answers in 10^6 with another primitive, or blocked otherwise, than at the ray's own time",
+    reference: "the same structure over what moves, one segment",
+    scenes: &["balls:3", "gears:2", "pavilion"],
+    setting: "STRUCTURE.time-segments",
+    measure: Measure::Whole(measure),
+};
+
+/// Segments, and moments.
+const PARTS: [usize; 4] = [1, 2, 4, 8];
+
+/// How far primitives move, in parts of the scene's size.
+const WAY: f64 = 0.1;
+
+/// Structures with the rays that each answers.
+struct Rows<'a> {
+    tracers: Vec<Box<dyn Tracer<f32> + 'a>>,
+    sheets: Vec<Sheets<f32>>,
+    build_s: f64,
+}
+
+fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let scene = in_motion(stage.scene(), &mut stage.random("directions"));
+    let shutter = scene.camera.shutter;
+    let (mut random, mut sheets) = (stage.random("times"), stage.all_sheets());
+    for ray in sheets.iter_mut().flat_map(|(_, rays)| rays) {
+        ray.time = (shutter * unit(&mut random)) as f32;
+    }
+    let moving = [Geometry::<f32>::of(&scene)?];
+    let of_moments = |n| moments(n, shutter).map(|time| Geometry::of(&held_still(&scene, time)));
+    let still = PARTS.map(|n| of_moments(n).collect::<Result<Vec<Geometry<f32>>, _>>());
+    let still = still.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut rows = Vec::new();
+    for n in PARTS {
+        let label = format!("{TRACER}:time-segments={n}");
+        let setting = format!("run -s {label}");
+        rows.push((
+            named(n, "segment"),
+            setting,
+            built(stage, &label, &moving, vec![sheets.clone()])?,
+        ));
+    }
+    for (geometries, n) in still.iter().zip(PARTS) {
+        let parts = (0..n).map(|k| part(&sheets, k, n, shutter)).collect();
+        let setting = format!("run -s {TRACER}, of {n} scenes at rest");
+        rows.push((
+            format!("held still, {}", named(n, "moment")),
+            setting,
+            built(stage, TRACER, geometries, parts)?,
+        ));
+    }
+    let Some((_, _, reference)) = rows.first() else { return Err(stage.unfit("no variants")) };
+    let Some(reference) = reference.tracers.first() else {
+        return Err(stage.unfit("no structure"));
+    };
+    let mut variants = Vec::new();
+    for (i, (name, setting, row)) in rows.iter().enumerate() {
+        let pairs = row.tracers.iter().zip(&row.sheets);
+        let replays: Vec<_> =
+            pairs.map(|(tracer, sheets)| Replay::new(&**tracer, sheets)).collect();
+        let mut tally = Tally::default();
+        for (replay, sheets) in replays.iter().zip(&row.sheets) {
+            compare(&replay.answers, &Replay::new(&**reference, sheets).answers, &mut tally);
+        }
+        let bytes: u64 = row.tracers.iter().map(|tracer| tracer.shape().bytes).sum();
+        variants.push(Variant {
+            name: name.clone(),
+            setting: setting.clone(),
+            known_defect: (i >= PARTS.len()).then_some("what moves stands still within each part"),
+            is_without: false,
+            is_reference: i == 0,
+            error: tally.error(),
+            also: vec![("MiB", bytes as f64 / f64::from(1 << 20)), ("build ms", row.build_s * 1e3)],
+            work: Box::new(Moments(replays)),
+        });
+    }
+    let said = Said {
+        timed: format!(
+            "{} rays of the scene, each at a time of its own, through {TRACER}",
+            count(&sheets)
+        ),
+        judged: "the same rays".into(),
+        ..Said::default()
+    };
+    Ok(timed(stage, said, variants))
+}
+
+/// The structure over each of the geometries.
+fn built<'a>(
+    stage: &Stage<'_>,
+    label: &str,
+    geometries: &'a [Geometry<f32>],
+    sheets: Vec<Sheets<f32>>,
+) -> Result<Rows<'a>, StudyError> {
+    let row = Row::parse(stage.registry, label)?;
+    let start = stage.clock.now();
+    let build = |geometry: &'a Geometry<f32>| row.entry.build(geometry.prims(), &row.params);
+    let tracers: Result<Vec<_>, _> = geometries.iter().map(build).collect();
+    let build_s = stage.clock.seconds_since(start);
+    Ok(Rows { tracers: tracers.map_err(|e| stage.refused(e))?, sheets, build_s })
+}
+
+/// The answers of several structures, each to rays of its own.
+struct Moments<'a>(Vec<Replay<'a, f32>>);
+
+impl Work for Moments<'_> {
+    fn prepare(&mut self) {
+        self.0.iter_mut().for_each(Replay::prepare);
+    }
+
+    fn run(&mut self) {
+        self.0.iter_mut().for_each(Replay::run);
+    }
+
+    fn fingerprint(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.0.iter().for_each(|replay| replay.fingerprint().hash(&mut hasher));
+        hasher.finish()
+    }
+}
+
+/// How often primitives, or what is blocked, differ.
+fn compare(answers: &[Answers<f32>], exact: &[Answers<f32>], tally: &mut Tally) {
+    for pair in answers.iter().zip(exact) {
+        match pair {
+            (Answers::Hits(hits), Answers::Hits(exact)) => {
+                hits.iter().zip(exact).for_each(|(hit, exact)| tally.add(hit.id != exact.id));
+            }
+            (Answers::Blocked(blocked), Answers::Blocked(exact)) => {
+                blocked.iter().zip(exact).for_each(|(b, e)| tally.add(b != e));
+            }
+            _ => {}
+        }
+    }
+}
+
+fn named(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
+/// In [0, 1).
+fn unit(random: &mut Random) -> f64 {
+    random.below(1 << 24) as f64 / f64::from(1 << 24)
+}
+
+/// The middles of `n` parts of the exposure.
+fn moments(n: usize, shutter: f64) -> impl Iterator<Item = f64> {
+    (0..n).map(move |k| shutter * (k as f64 + 0.5) / n as f64)
+}
+
+/// The rays of a part of the exposure.
+fn part(sheets: &Sheets<f32>, k: usize, n: usize, shutter: f64) -> Sheets<f32> {
+    let is_in =
+        |ray: &Ray<f32>| ((f64::from(ray.time) / shutter * n as f64) as usize).min(n - 1) == k;
+    let part = |rays: &Vec<Ray<f32>>| rays.iter().copied().filter(is_in).collect();
+    sheets.iter().map(|(kind, rays)| (*kind, part(rays))).collect()
+}
+
+/// The scene, every other primitive of which moves.
+fn in_motion(scene: &Scene, random: &mut Random) -> Scene {
+    let mut scene = scene.clone();
+    let way = WAY * scene.bounds().size().length();
+    let mut velocity = |id: usize| {
+        let direction = DVec3::from([0; 3].map(|_| unit(random) - 0.5)).normalize_or_zero();
+        if id.is_multiple_of(2) { direction * way } else { DVec3::ZERO }
+    };
+    scene.velocities = (0..scene.primitives.len()).map(&mut velocity).collect();
+    scene.camera.shutter = 1.0;
+    scene
+}
+
+/// The scene as it is at a moment, primitives in their order.
+fn held_still(scene: &Scene, time: f64) -> Scene {
+    let mut still = Scene::new(scene.name.clone());
+    still.materials = scene.materials.clone();
+    for (id, primitive) in (0..).zip(&scene.primitives) {
+        let (material, way) = (primitive.material, scene.velocity(id) * time);
+        match primitive.shape {
+            Shape::Sphere(i) => {
+                let sphere = scene.spheres[i as usize];
+                still.push_sphere(material, sphere.center + way, sphere.radius);
+            }
+            Shape::Cone(i) => {
+                let cone = scene.cones[i as usize];
+                let (base, apex) = (cone.base + way, cone.apex + way);
+                still.push_cone(material, scene_loading::Cone { base, apex, ..cone });
+            }
+            shape => {
+                let outline: Vec<_> = scene.outline(shape).into_iter().map(|p| p + way).collect();
+                match outline[..] {
+                    [a, b, c] => still.push_triangle(material, [a, b, c]),
+                    _ => still.push_polygon(material, &outline),
+                }
+            }
+        }
+    }
+    still
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_moment_has_what_moves_where_it_is_then() {
+        let mut scene = scene_loading::procedural::generate("balls:1").unwrap();
+        scene.velocities = vec![DVec3::ZERO, DVec3::X];
+        let still = held_still(&scene, 0.5);
+        assert_eq!(still.primitives.len(), scene.primitives.len());
+        for (id, (was, is)) in scene.primitives.iter().zip(&still.primitives).enumerate() {
+            let (was, is) = (scene.shape_bounds(was.shape), still.shape_bounds(is.shape));
+            let way = if id == 1 { DVec3::X * 0.5 } else { DVec3::ZERO };
+            assert_eq!((was.min + way, was.max + way), (is.min, is.max), "{id}");
+        }
+    }
+}
