@@ -23,7 +23,7 @@ pub const REFIT: ParamSpec = ParamSpec {
 pub const INCREMENTAL: ParamSpec = ParamSpec {
     name: "update",
     summary: "between frames: built anew, or the lists alone that something moved into or out of (built \
-              anew where the grid's box or resolution changes)",
+              anew where the grid's box or resolution changes, or most primitives move)",
     default: REBUILD,
     kind: ParamKind::Choice(&[REBUILD, "incremental"]),
 };
@@ -51,6 +51,11 @@ pub(crate) fn is_by_instances(params: &Params) -> bool {
 /// Whether lists are to be changed cell by cell.
 pub(crate) fn is_incremental(params: &Params) -> bool {
     params.get(INCREMENTAL.name) == Some("incremental")
+}
+
+/// Whether lists are to be changed where so many of the primitives moved: of most, a build is no more work.
+pub(crate) fn is_worth_changing(params: &Params, moved: usize, primitives: usize) -> bool {
+    is_incremental(params) && moved <= primitives / 2
 }
 
 /// When a refitted tree is built anew.

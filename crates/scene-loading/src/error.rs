@@ -149,8 +149,8 @@ pub enum LoadError {
     #[error("{place}: no file has a number in place of the %d, and that ending")]
     NoFrames { place: Place },
     /// A sequence of files has a hole.
-    #[error("{place}: {} is missing, but {} is there", missing.display(), later.display())]
-    MissingFrame { place: Place, missing: PathBuf, later: PathBuf },
+    #[error("{place}: {} is missing, but {} is there", .files.0.display(), .files.1.display())]
+    MissingFrame { place: Place, files: Box<(PathBuf, PathBuf)> },
     /// A scene of which there is but one size.
     #[error("`{name}` does not come in sizes; those that do: {valid}")]
     NoSizes { name: String, valid: String },

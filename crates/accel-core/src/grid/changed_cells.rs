@@ -138,9 +138,9 @@ mod tests {
     struct At(Vec<usize>);
 
     impl Placement for At {
-        fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+        fn cells_of(&self, id: u32, emit: impl FnMut(usize)) {
             let first = self.0[id as usize];
-            (first..first + 2 + first % 2).for_each(|cell| emit(cell));
+            (first..first + 2 + first % 2).for_each(emit);
         }
     }
 

@@ -45,7 +45,7 @@ pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(
         if !ids[..n].iter().any(|&id| moved.has(id)) {
             continue;
         }
-        let corners = |id| Some((id, prims.corners(id)?.map(|p| p.to_array())));
+        let corners = |id| Some((id, prims.corners_in_block(id)?.map(|p| p.to_array())));
         *block =
             TriangleBlock::new(ids[..n].iter().filter_map(|&id| corners(id)), block.has_next());
     }

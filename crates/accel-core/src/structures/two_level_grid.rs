@@ -33,7 +33,7 @@ use crate::query::sink::Sink;
 use crate::room::Room;
 use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
 use crate::structures::uniform_grid::DenseCells;
-use crate::update::{Change, INCREMENTAL, is_incremental};
+use crate::update::{Change, INCREMENTAL, is_incremental, is_worth_changing};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
 /// Registry line.
@@ -130,7 +130,9 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         params: &Params,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if self.change(prims, params, moved)? {
+        if is_worth_changing(params, moved.len(), prims.len())
+            && self.change(prims, params, moved)?
+        {
             return Ok(Change::Updated);
         }
         *self = Self::build(prims, params)?;

@@ -50,7 +50,7 @@ pub(crate) fn build<'a, T: Structure<f32>>(
         PrimsRef::Mixed(set) if set.has_motion() => None,
         PrimsRef::Mixed(set) => Some(match (triangle, sphere) {
             (TriangleChoice::Watertight, SphereChoice::Rearranged) => {
-                tested_as::<f32, _, _, T>(set, set, params)
+                tested_as::<f32, _, _, T>(set, set, params, None)
             }
             (TriangleChoice::MoellerTrumbore, SphereChoice::Rearranged) => {
                 mixed::<MoellerTrumbore, Rearranged, T>(set, params)

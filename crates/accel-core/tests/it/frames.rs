@@ -50,7 +50,7 @@ fn placement(part: usize, frame: u32) -> DAffine3 {
 fn triangles(frame: u32, free: Free) -> (Vec<[DVec3; 3]>, Vec<Instance>) {
     let (mut all, mut claims) = (Vec::new(), Vec::new());
     // the corners of the scene, part of nothing
-    for corner in [DVec3::splat(-1.0), DVec3::splat(9.0)] {
+    for corner in [DVec3::splat(-3.0), DVec3::splat(11.0)] {
         all.push([corner, corner + DVec3::X * 0.01, corner + DVec3::Y * 0.01]);
     }
     for (part, &object) in PARTS.iter().enumerate() {
@@ -64,10 +64,12 @@ fn triangles(frame: u32, free: Free) -> (Vec<[DVec3; 3]>, Vec<Instance>) {
         }
     }
     let mut r = Random::new(77);
-    for i in 0..40 {
+    // of so many most rest
+    for i in 0..240 {
         let p = r.point() * 8.0;
-        let by = if free == Free::Moves && i % 3 == 0 { f64::from(frame) * 0.1 } else { 0.0 };
-        all.push([p + by, p + r.signed(), p + r.signed() - by]);
+        let by =
+            if free == Free::Moves && i < 40 && i % 3 == 0 { f64::from(frame) * 0.1 } else { 0.0 };
+        all.push([p + by, p + r.signed() * 0.5, p + r.signed() * 0.5 - by]);
     }
     (all, claims)
 }

@@ -24,6 +24,7 @@ use presentation::text::Screen;
 use studies::animate::measure::{Equipment, Measured, measure};
 use studies::animate::record::AnimationRecord;
 use studies::animate::{Animate, csv, plot, table};
+use studies::error::{StudyError, UnsavedImage};
 
 /// The files of `-o`.
 const NAMES: [&str; 5] = ["animation.json", "frames.csv", "animate.md", "animate.svg", "strip.png"];
@@ -87,7 +88,10 @@ pub fn run(
     };
     progress.finish();
     let measured = measured.map_err(|error| match error {
-        MeasureError::Load(error) => Error::Load(error),
+        StudyError::Measure(error) => match *error {
+            MeasureError::Load(error) => Error::Load(error),
+            other => other.into(),
+        },
         other => other.into(),
     });
     // what was finished is shown, whatever ended it
@@ -194,6 +198,6 @@ impl<'r> Strip<'r> {
             return Ok(());
         }
         let saved = strip.save_png(path);
-        saved.map_err(|source| studies::error::UnsavedImage { path: path.into(), source }.into())
+        saved.map_err(|source| UnsavedImage { path: path.into(), source }.into())
     }
 }

@@ -89,7 +89,8 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Animation>, LoadError> {
     let file = |number| path.with_file_name(pattern.name(number));
     if let Some((missing, found)) = (first..).zip(&numbers).find(|(due, found)| due != *found) {
         let (missing, later) = (file(missing), file(*found));
-        return Err(LoadError::MissingFrame { place: Place::file(path), missing, later });
+        let files = Box::new((missing, later));
+        return Err(LoadError::MissingFrame { place: Place::file(path), files });
     }
     let paths = numbers.into_iter().map(file).collect();
     Ok(Box::new(Files { name: scene_name(path), paths, camera: None }))

@@ -1,9 +1,10 @@
 //! A frame, ready to be measured: its primitives, and what of them moved.
 
 use accel_core::registry::Buildable;
-use measurement::rounds::error::MeasureError;
 use renderer::Geometry;
 use scene_loading::Scene;
+
+use crate::error::StudyError;
 
 /// A frame's primitives.
 pub struct Frame<S: Buildable> {
@@ -24,13 +25,13 @@ impl<S: Buildable> Frame<S> {
     /// Of a scene. `first` and `before` are the primitives of the first frame measured and of the one before.
     ///
     /// # Errors
-    /// [`MeasureError::Geometry`].
+    /// [`StudyError`] for primitives that cannot be used.
     pub fn new(
         number: u32,
         scene: Scene,
         first: Option<&Geometry<S>>,
         before: Option<&Geometry<S>>,
-    ) -> Result<Self, MeasureError> {
+    ) -> Result<Self, StudyError> {
         let exact = Geometry::<f64>::of(&scene)?;
         let mut geometry = Geometry::<S>::of(&scene)?;
         if let Some(first) = first {

@@ -20,6 +20,7 @@ use crate::animate::frame::Frame;
 use crate::animate::lane::{Lane, OnFrame};
 use crate::animate::quality::surface_points;
 use crate::animate::record::{FrameRecord, LaneRecord};
+use crate::error::StudyError;
 
 /// What is measured with.
 pub struct Equipment<'a> {
@@ -41,16 +42,17 @@ pub struct Measured {
 /// Measures all frames, which `scene_of` makes by their numbers. `watch` sees what there is after each.
 ///
 /// # Errors
-/// [`MeasureError`] for a frame that cannot be loaded or answered.
+/// [`StudyError`] for a frame that cannot be loaded or answered.
 pub fn measure<S: Buildable>(
     animate: &Animate<'_>,
     mut scene_of: impl FnMut(u32) -> Result<Scene, LoadError>,
     equipment: &Equipment<'_>,
     mut watch: impl FnMut(&Measured),
-) -> Result<Measured, MeasureError> {
+) -> Result<Measured, StudyError> {
     let plan = &animate.plan;
     let pools = Pools::new(plan.threads)?;
-    let measured = animate.threads.iter().map(|&n| pool(n)).collect::<Result<Vec<_>, _>>()?;
+    let measured = animate.threads.iter();
+    let measured = measured.map(|&n| Ok(pool(n)?)).collect::<Result<Vec<_>, StudyError>>()?;
     let mut lanes: Vec<Lane<'_>> = plan
         .rows
         .iter()
@@ -62,7 +64,7 @@ pub fn measure<S: Buildable>(
     let [begin, end] = animate.frames;
     for number in begin..=end {
         equipment.progress.message(format!("{}: frame {number}", animate.scene));
-        let scene = scene_of(number)?;
+        let scene = scene_of(number).map_err(MeasureError::from)?;
         let frame = Frame::<S>::new(number, scene, first.as_ref(), before.as_ref())?;
         if number > begin && frame.moved.is_none() {
             lanes.iter_mut().for_each(Lane::forget);
@@ -87,7 +89,7 @@ fn visit_all<S: Buildable>(
     pools: &Pools,
     equipment: &Equipment<'_>,
     lanes: &mut [Lane<'_>],
-) -> Result<FrameRecord, MeasureError> {
+) -> Result<FrameRecord, StudyError> {
     let plan = &animate.plan;
     let oracle = Oracle::new(&frame.exact)
         .map_err(|source| MeasureError::Build { scene: frame.scene.name.clone(), source })?;

@@ -105,7 +105,7 @@ pub fn quality<S: Buildable>(tracer: &dyn Tracer<S>, points: &[SurfacePoint]) ->
     let finite = || cells.iter().filter(|cell| cell.bounds.is_finite());
     let scene = finite().fold(Aabb::empty(), |all, cell| all.union(cell.bounds));
     let whole = area(&scene);
-    if !(whole > 0.0) {
+    if whole.is_nan() || whole <= 0.0 {
         return None;
     }
     let expected_cost = finite().map(|cell| area(&cell.bounds) * cell.cost).sum::<f64>() / whole;

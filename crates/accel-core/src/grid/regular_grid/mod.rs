@@ -22,7 +22,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{BuildError, Shape, Structure};
-use crate::update::{Change, ChangedLists, is_incremental};
+use crate::update::{Change, ChangedLists, is_worth_changing};
 use crate::variants::double_walk::DoubleWalk;
 
 /// Where the lists of a grid's cells are kept.
@@ -256,7 +256,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         params: &Params,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if is_incremental(params) {
+        if is_worth_changing(params, moved.len(), prims.len()) {
             let mut contents = contents_of(prims, params)?;
             let references = Counted { bytes: G::REFERENCE_BYTES, ..REFERENCES };
             contents.max_references = contents.max_references.min(params.most(&references));

@@ -37,6 +37,12 @@ pub(super) struct FirstCopy {
     margin: f64,
 }
 
+impl<S: Scalar> Frames<S> {
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(self.objects.as_slice()) + size_of_val(self.tight.as_slice())) as u64
+    }
+}
+
 impl FirstCopy {
     pub fn of<S: Scalar, P: PrimSet<S>>(
         members: &Members,
@@ -80,7 +86,9 @@ impl<S: Scalar, T> Instanced<S, T> {
                 }
             }
             let needed = margin([copy.to_first].into_iter(), magnitude.to_f64());
-            if !(needed <= object.margin) || !tight.is_finite() {
+            // NaN is no margin either
+            let is_served = needed <= object.margin && tight.is_finite();
+            if !is_served {
                 return false;
             }
             copy.bounds = tight.expanded(padding);

@@ -190,7 +190,9 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
         let upper = self.upper.shape();
         let mut all = Shape {
             inner_cells: upper.inner_cells + upper.cells,
-            bytes: upper.bytes + size_of_val(self.copies.as_slice()) as u64,
+            bytes: upper.bytes
+                + size_of_val(self.copies.as_slice()) as u64
+                + self.frames.as_ref().map_or(0, Frames::bytes),
             ..Shape::default()
         };
         for object in &self.objects {
