@@ -1,6 +1,8 @@
 //! `rtbench animate` end to end: rows, updates, exports, errors.
 
-use crate::common::{Folder, PLANTED, run, run_stepping, run_with};
+use accel_core::structures::REGISTRY;
+
+use crate::common::{Ended, Folder, PLANTED, run_with};
 use measurement::scenes::Installed;
 use measurement::system::clock::SystemClock;
 
@@ -13,12 +15,17 @@ fn frames(folder: &Folder) -> Vec<Row> {
         .expect("CSV that parses back")
 }
 
+/// With all structures there are.
+fn run(arguments: &str) -> Ended {
+    run_with(REGISTRY, &Installed, &SystemClock::default(), arguments)
+}
+
 #[test]
 fn rows_are_updated_from_frame_to_frame_and_right_in_each() {
     let folder = Folder::new();
     let rows = "uniform-grid,uniform-grid:update=incremental,wide-bvh:update=refit,\
                 instanced-bvh:update=instances,recursive-grid";
-    let ended = run_stepping(&format!(
+    let ended = run(&format!(
         "animate city:1 --frames 0..4 -s {rows} --size 24 --rounds 2 -j 2 -o {}",
         folder.path()
     ));

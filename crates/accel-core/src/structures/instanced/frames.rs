@@ -5,11 +5,9 @@
 
 use glam::DAffine3;
 
-use super::object::Members;
-use super::{Instanced, margin};
+use super::object::{Copy, Members, margin, padding_of};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
-use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::primitives::PrimSet;
 
 /// How much more than it needs a margin is when objects are built, so that it serves other frames.
@@ -56,22 +54,26 @@ impl FirstCopy {
     }
 }
 
-impl<S: Scalar, T> Instanced<S, T> {
-    /// Places all copies as the parts of these primitives are. False where that cannot be: something moved that is
-    /// part of nothing, a part is another one, or rounding there is more than margins are for. It is of no use then.
-    pub(super) fn place<P: PrimSet<S>>(&mut self, prims: &P, moved: &[u32]) -> bool {
-        let (Some(frames), Some(parts)) = (&mut self.frames, prims.instances()) else {
-            return false;
-        };
+impl<S: Scalar> Frames<S> {
+    /// Places all copies as the parts of these primitives are; `count` says how many primitives an object has. False
+    /// where that cannot be: something moved that is part of nothing, a part is another one, or rounding there is
+    /// more than margins are for. All is of no use then.
+    pub fn place<P: PrimSet<S>>(
+        &mut self,
+        copies: &mut [Copy<S>],
+        count: impl Fn(u32) -> u32,
+        prims: &P,
+        moved: &[u32],
+    ) -> bool {
+        let Some(parts) = prims.instances() else { return false };
         if moved.iter().any(|&id| parts.part_of(id).is_none()) {
             return false;
         }
         let magnitude = prims.magnitude();
-        let padding = S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS);
-        let padding = padding.greater(S::from_f64(2e-30));
-        for (copy, tight) in self.copies.iter_mut().zip(&mut frames.tight) {
-            let object = &frames.objects[copy.object as usize];
-            let count = self.objects[copy.object as usize].count;
+        let padding = padding_of(magnitude);
+        for (copy, tight) in copies.iter_mut().zip(&mut self.tight) {
+            let object = &self.objects[copy.object as usize];
+            let count = count(copy.object);
             if let Some(built) = object.placement {
                 let part = parts.part_of(copy.first);
                 let Some(part) = part.filter(|p| (p.first, p.count) == (copy.first, count)) else {

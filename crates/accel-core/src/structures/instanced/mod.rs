@@ -16,21 +16,18 @@ mod frames;
 mod object;
 mod sinks;
 
-use glam::DAffine3;
-
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::params::{ParamError, Params};
-use crate::primitives::instances::{self, Copied, stretch};
+use crate::primitives::instances::{self, Copied};
 use crate::primitives::{Instance, PrimSet};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::{BuildError, Shape, Structure};
 use crate::update::{Change, is_by_instances};
 use frames::{FirstCopy, Frames, ROOM_FOR_FRAMES};
-use object::{Boxes, Copy, Members, Object};
+use object::{Boxes, Copy, Members, Object, margin, padding_of};
 use sinks::Upper;
 
 /// Of which structure both levels are.
@@ -85,16 +82,6 @@ fn plan<S: Scalar, P: PrimSet<S>>(
     planned
 }
 
-/// By how many epsilons the boxes of an object's primitives are larger than those of its first copy: twice what
-/// padded boxes are, for the coordinates of the world where copies are rounded, brought here, and for those of
-/// the ray here.
-fn margin(to_first: impl Iterator<Item = Option<DAffine3>>, magnitude: f64) -> f64 {
-    let carried = |to_first: DAffine3| {
-        stretch(&to_first.matrix3) * magnitude + to_first.translation.abs().max_element()
-    };
-    2.0 * PADDING_ULPS * (magnitude + to_first.flatten().map(carried).fold(magnitude, f64::max))
-}
-
 impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
     #[inline(never)]
     fn walk_erased<const COUNTED: bool>(&self, ray: &Ray<S>, query: ErasedSink<'_, S, COUNTED>) {
@@ -119,8 +106,7 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
         let mut frames = (!parts.is_empty()).then(Frames::default);
         let is_whole = matches!(&planned[..], [(_, object)] if object.copies.len() == 1);
         let magnitude = prims.magnitude();
-        let padding = S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS);
-        let padding = padding.greater(S::from_f64(2e-30));
+        let padding = padding_of(magnitude);
         let (mut objects, mut copies) = (Vec::new(), Vec::<Copy<S>>::new());
         let mut boxes = Vec::new();
         for (members, instances::Object { count, copies: placed }) in planned {
@@ -166,7 +152,10 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
         params: &Params,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if self.place(prims, moved) {
+        let count = |object: u32| self.objects[object as usize].count;
+        let placed =
+            self.frames.as_mut().is_some_and(|f| f.place(&mut self.copies, count, prims, moved));
+        if placed {
             let [over_copies, _] = T::settings(params)?.map(|own| own.within(params.memory()));
             if let Some(frames) = &self.frames {
                 self.upper = T::build(&Boxes(&frames.tight), &over_copies)?;

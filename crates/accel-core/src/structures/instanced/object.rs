@@ -5,6 +5,8 @@ use glam::{DAffine3, DVec3};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::historical::bounds_rule::PADDING_ULPS;
+use crate::primitives::instances::stretch;
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
 /// Ids of the primitives of an object.
@@ -68,6 +70,21 @@ impl<S: Scalar> Copy<S> {
         let [origin, direction] = [origin, direction].map(Vec3::<S>::from_dvec3);
         Some(Ray { origin, direction, ..*ray })
     }
+}
+
+/// By how many epsilons the boxes of an object's primitives are larger than those of its first copy: twice what
+/// padded boxes are, for the coordinates of the world where copies are rounded, brought here, and for those of
+/// the ray here.
+pub(super) fn margin(to_first: impl Iterator<Item = Option<DAffine3>>, magnitude: f64) -> f64 {
+    let carried = |to_first: DAffine3| {
+        stretch(&to_first.matrix3) * magnitude + to_first.translation.abs().max_element()
+    };
+    2.0 * PADDING_ULPS * (magnitude + to_first.flatten().map(carried).fold(magnitude, f64::max))
+}
+
+/// By how much the boxes of copies are larger, for the scene's largest coordinate.
+pub(super) fn padding_of<S: Scalar>(magnitude: S) -> S {
+    (S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS)).greater(S::from_f64(2e-30))
 }
 
 /// The boxes of copies or of an object's primitives, as a set that structures divide and nobody tests.
