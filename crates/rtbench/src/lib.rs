@@ -342,20 +342,23 @@ fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
         return FAILURE;
     }
     context.error(error);
-    if let Some(listed) = listed_by(error) {
+    if let Some(listed) = listed_by(&cli.command, error) {
         let _ = writeln!(context.err, "For what there is, try 'rtbench list {listed}'.");
     }
     error.exit_code()
 }
 
 /// The list that has what was not found.
-fn listed_by(error: &Error) -> Option<&'static str> {
+fn listed_by(command: &Command, error: &Error) -> Option<&'static str> {
     match error {
         Error::Plan(PlanError::UnknownStructure { .. } | PlanError::Param { .. }) => {
             Some("structures")
         }
         Error::Plan(PlanError::Scene(LoadError::UnknownScene { .. }))
-        | Error::Load(LoadError::UnknownScene { .. }) => Some("scenes"),
+        | Error::Load(LoadError::UnknownScene { .. }) => match command {
+            Command::Animate(_) => Some("animations"),
+            _ => Some("scenes"),
+        },
         _ => None,
     }
 }

@@ -171,6 +171,7 @@ fn hints_name_the_list_that_has_it() {
         ("run tetra:2 -s unifrom-grid", Some("structures")),
         ("run tetra:2 -s uniform-grid:densty=1", Some("structures")),
         ("run tetrra", Some("scenes")),
+        ("animate marbels", Some("animations")),
         ("run tetra:2 --rays primery", None),
         ("list structures kd-tre", None),
     ] {
