@@ -5,7 +5,7 @@
 //!   elementary ones, all of equal cost.
 //! * End-point overlap: T. Aila, T. Karras, S. Laine, "On Quality Metrics of Bounding Volume Hierarchies", HPG 2013.
 //!   The part of the scene's surface that lies in cells which do not hold it, each with the cell's cost: a ray that
-//!   ends there visits them in vain. Deviation: of [`POINTS`] random points, uniform over the area of triangles, not
+//!   ends there visits them in vain. Deviation: of 512 random points, uniform over the area of triangles, not
 //!   of clipped polygons.
 
 use accel_core::primitives::{PrimSet, PrimsRef};
