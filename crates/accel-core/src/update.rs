@@ -1,7 +1,8 @@
 //! Structures from one frame of an animation to the next.
 //!
 //! A frame is a set of primitives at rest. Where two frames have the same primitives, under the same ids at other
-//! places, a structure may be taken from one to the other ([`Structure::update`]) in less time than building it
+//! places, a structure may be taken from one to the other
+//! ([`Structure::update`](crate::structure::Structure::update)) in less time than building it
 //! anew takes: a BVH by new boxes for its nodes, a grid by new lists for the cells that something left or entered,
 //! a structure of two levels by building the upper one alone. I. Wald, W. R. Mark, J. Guenther, S. Boulos, T. Ize,
 //! W. Hunt, S. G. Parker, P. Shirley, "State of the Art in Ray Tracing Animated Scenes", Computer Graphics Forum

@@ -5,7 +5,7 @@
 //! where the list lies in memory. Traversals are the same for both kernels, and so are counters; answers
 //! are equal to the last bit.
 //!
-//! A structure that has lists says [`Structure::HAS_LISTS`](crate::structure::Structure::HAS_LISTS) and
+//! A structure that has lists says [`Structure::HAS_LISTS`] and
 //! lists [`PARAM`] among its parameters.
 
 use std::ops::ControlFlow;
