@@ -94,12 +94,13 @@ fn panel(
                 let of = (quantity.of)(lane, frame)?;
                 Some(Point { x: f64::from(frame.frame), y: of.median, low: of.low, high: of.high })
             };
-            let points = lane.frames.iter().filter_map(point).collect();
-            Series { name: lane.label(), points, is_joined: true }
+            let points: Vec<Point> = lane.frames.iter().filter_map(point).collect();
+            // a row has its colour in all panels, also where it has no points
+            let none = if points.is_empty() { " (not known)" } else { "" };
+            Series { name: lane.label() + none, points, is_joined: true }
         })
-        .filter(|series| !series.points.is_empty())
         .collect();
-    (!series.is_empty()).then(|| Plot {
+    series.iter().any(|series| !series.points.is_empty()).then(|| Plot {
         title: format!("{}: {}", run.scene, quantity.title),
         subtitle: subtitle.to_owned(),
         x: Axis { label: "frame".into(), scale: Scale::Linear },
