@@ -135,7 +135,7 @@ pub enum Command {
     Scale(ScaleArgs),
     /// Measure a scene that moves, frame by frame: updates, rays, and which row has the most frames a second
     #[command(
-        after_help = "Examples:\n  rtbench animate marbles                             every structure, every way to update it\n  rtbench animate city -s wide-bvh:update=refit,uniform-grid:update=incremental -o out\n  rtbench animate 'frame%04d.obj' --frames 0..9 -j 2  a sequence of files, with one thread and with two"
+        after_help = "Examples:\n  rtbench animate marbles                                every structure, every way to update it\n  rtbench animate city -s wide-bvh:update=refit,uniform-grid:update=incremental -o out\n  rtbench animate 'frame%04d.obj' --frames 0..9 -j 2     a sequence of files, with one thread and with two"
     )]
     Animate(AnimateArgs),
     /// What the difference in time between two rows is made of: structure, kernel, query
