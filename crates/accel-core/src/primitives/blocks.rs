@@ -31,6 +31,7 @@ pub(crate) fn of_list<'a, S: Scalar, P: PrimSet<S>>(
     let last = number_of::<S>(ids.len()).saturating_sub(1);
     ids.chunks(TriangleBlock::<S>::LANES).enumerate().map(move |(i, part)| {
         TriangleBlock::new(part.iter().filter_map(|&id| Some((id, corners(id)?))), i < last)
+            .moving(prims.move_as_one(part))
     })
 }
 
@@ -47,7 +48,8 @@ pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(
         }
         let corners = |id| Some((id, prims.corners_in_block(id)?.map(|p| p.to_array())));
         *block =
-            TriangleBlock::new(ids[..n].iter().filter_map(|&id| corners(id)), block.has_next());
+            TriangleBlock::new(ids[..n].iter().filter_map(|&id| corners(id)), block.has_next())
+                .moving(prims.move_as_one(&ids[..n]));
     }
 }
 

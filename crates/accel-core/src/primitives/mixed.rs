@@ -241,21 +241,27 @@ impl<S: Scalar> MixedSet<S> {
         let tagged = self.order[id as usize];
         let i = tagged.index();
         let velocity = self.motion.velocity_or_zero(id);
-        // each kind computes no more of it than its test needs, and what is rare anew: nothing is kept in memory
-        let relative = || ray.moved_back(velocity, moment);
-        let shear = || shear.moved_back(velocity, moment, self.magnitude);
+        // each kind computes no more than its test needs, and what is rare anew: nothing is kept in memory
         match tagged.kind() {
             PrimitiveKind::Triangle => {
                 let triangle = &self.triangles[i];
+                let shear = || shear.moved_back(velocity, moment, self.magnitude);
                 watertight::intersect_in(triangle, &shear(), ray.t_min, t_max, || {
-                    precise::intersect(triangle, &relative(), &shear(), t_max)
+                    let relative = ray.moved_back(velocity, moment);
+                    precise::intersect(triangle, &relative, &shear(), t_max)
                 })
             }
             PrimitiveKind::Polygon => {
-                self.polygons[i].intersect(&self.polygon_vertices, &relative(), &shear(), t_max)
+                let relative = ray.moved_back(velocity, moment);
+                let shear = shear.moved_back(velocity, moment, self.magnitude);
+                self.polygons[i].intersect(&self.polygon_vertices, &relative, &shear, t_max)
             }
-            PrimitiveKind::Sphere => self.spheres[i].intersect(&relative(), t_max),
-            PrimitiveKind::Cone => self.cones[i].intersect(&relative(), t_max),
+            PrimitiveKind::Sphere => {
+                self.spheres[i].intersect(&ray.moved_back(velocity, moment), t_max)
+            }
+            PrimitiveKind::Cone => {
+                self.cones[i].intersect(&ray.moved_back(velocity, moment), t_max)
+            }
         }
     }
 
@@ -358,6 +364,10 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             ShapeRef::Triangle(v) if self.has_motion() => Some(v.map(Vec3::<S>::from_array)),
             _ => None,
         }
+    }
+
+    fn move_as_one(&self, ids: &[u32]) -> bool {
+        self.motion.is_one(ids)
     }
 
     fn moves(&self, id: u32) -> bool {

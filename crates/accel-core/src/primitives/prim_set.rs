@@ -94,6 +94,10 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn moves(&self, _id: u32) -> bool {
         false
     }
+    /// Whether these, of one block, all move alike.
+    fn move_as_one(&self, _ids: &[u32]) -> bool {
+        true
+    }
     /// What kind of primitive it is.
     fn kind(&self, id: u32) -> PrimitiveKind;
     /// Which of its primitives are copies of others, where that is known.

@@ -20,6 +20,10 @@ const ALL: u32 = (1 << LANES) - 1;
 
 /// In `ids[0]`: another block of the same list follows.
 const MORE: u32 = 1 << 31;
+/// In `ids[0]`: its triangles do not all move alike.
+const APART: u32 = 1 << 30;
+/// What of `ids[0]` is no id.
+const MARKS: u32 = MORE | APART;
 
 /// Up to `LANES` triangles, transposed; in f32 five cache lines.
 #[repr(C, align(64))]
@@ -34,7 +38,7 @@ impl<S: Scalar> TriangleBlock<S> {
     /// Triangles in a block.
     pub const LANES: usize = LANES;
     /// The largest number of primitives that ids in blocks can tell apart.
-    pub const MOST_IDS: usize = MORE as usize;
+    pub const MOST_IDS: usize = APART as usize - 1;
 
     /// Of no more than `LANES` triangles; further ones are left out. `more`: another block
     /// of the same list follows.
@@ -49,12 +53,22 @@ impl<S: Scalar> TriangleBlock<S> {
                 }
             }
         }
-        if !more {
-            this.ids[0] &= !MORE;
-        } else {
-            this.ids[0] |= MORE;
-        }
+        // as one, until said otherwise
+        this.ids[0] &= !MARKS;
+        this.ids[0] |= if more { MORE } else { 0 };
         this
+    }
+
+    /// The same, marked where its triangles do not all move alike.
+    pub(crate) fn moving(mut self, as_one: bool) -> Self {
+        self.ids[0] |= if as_one { 0 } else { APART };
+        self
+    }
+
+    /// Whether its triangles move alike, or are at rest.
+    #[inline(always)]
+    pub(crate) fn moves_as_one(&self) -> bool {
+        self.ids[0] & APART == 0
     }
 
     /// Whether another block of the same list follows.
@@ -67,8 +81,8 @@ impl<S: Scalar> TriangleBlock<S> {
     #[inline(always)]
     pub fn ids(&self) -> ([u32; LANES], usize) {
         let mut ids = self.ids;
-        ids[0] &= !MORE;
-        (ids, ids.iter().take_while(|id| **id | MORE != MISS).count())
+        ids[0] &= !MARKS;
+        (ids, ids.iter().take_while(|id| **id | MARKS != MISS).count())
     }
 
     /// Its triangles with their ids.
@@ -81,7 +95,7 @@ impl<S: Scalar> TriangleBlock<S> {
     /// The id in a lane that has one.
     #[inline(always)]
     pub(crate) fn id(&self, lane: usize) -> u32 {
-        if lane == 0 { self.ids[0] & !MORE } else { self.ids[lane] }
+        if lane == 0 { self.ids[0] & !MARKS } else { self.ids[lane] }
     }
 
     /// By corner, axis and lane; NaN in lanes without a triangle.
