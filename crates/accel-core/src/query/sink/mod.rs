@@ -122,6 +122,8 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'
         if !M::ENABLED {
             count!(self.counters.intersection_tests(ids.len()));
         }
+        // what is read for each is in registers, also where the sink itself is not
+        let (prims, ray, mut best) = (self.prims, self.ray, self.best);
         for &id in ids {
             if M::ENABLED {
                 if !self.mailbox.is_new(id) {
@@ -130,12 +132,13 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'
                 }
                 count!(self.counters.intersection_tests(1));
             }
-            if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
-                && (t < self.best.t || id < self.best.id)
+            if let Some(t) = prims.intersect(id, ray, &self.setup, best.t)
+                && (t < best.t || id < best.id)
             {
-                self.best = Hit { t, id };
+                best = Hit { t, id };
             }
         }
+        self.best = best;
         ControlFlow::Continue(())
     }
 
