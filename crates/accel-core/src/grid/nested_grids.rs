@@ -209,6 +209,11 @@ impl<S: Scalar> NestedGrids<S> {
         self.grids.get(grid as usize).map_or(Aabb::empty(), |grid| grid.frame.bounds())
     }
 
+    /// True when the ray meets the box of a grid.
+    pub(crate) fn meets(&self, grid: u32, ray: &Ray<S>, t_start: S) -> bool {
+        self.bounds(grid).clip(ray.origin, ray.direction, t_start, ray.t_max).is_some()
+    }
+
     /// Bytes occupied.
     pub(crate) fn bytes(&self) -> u64 {
         (size_of_val(self.grids.as_slice())

@@ -243,11 +243,12 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
 }
 
 impl<S: Scalar> AdaptiveGrid<S> {
-    /// [`Structure::walk`] that also reports every test of a box of the hierarchy (N_BIT).
+    /// [`Structure::walk`] that also reports every inner node of the hierarchy entered: N_BIT of 1999,
+    /// where a node that holds one grid and one orphan was one test.
     #[inline(always)]
-    pub fn walk_with<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K, on_box: impl FnMut()) {
+    pub fn walk_with<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K, on_node: impl FnMut()) {
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
-        self.tree.walk(ray, t_start, sink, on_box, |item, sink| match item {
+        self.tree.walk(ray, t_start, sink, on_node, |item, sink| match item {
             Item::Grid(grid) => {
                 sink.inner_step();
                 self.grids.walk(grid, ray, t_start, sink, &mut NoMailbox)

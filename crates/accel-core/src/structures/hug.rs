@@ -95,7 +95,7 @@ pub static INFO: StructureInfo = StructureInfo {
 pub const HISTORY: &str = "an axis thinner than 0.01 becomes 0.01; neighbours overlap by more than \
     a touch; s_i (n / volume)^(1/3) voxels an axis, rounded up, with n the primitives of the \
     grid's own class; primitives but spheres inserted with boxes 0.01 larger on every side, the root's \
-    box 0.001 larger";
+    box 0.001 larger; a ray that misses the root's box takes no step";
 
 /// Thinnest box of the historical setting.
 const HISTORICAL_THICKNESS: f64 = 0.01;
@@ -135,25 +135,22 @@ impl<S: Scalar> Structure<S> for Hug<S> {
         let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
             .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
         let (mut plans, owners) = plan(&boxes, scene, padding, historical, params);
-        let grids = if historical {
-            if let Some(root) = plans.first_mut() {
-                root.bounds = root.bounds.expanded(S::from_f64(HISTORICAL_ROOT_MARGIN));
-                root.own = match params.integer("root-objects") {
-                    0 => root.own,
-                    n => n as usize,
-                };
-            }
-            fill(&inserted(prims), &plans, &owners, historical, padding, params)?
-        } else {
-            fill(&boxes, &plans, &owners, historical, padding, params)?
-        };
+        if let (true, Some(root)) = (historical, plans.first_mut()) {
+            root.bounds = root.bounds.expanded(S::from_f64(HISTORICAL_ROOT_MARGIN));
+            let asked = params.integer("root-objects") as usize;
+            root.own = if asked == 0 { root.own } else { asked };
+        }
+        let boxes = if historical { inserted(prims) } else { boxes };
+        let grids = fill(&boxes, &plans, &owners, historical, padding, params)?;
         Ok(Self { grids, from_origin: historical })
     }
 
     #[inline(always)]
     fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        sink.inner_step();
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        if !self.from_origin || self.grids.meets(0, ray, t_start) {
+            sink.inner_step();
+        }
         let mut mailbox = Mailbox::new();
         mailbox.is_first(0);
         let _ = self.grids.walk(0, ray, t_start, sink, &mut mailbox);

@@ -113,18 +113,17 @@ impl<S: Scalar> ClusterBvh<S> {
     }
 
     /// Visits the items whose boxes the ray meets in `[t_start, sink.t_max()]`, near ones first.
-    /// `on_box` is called for every box tested.
+    /// `on_node` is called for every inner node entered.
     #[inline(always)]
     pub(crate) fn walk<K: Sink<S>>(
         &self,
         ray: &Ray<S>,
         t_start: S,
         sink: &mut K,
-        mut on_box: impl FnMut(),
+        mut on_node: impl FnMut(),
         mut visit: impl FnMut(Item, &mut K) -> ControlFlow<()>,
     ) {
-        let mut enter = |node: usize, t_max: S| {
-            on_box();
+        let enter = |node: usize, t_max: S| {
             let b = &self.nodes.get(node)?.bounds;
             b.clip(ray.origin, ray.direction, t_start, t_max).map(|(t, _)| t)
         };
@@ -138,6 +137,7 @@ impl<S: Scalar> ClusterBvh<S> {
             match self.nodes.get(node).map(|n| n.content) {
                 Some(Content::Inner(right)) => {
                     sink.inner_step();
+                    on_node();
                     let pair = [node + 1, right as usize];
                     let t = pair.map(|n| enter(n, sink.t_max()));
                     let (near, far) = match (t[0], t[1]) {

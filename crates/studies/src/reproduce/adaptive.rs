@@ -48,15 +48,15 @@ fn count_over<P: PrimSet<f64>>(
 ) -> Result<Counted, ReproduceError> {
     let grid = AdaptiveGrid::<f64>::build(prims, params)?;
     let (orphans, hierarchy_nodes) = (grid.orphans(), grid.hierarchy_nodes());
-    let mut box_tests = 0;
+    let mut nodes_entered = 0;
     for kind in RayKind::ALL {
         for ray in scene.rays.rays(kind).iter().filter(|ray| ray.is_traceable()) {
             if kind.is_occlusion() {
                 let mut sink = HistoricalShadow::<f64, _, NoCounters>::new(prims, ray);
-                grid.walk_with(ray, &mut sink, || box_tests += 1);
+                grid.walk_with(ray, &mut sink, || nodes_entered += 1);
             } else {
                 let mut sink = ClosestHit::<f64, _, NoCounters>::new(prims, ray);
-                grid.walk_with(ray, &mut sink, || box_tests += 1);
+                grid.walk_with(ray, &mut sink, || nodes_entered += 1);
             }
         }
     }
@@ -65,7 +65,7 @@ fn count_over<P: PrimSet<f64>>(
     all.extend([
         ("N_ORP", orphans as f64),
         ("N_BB", hierarchy_nodes as f64),
-        ("N_BIT", box_tests as f64 / scene.all_rays() as f64),
+        ("N_BIT", nodes_entered as f64 / scene.all_rays() as f64),
     ]);
     Ok(all)
 }
