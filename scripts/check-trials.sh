@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Does `rtbench check` find what it should, and nothing else? With a structure that is slowed down
 # on purpose (crates/rtbench/examples/planted_slowdown.rs), repeated TRIALS times each:
-#   * a planted 3% of instructions, by the instruction rung;
+#   * a planted 3% of instructions, by the instruction stage;
 #   * nothing planted, against a baseline and against a copy of the same binary: false alarms;
 #   * a planted 10% of time, by turns of processes (--against).
 # Fails when a 3% is missed, a false alarm is raised, or more than two 10% of 20 are missed.
@@ -39,7 +39,7 @@ pair=(-s slowed-grid,obvhs-cwbvh)
 
 # how many turns of the loop are 3% of the instructions, and 10% of the time, on the first scene
 turns=1000
-instructions() { # TURNS -> instructions of all walks
+instructions() { # TURNS -> instructions of all traversals
     PLANTED_LOOPS=$1 "$new" -q baseline save --force calibration "$first" --quick --rounds 3 \
         -s slowed-grid --instructions
     "$new" baseline show calibration | awk '/^Instructions/ {on = 1}
@@ -59,7 +59,7 @@ turns_for() { # SHARE BEFORE WITH_TURNS -> turns
 }
 three=$(turns_for 0.03 "$(instructions 0)" "$(instructions $turns)")
 ten=$(turns_for 0.10 "$(seconds 0)" "$(seconds $turns)")
-echo "planted in slowed-grid on $first: $three turns a walk for 3% of instructions, $ten for 10% of time"
+echo "planted in slowed-grid on $first: $three turns per traversal for 3% of instructions, $ten for 10% of time"
 
 check() { # NAME TURNS ARGUMENTS... -> code; the CSV file at $csv
     csv=$keep/$1.csv
@@ -108,11 +108,11 @@ said() { # NAME TEXT SUCCESS
     echo "$2"
     [ "$3" -eq 1 ] || status=1
 }
-said three "planted 3% of instructions, found by the instruction rung: $found3 of $trials" $((found3 == trials))
+said three "planted 3% of instructions, found by the instruction stage: $found3 of $trials" $((found3 == trials))
 said same "nothing planted, false alarms against a baseline: $alarms of $trials" $((alarms == 0))
 said against "nothing planted, false alarms against the same binary: $alarms_against of $trials" $((alarms_against == 0))
 said ten "planted 10% of time, found by turns of processes: $found10 of $trials" $((found10 * 20 >= trials * 18))
-echo "false alarms in rows and rungs in which nothing was planted: $elsewhere"
+echo "false alarms in rows and stages in which nothing was planted: $elsewhere"
 [ "$elsewhere" -eq 0 ] || status=1
 echo "$((SECONDS - start)) s in all"
 exit $status

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Loads a mixed bag of real files: Debian's assimp-testmodels and openfoam-examples, the WebXR
 # controllers on npm, kitchen and sponza. Fetches the packages into a folder (default
-# target/mixed-bag), which only this needs. Prints a line a file: loads, or why it is refused.
+# target/mixed-bag), which only this needs. Prints one line per file: loads, or why it is refused.
 # Arguments: [FOLDER [PROGRAM]]. Needs apt-get, dpkg-deb and npm.
 set -euo pipefail
 cd "$(dirname "$0")/.."

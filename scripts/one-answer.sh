@@ -3,7 +3,7 @@
 # each answers to the cases of `rtbench verify`, to the last bit. Which instructions are used is
 # chosen when it is compiled (.cargo/config.toml: x86-64-v3; crate `wide` takes what there is).
 # Arguments: names for target-cpu (default: x86-64, the least, and x86-64-v3; this machine must be able
-# to run them). RAYS: rays a case and precision (500). ARGUMENTS: of verify, like "--cases ray".
+# to run them). RAYS: rays per case and precision (500). ARGUMENTS: of verify, like "--cases ray".
 # Rows with a known defect, libraries as shipped, are told but may differ. Exit code 1 if others do.
 set -euo pipefail
 cd "$(dirname "$0")/.."

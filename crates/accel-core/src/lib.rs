@@ -34,16 +34,16 @@
 //!
 //! How the parts meet:
 //! * [`primitives::PrimSet`] owns geometry and answers "where does this ray hit primitive `id`?".
-//! * [`structure::Structure`] owns ids only. It is built from bounds and *walks* a ray, pushing
+//! * [`structure::Structure`] owns ids only. It is built from bounds and *traversed* by a ray, pushing
 //!   candidate ids into a [`query::sink::Sink`].
 //! * A [`query::sink::Sink`] is the query: closest hit or occlusion, with or without
 //!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. Lists of
 //!   triangles may be kept as [`primitives::TriangleBlock`]s, which a sink tests at once and counts
 //!   as the triangles they are. The irregular grid has one more traversal, for batches of rays with
-//!   several on their way at once ([`structure::Batches`]).
+//!   several in flight ([`structure::Batches`]).
 //! * [`query::tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
-//! * [`query::region::Gatherer`] answers the other question, which primitives a beam or cone may meet.
+//! * [`query::region::FrustumQueries`] answers the other question, which primitives a beam or cone may meet.
 //! * [`structures::REGISTRY`] lists the structures: one line each. [`entry!`] makes a line of a structure
 //!   of yours, for `rtbench::main_with`; [`prelude`] has what that one needs, and does not change.
 

@@ -2,7 +2,7 @@
 //!
 //! It stays: what is here changes only with a new minor version of this crate (a new major one from 1.0
 //! on), and then `CHANGELOG.md` says how. Methods of traits with an implementation, fields of
-//! [`StructureInfo`] and of [`Shape`], and errors may be added. `peers/rust-template` is built and
+//! [`StructureInfo`] and of [`StructureStats`], and errors may be added. `peers/rust-template` is built and
 //! measured in CI against it. Whatever is not here may change at any time.
 
 pub use crate::entry;
@@ -14,5 +14,7 @@ pub use crate::params::{ParamError, ParamKind, ParamSpec, Params};
 pub use crate::primitives::{PrimSet, PrimsRef, TriangleSet};
 pub use crate::query::sink::Sink;
 pub use crate::query::tracer::Tracer;
-pub use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo, no_defect};
+pub use crate::structure::{
+    Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect,
+};
 pub use crate::structures::{Entry, REGISTRY, find};

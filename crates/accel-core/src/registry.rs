@@ -4,7 +4,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::structure::StructureInfo;
 
-/// What a registry lists: structures, occluders, structures that shafts are asked of.
+/// What a registry lists: structures, occluders, structures that frusta are asked of.
 pub trait Listed: 'static {
     /// How one is built in a scalar.
     type Builder<S: Scalar>: Copy + Send + Sync;

@@ -12,7 +12,7 @@ use crate::update::Change;
 /// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small one in a
 /// crate of its own.
 pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
-    /// Whether a walk may push an id more than once. Without duplicates a mailbox is of no use,
+    /// Whether a traversal may push an id more than once. Without duplicates a mailbox is of no use,
     /// and none is compiled.
     const DUPLICATES: bool = true;
 
@@ -44,9 +44,9 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// Pushes every primitive that the ray may hit within the sink's interval, in any order, and
     /// may stop as soon as the rest lies beyond `sink.t_max()`. The ray is traceable
     /// ([`Ray::is_traceable`]).
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
 
-    /// Calls `each` with the lists that [`Structure::walk`] hands to its sink, whole ones, each once; of
+    /// Calls `each` with the lists that [`Structure::traverse`] hands to its sink, whole ones, each once; of
     /// one array. Lists that it leaves out are tested primitive by primitive.
     fn lists<'a>(&'a self, _each: &mut dyn FnMut(&'a [u32])) {}
 
@@ -56,7 +56,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
         Batches::RayByRay
     }
 
-    /// Answers the rays of a batch, where [`Structure::batches`] says that they are not walked ray by ray.
+    /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed ray by ray.
     /// With [`Batches::InFlight`] rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
     #[inline(always)]
     fn closest_batch<P: PrimSet<S>>(
@@ -79,11 +79,11 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     ) {
     }
 
-    /// What was built; a walk over the structure, not part of the build.
-    fn shape(&self) -> Shape;
+    /// What was built; a pass over the structure, not part of the build.
+    fn stats(&self) -> StructureStats;
 
     /// Calls `each` with every cell: as many of each kind, and as many references, as
-    /// [`Structure::shape`] counts.
+    /// [`Structure::stats`] counts.
     ///
     /// # Errors
     /// [`NoCells`].
@@ -95,9 +95,9 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
 /// How a structure answers a batch of rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Batches {
-    /// Each is walked ([`Structure::walk`]) to its end before the next one begins.
+    /// Each is traversed ([`Structure::traverse`]) to its end before the next one begins.
     RayByRay,
-    /// Several are on their way at once, with the answers of [`Structure::walk`].
+    /// Several are in flight, with the answers of [`Structure::traverse`].
     InFlight,
     /// With the triangles, the test and the traversal of the library that the structure is of, and
     /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].
@@ -106,7 +106,7 @@ pub enum Batches {
 
 /// What a structure consists of, in the symbols of Havran and Sixta (1999).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Shape {
+pub struct StructureStats {
     /// N_IN: hierarchical cells (inner nodes).
     pub inner_cells: u64,
     /// N_V: elementary cells (voxels, leaves).
@@ -115,7 +115,7 @@ pub struct Shape {
     pub empty_cells: u64,
     /// N_OIV: primitive references in elementary cells.
     pub references: u64,
-    /// Voxels an axis, for structures that have one resolution.
+    /// Voxels per axis, for structures that have one resolution.
     pub resolution: Option<[u32; 3]>,
     /// Bytes of the structure itself, without the primitives.
     pub bytes: u64,

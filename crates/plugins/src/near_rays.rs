@@ -1,7 +1,7 @@
 //! Rays as a plugin is asked them. Far ones are brought near, and those that are no rays are left out, as
 //! they are before our structures see them (`accel_core::geometry::far_ray`); for a plugin that is in no time.
 
-use accel_core::geometry::far_ray::{self, Parameters, Place};
+use accel_core::geometry::far_ray::{self, Parameters, PlacedRay};
 use accel_core::{Hit, Ray};
 
 /// Those rays of a batch that are asked.
@@ -15,16 +15,16 @@ impl NearRays {
     /// Of a batch; none where all can be asked as they are.
     pub(crate) fn of(batch: &[Ray<f32>], reach: f32) -> Option<Self> {
         let place = |ray: &Ray<f32>| far_ray::place(ray, reach);
-        let first = batch.iter().position(|ray| !matches!(place(ray), Place::Near))?;
+        let first = batch.iter().position(|ray| !matches!(place(ray), PlacedRay::Near))?;
         let mut this = Self {
             rays: batch[..first].to_vec(),
             places: (0..first).map(|i| (i, Parameters::SAME)).collect(),
         };
         for (i, ray) in batch.iter().enumerate().skip(first) {
             let (ray, parameters) = match place(ray) {
-                Place::Near => (*ray, Parameters::SAME),
-                Place::Moved(ray, parameters) => (ray, parameters),
-                Place::Nowhere => continue,
+                PlacedRay::Near => (*ray, Parameters::SAME),
+                PlacedRay::Moved(ray, parameters) => (ray, parameters),
+                PlacedRay::Nowhere => continue,
             };
             this.rays.push(ray);
             this.places.push((i, parameters));

@@ -7,7 +7,7 @@ use accel_core::memory::{MemoryLimit, OutOfMemory};
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{Foreign, Origin, ShadowCount, ShadowRule, Tracer};
-use accel_core::structure::{BuildError, Shape};
+use accel_core::structure::{BuildError, StructureStats};
 use accel_core::{Hit, Ray};
 
 use crate::abi;
@@ -19,14 +19,14 @@ use crate::remote::Remote;
 use crate::stopwatch::Took;
 
 /// Where a structure is.
-enum Place<'a> {
+enum Host<'a> {
     Here(Box<Instance<&'a TriangleSet<f32>>>),
     /// The process is given back when the tracer is dropped.
     Elsewhere(Option<Remote>),
 }
 
 struct State<'a> {
-    place: Place<'a>,
+    place: Host<'a>,
     /// Of calls since they were asked for.
     seconds: f64,
     /// Of all calls.
@@ -63,7 +63,7 @@ impl<'a> PluginTracer<'a> {
             let built = Instance::build(Arc::clone(library), set, values);
             let (instance, seconds) = built.map_err(refused)?;
             let stats = instance.stats();
-            (Place::Here(Box::new(instance)), seconds, stats)
+            (Host::Here(Box::new(instance)), seconds, stats)
         } else {
             let mut remote = plugin.process(&row).map_err(BuildError::Died)?;
             let threads = rayon::current_num_threads();
@@ -78,7 +78,7 @@ impl<'a> PluginTracer<'a> {
             };
             match ask() {
                 Ok((BuiltOr::Built(seconds), stats)) => {
-                    (Place::Elsewhere(Some(remote)), seconds, stats)
+                    (Host::Elsewhere(Some(remote)), seconds, stats)
                 }
                 Ok((BuiltOr::Refused(message), _)) => {
                     plugin.keep(&row, remote);
@@ -135,7 +135,7 @@ impl State<'_> {
 
     fn closest_of_near(&mut self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
         let took = match &mut self.place {
-            Place::Here(instance) => {
+            Host::Here(instance) => {
                 let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
                 let mut answers: Vec<abi::Hit> =
                     hits.iter().map(|hit| abi::Hit { t: hit.t, id: hit.id }).collect();
@@ -145,23 +145,23 @@ impl State<'_> {
                 }
                 Ok(took)
             }
-            Place::Elsewhere(Some(remote)) => remote.closest(rays, hits),
-            Place::Elsewhere(None) => Ok(Took::default()),
+            Host::Elsewhere(Some(remote)) => remote.closest(rays, hits),
+            Host::Elsewhere(None) => Ok(Took::default()),
         };
         self.took(took);
     }
 
     fn occluded_of_near(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
         let took = match &mut self.place {
-            Place::Here(instance) => {
+            Host::Here(instance) => {
                 let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
                 let mut answers: Vec<u8> = blocked.iter().map(|&b| u8::from(b)).collect();
                 let took = instance.occluded(&asked, &mut answers);
                 blocked.iter_mut().zip(&answers).for_each(|(b, answer)| *b = *answer != 0);
                 Ok(took)
             }
-            Place::Elsewhere(Some(remote)) => remote.occluded(rays, blocked),
-            Place::Elsewhere(None) => Ok(Took::default()),
+            Host::Elsewhere(Some(remote)) => remote.occluded(rays, blocked),
+            Host::Elsewhere(None) => Ok(Took::default()),
         };
         self.took(took);
     }
@@ -179,20 +179,20 @@ impl State<'_> {
 
     fn count(&mut self, on: bool) {
         match &mut self.place {
-            Place::Here(instance) => instance.count(on),
-            Place::Elsewhere(Some(remote)) => {
+            Host::Here(instance) => instance.count(on),
+            Host::Elsewhere(Some(remote)) => {
                 let done = remote.count(on).map(|()| Took::default());
                 self.took(done);
             }
-            Place::Elsewhere(None) => {}
+            Host::Elsewhere(None) => {}
         }
     }
 
     fn work(&mut self) -> [u64; 2] {
         let stats = match &mut self.place {
-            Place::Here(instance) => Ok(instance.stats()),
-            Place::Elsewhere(Some(remote)) => remote.stats(),
-            Place::Elsewhere(None) => Ok(Stats::default()),
+            Host::Here(instance) => Ok(instance.stats()),
+            Host::Elsewhere(Some(remote)) => remote.stats(),
+            Host::Elsewhere(None) => Ok(Stats::default()),
         };
         match stats {
             Ok(stats) => stats.work.unwrap_or_default(),
@@ -207,7 +207,7 @@ impl State<'_> {
 impl Drop for PluginTracer<'_> {
     fn drop(&mut self) {
         let mut state = self.state();
-        if let Place::Elsewhere(remote) = &mut state.place
+        if let Host::Elsewhere(remote) = &mut state.place
             && let Some(mut remote) = remote.take()
         {
             // how that ends is kept with the process
@@ -233,7 +233,7 @@ impl Tracer<f32> for PluginTracer<'_> {
         self.state().counted(|state| state.closest(&rays[..n], &mut hits[..n]))
     }
 
-    /// Under every rule by [`ShadowRule::OpaqueBlocks`]: others are for structures that walk.
+    /// Under every rule by [`ShadowRule::OpaqueBlocks`]: others are for structures that traverse.
     fn count_occlusions(
         &self,
         rays: &[Ray<f32>],
@@ -250,10 +250,17 @@ impl Tracer<f32> for PluginTracer<'_> {
         work
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let [inner_cells, cells, empty_cells, references] = self.stats.cells;
         let bytes = self.stats.bytes;
-        Shape { inner_cells, cells, empty_cells, references, bytes, ..Shape::default() }
+        StructureStats {
+            inner_cells,
+            cells,
+            empty_cells,
+            references,
+            bytes,
+            ..StructureStats::default()
+        }
     }
 
     fn foreign(&self) -> Option<&dyn Foreign> {

@@ -1,5 +1,5 @@
 //! A column of results: what it is called, what it holds and how that is written, in every format.
-//! Text, Markdown and HTML show cells, CSV has fields; all of them come from one line a column.
+//! Text, Markdown and HTML show cells, CSV has fields; all of them come from one line per column.
 
 use statistics::estimate::Estimate;
 

@@ -36,7 +36,7 @@ pub fn ratio(estimate: &Estimate) -> String {
     format!("{median:.2} [{low:.2}, {high:.2}]{mark}")
 }
 
-/// Voxels an axis.
+/// Voxels per axis.
 pub fn resolution(voxels: [u32; 3]) -> String {
     voxels.map(|n| n.to_string()).join("x")
 }

@@ -134,20 +134,25 @@ impl Timed for Ours<'_> {
 const KINDS: [RayKind; 3] = [RayKind::Primary, RayKind::Diffuse, RayKind::Shadow];
 
 /// Room for answers.
-struct Sheet {
+struct Buffers {
     hits: Vec<Hit<f32>>,
     own: Vec<Answer>,
     blocked: Vec<bool>,
 }
 
 /// Seconds for all rays of a kind.
-fn seconds(timed: &mut dyn Timed, rays: &RayBatches<f32>, kind: RayKind, sheet: &mut Sheet) -> f64 {
+fn seconds(
+    timed: &mut dyn Timed,
+    rays: &RayBatches<f32>,
+    kind: RayKind,
+    buffers: &mut Buffers,
+) -> f64 {
     let rays = rays.rays(kind);
     let start = Instant::now();
     if kind.is_occlusion() {
-        timed.blocked(rays, &mut sheet.blocked[..rays.len()]);
+        timed.blocked(rays, &mut buffers.blocked[..rays.len()]);
     } else {
-        timed.closest(rays, &mut sheet.hits[..rays.len()], &mut sheet.own[..rays.len()]);
+        timed.closest(rays, &mut buffers.hits[..rays.len()], &mut buffers.own[..rays.len()]);
     }
     start.elapsed().as_secs_f64()
 }
@@ -219,7 +224,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rays = generate_rays(&scene, &*tracer, &settings);
     drop(tracer);
     let most = KINDS.map(|kind| rays.rays(kind).len()).into_iter().max().unwrap_or_default();
-    let mut sheet = Sheet {
+    let mut buffers = Buffers {
         hits: vec![Hit::NONE; most],
         own: vec![Answer { t: 0.0, id: 0 }; most],
         blocked: vec![false; most],
@@ -234,11 +239,11 @@ fn main() -> Result<(), Box<dyn Error>> {
                 order.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);
             }
             for row in order {
-                all[row][round][k] = seconds(&mut *timed[row].1, &rays, kind, &mut sheet);
+                all[row][round][k] = seconds(&mut *timed[row].1, &rays, kind, &mut buffers);
             }
         }
     }
-    std::hint::black_box(sheet.own.iter().map(|a| a.t + a.id as f32).sum::<f32>());
+    std::hint::black_box(buffers.own.iter().map(|a| a.t + a.id as f32).sum::<f32>());
     for (k, kind) in KINDS.into_iter().enumerate() {
         let n = rays.rays(kind).len() as f64;
         for (row, (label, _)) in timed.iter().enumerate() {

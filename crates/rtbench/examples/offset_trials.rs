@@ -3,7 +3,7 @@
 //! up to 10^4 times as long as wide, spheres, cones and polygons of a size of 10^-8 to 10^8, up to
 //! 1000 sizes from the origin.
 //!
-//! usage: offset_trials [RAYS [SEED [RULE...]]]: so many rays a case, precision and rule.
+//! usage: offset_trials [RAYS [SEED [RULE...]]]: so many rays per case, precision and rule.
 
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Vector};

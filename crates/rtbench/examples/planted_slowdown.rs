@@ -1,7 +1,7 @@
 //! `rtbench` with a structure that can be slowed down on purpose, to see whether `rtbench check`
 //! finds it: for `scripts/check-trials.sh` and nothing else.
 //!
-//! `slowed-grid` is the uniform grid, and after each walk a loop of as many turns as
+//! `slowed-grid` is the uniform grid, and after each traversal a loop of as many turns as
 //! PLANTED_LOOPS says, of which nothing is kept. Its answers and counters are the grid's.
 
 use std::hint::black_box;
@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::Entry;
 use accel_core::structures::obvhs::{bvh2, cwbvh};
 use accel_core::structures::uniform_grid::{self, UniformGrid};
@@ -18,7 +18,7 @@ use accel_core::{Ray, Scalar};
 
 static INFO: StructureInfo = StructureInfo {
     params: uniform_grid::INFO.params,
-    ..StructureInfo::new("slowed-grid", "the uniform grid with a loop after each walk")
+    ..StructureInfo::new("slowed-grid", "the uniform grid with a loop after each traversal")
 };
 
 static REGISTRY: &[Entry] = &[
@@ -27,7 +27,7 @@ static REGISTRY: &[Entry] = &[
     accel_core::entry!(crate::Slowed, crate::INFO),
 ];
 
-/// A grid and how long it dawdles after each walk.
+/// A grid and how long it dawdles after each traversal.
 struct Slowed<S: Scalar> {
     grid: UniformGrid<S>,
     loops: u32,
@@ -39,15 +39,15 @@ impl<S: Scalar> Structure<S> for Slowed<S> {
         Ok(Self { grid: UniformGrid::build(prims, params)?, loops })
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        self.grid.walk(ray, sink);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.grid.traverse(ray, sink);
         for turn in 0..self.loops {
             black_box(turn);
         }
     }
 
-    fn shape(&self) -> Shape {
-        self.grid.shape()
+    fn stats(&self) -> StructureStats {
+        self.grid.stats()
     }
 }
 

@@ -4,7 +4,7 @@
 //! (validated) -> [`measurement::rounds`]: what is right, is each row right, rounds in seeded random
 //! order -> [`measurement::record`] -> the journal, tables ([`studies::run`]) and [`exports`]. A sweep
 //! is such a run whose rows are the values of one parameter, a scale one whose scenes are the sizes of
-//! one scene. [`comparison`] puts records side by side, the [`gate`] holds a run against an earlier
+//! one scene. [`comparison`] puts records side by side, the [`gate`] compares a run with an earlier
 //! one, a [`report`] is made of a folder of them.
 
 // What a command line or a file says can make nothing panic. Modules that index lists of their own

@@ -80,7 +80,7 @@ pub fn fastest_rows(record: &RunRecord) -> Vec<String> {
     rows.into_iter().take(ROWS).map(|(_, label)| label).collect()
 }
 
-/// A table a scene.
+/// One table per scene.
 pub fn tables(record: &RunRecord, fetched: &[Fetched], machine: &Machine) -> Vec<Table> {
     let of_scene = |scene: &SceneRecord| {
         let own = fetched.iter().filter(|f| f.batch.scene == scene.name);
@@ -147,7 +147,7 @@ fn notes(machine: &Machine) -> Vec<String> {
     let named: Vec<String> = named.collect();
     let second = machine.sources.first().map_or("", |source| &source.name);
     vec![
-        "A ray takes, on the average of its kind: ns in the run; tests and steps of a walk ray by ray; \
+        "A ray takes, on the average of its kind: ns in the run; tests and steps of a traversal ray by ray; \
          instructions, reads and writes."
             .into(),
         format!(
@@ -202,7 +202,7 @@ mod tests {
         };
         let tables = tables(&record, &[fetched], &machine);
         let cells: Vec<&str> = tables[0].rows[0].iter().map(|cell| cell.text.as_str()).collect();
-        // 7 * 4 + 2 * 50 + 1 * 100 = 228 ns a ray; 256 us for 256 rays in the run
+        // 7 * 4 + 2 * 50 + 1 * 100 = 228 ns per ray; 256 us for 256 rays in the run
         assert_eq!(
             cells,
             [

@@ -11,7 +11,7 @@ use crate::polygon::ear_clipping::Entangled;
 /// A file and, where the format has them, a line, or else a byte; printed as `file:line` or
 /// `file: byte 80`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct FilePlace {
     /// The file as it was named to the loader.
     pub file: PathBuf,
     /// Where in it.
@@ -29,7 +29,7 @@ pub enum Within {
     Byte(usize),
 }
 
-impl Place {
+impl FilePlace {
     /// The file as a whole.
     pub fn file(file: &Path) -> Self {
         Self { file: file.to_path_buf(), within: Within::Whole }
@@ -46,7 +46,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let file = self.file.display();
         match self.within {
@@ -64,81 +64,81 @@ impl fmt::Display for Place {
 pub enum LoadError {
     /// The operating system refused to read or write the file.
     #[error("{place}: {source}")]
-    Io { place: Place, source: std::io::Error },
+    Io { place: FilePlace, source: std::io::Error },
     /// The file, or what it unpacks to, is larger than loaders accept.
     #[error("{place}: larger than the limit of {limit} bytes (after decompression)")]
-    TooLarge { place: Place, limit: u64 },
+    TooLarge { place: FilePlace, limit: u64 },
     /// A `.gz` or `.zst` file unpacks to so much that it can be no scene.
     #[error(
         "{place}: {packed} bytes unpack to more than {limit}: 64 MiB and 200 times the packed size \
          are taken"
     )]
-    Inflated { place: Place, packed: u64, limit: u64 },
+    Inflated { place: FilePlace, packed: u64, limit: u64 },
     /// A `.gz` or `.zst` stream is damaged.
     #[error("{place}: not a readable {format} stream: {message}")]
-    Decompress { place: Place, format: &'static str, message: String },
+    Decompress { place: FilePlace, format: &'static str, message: String },
     /// The file name has none of the endings a loader is registered for.
     #[error("{place}: unknown scene format; valid endings: {valid}")]
-    UnknownFormat { place: Place, valid: String },
+    UnknownFormat { place: FilePlace, valid: String },
     /// Something else stands where the format asks for a number, a keyword, ...
     #[error("{place}: found {found}, expected {expected}")]
-    Syntax { place: Place, found: String, expected: String },
+    Syntax { place: FilePlace, found: String, expected: String },
     /// The file ends in the middle of an entity.
     #[error("{place}: the file ends where {expected} was expected")]
-    UnexpectedEnd { place: Place, expected: String },
+    UnexpectedEnd { place: FilePlace, expected: String },
     /// A number is NaN or infinite.
     #[error("{place}: {what} is {found}, expected a finite number")]
-    NotFinite { place: Place, what: String, found: String },
+    NotFinite { place: FilePlace, what: String, found: String },
     /// A number is finite but outside the values its quantity may have.
     #[error("{place}: {what} is {found}, expected {expected}")]
-    OutOfRange { place: Place, what: String, found: String, expected: String },
+    OutOfRange { place: FilePlace, what: String, found: String, expected: String },
     /// A sphere with a negative radius, or a cone whose radii differ in sign.
     #[error("{place}: {what} is {radius}, expected {expected}")]
-    NegativeRadius { place: Place, what: &'static str, radius: f64, expected: &'static str },
+    NegativeRadius { place: FilePlace, what: &'static str, radius: f64, expected: &'static str },
     /// A count that the rest of the file cannot possibly hold, or that is above a loader's cap.
     #[error("{place}: {what} says {count}, but at most {limit} are possible here")]
-    CountTooLarge { place: Place, what: String, count: u64, limit: u64 },
+    CountTooLarge { place: FilePlace, what: String, count: u64, limit: u64 },
     /// An index refers to something that does not exist.
     #[error("{place}: {what} index {index} is out of range: {valid}")]
-    IndexOutOfRange { place: Place, what: String, index: String, valid: String },
+    IndexOutOfRange { place: FilePlace, what: String, index: String, valid: String },
     /// A face that must be split into triangles and is not.
     #[error("{place}: {source}")]
-    Entangled { place: Place, source: Entangled },
+    Entangled { place: FilePlace, source: Entangled },
     /// The file is well-formed but holds no primitive.
     #[error("{place}: no primitives; expected at least one {expected}")]
-    NoPrimitives { place: Place, expected: &'static str },
+    NoPrimitives { place: FilePlace, expected: &'static str },
     /// The glTF or OBJ parser of a library reported an error after our own checks passed.
     #[error("{place}: {parser} says: {message}")]
-    Parser { place: Place, parser: &'static str, message: String },
+    Parser { place: FilePlace, parser: &'static str, message: String },
     /// The length in a GLB header differs from the file's.
     #[error("{place}: the GLB header states {declared} bytes, the file has {actual}")]
-    GlbLength { place: Place, declared: u64, actual: u64 },
+    GlbLength { place: FilePlace, declared: u64, actual: u64 },
     /// A part of a glTF file breaks a rule of the format.
     #[error("{place}: {object}: found {found}, expected {expected}")]
-    Gltf { place: Place, object: String, found: String, expected: String },
+    Gltf { place: FilePlace, object: String, found: String, expected: String },
     /// A glTF accessor or buffer view reads beyond the bytes it has.
     #[error("{place}: {object} needs {needed} bytes, but only {available} are there")]
-    PastBuffer { place: Place, object: String, needed: u64, available: u64 },
+    PastBuffer { place: FilePlace, object: String, needed: u64, available: u64 },
     /// A reference leads out of the folder of the file that holds it.
     #[error(
         "{place}: `{uri}` leads out of the file's own folder; expected a relative path below it or a data: URI"
     )]
-    OutsideFolder { place: Place, uri: String },
+    OutsideFolder { place: FilePlace, uri: String },
     /// The source of a scene file lies outside its folder.
     #[error(
         "{place}: `{path}` leads out of the scene file's folder; expected a relative path below it \
          (--allow-outside reads it all the same: for files that are your own)"
     )]
-    OutsideSource { place: Place, path: String },
+    OutsideSource { place: FilePlace, path: String },
     /// A node of a glTF scene can be reached twice (a cycle, or two parents).
     #[error("{place}: node {node} is reached twice; expected a tree (each node has one parent)")]
-    NodeReachedTwice { place: Place, node: usize },
+    NodeReachedTwice { place: FilePlace, node: usize },
     /// A JSON scene or set file is malformed: `message` is the parser's, with the valid keys.
     #[error("{place}:{column}: {message}")]
-    Json { place: Place, column: usize, message: String },
+    Json { place: FilePlace, column: usize, message: String },
     /// The file is not the one that the scene file describes.
     #[error("{place}: SHA-256 is {found}, expected {expected} (see the scene file)")]
-    HashMismatch { place: Place, expected: String, found: String },
+    HashMismatch { place: FilePlace, expected: String, found: String },
     /// A procedural scene could not be generated.
     #[error("procedural scene `{spec}`: {message}")]
     Procedural { spec: String, message: String },
@@ -147,10 +147,10 @@ pub enum LoadError {
     UnknownScene { name: String, suggestion: String, valid: String },
     /// No file has a name that fits the pattern of a sequence.
     #[error("{place}: no file has a number in place of the %d, and that ending")]
-    NoFrames { place: Place },
+    NoFrames { place: FilePlace },
     /// A sequence of files has a hole.
     #[error("{place}: {} is missing, but {} is there", .files.0.display(), .files.1.display())]
-    MissingFrame { place: Place, files: Box<(PathBuf, PathBuf)> },
+    MissingFrame { place: FilePlace, files: Box<(PathBuf, PathBuf)> },
     /// A scene of which there is but one size.
     #[error("`{name}` does not come in sizes; those that do: {valid}")]
     NoSizes { name: String, valid: String },
@@ -166,10 +166,10 @@ pub enum LoadError {
 
 impl LoadError {
     pub(crate) fn io(file: &Path, source: std::io::Error) -> Self {
-        Self::Io { place: Place::file(file), source }
+        Self::Io { place: FilePlace::file(file), source }
     }
 
-    pub(crate) fn syntax(place: Place, found: &str, expected: impl Into<String>) -> Self {
+    pub(crate) fn syntax(place: FilePlace, found: &str, expected: impl Into<String>) -> Self {
         Self::Syntax { place, found: quote(found), expected: expected.into() }
     }
 }
@@ -194,8 +194,11 @@ mod tests {
 
     #[test]
     fn messages_name_file_and_line() {
-        let error =
-            LoadError::syntax(Place::line(Path::new("a/b.nff"), 7), "fish", "an entity keyword");
+        let error = LoadError::syntax(
+            FilePlace::line(Path::new("a/b.nff"), 7),
+            "fish",
+            "an entity keyword",
+        );
         assert_eq!(error.to_string(), "a/b.nff:7: found `fish`, expected an entity keyword");
     }
 

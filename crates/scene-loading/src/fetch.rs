@@ -10,7 +10,7 @@ use std::process::Command;
 
 use serde::Deserialize;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::confined;
 
 /// A file inside a package.
@@ -38,7 +38,7 @@ impl PackageAsset {
             !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || more.contains(c))
         };
         let fail =
-            |found: &str, expected| Err(LoadError::syntax(Place::file(file), found, expected));
+            |found: &str, expected| Err(LoadError::syntax(FilePlace::file(file), found, expected));
         if !plain(&self.name, "-_") {
             return fail(&self.name, "crate name: letters, digits, - and _");
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use crate::error::Place;
+use crate::error::FilePlace;
 use crate::polygon::{area_vector, is_flat};
 use crate::scene::{Bounds, Scene, Shape, Warning};
 
@@ -143,7 +143,7 @@ pub fn validate(scene: &Scene) -> Vec<Warning> {
     if scene.lights.is_empty() {
         warn("no lights: every surface is black".into());
     }
-    if let Err(error) = scene.camera.check(|| Place::file(scene.name.as_ref())) {
+    if let Err(error) = scene.camera.check(|| FilePlace::file(scene.name.as_ref())) {
         warnings.push(Warning(error.to_string()));
     }
     warnings

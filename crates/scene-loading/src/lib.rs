@@ -42,7 +42,7 @@ pub mod tray_racing;
 pub mod triangle_soup;
 pub mod view_options;
 
-pub use error::{LoadError, Place};
+pub use error::{FilePlace, LoadError};
 pub use scene::texture::{Texture, Wrap};
 pub use scene::{
     Bounds, Camera, Cone, Instance, Light, Material, Primitive, Rgb, SampleWishes, Scene, Shape,

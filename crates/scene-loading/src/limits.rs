@@ -1,7 +1,7 @@
 //! What loaders take of a scene at most. All of it is checked before memory is taken, and an error
 //! names file, line and limit. (Limits of one format alone stand with its reader.)
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 
 /// Bytes of one file, after decompression: 2 GiB.
 pub const MAX_BYTES: u64 = 2 << 30;
@@ -32,7 +32,7 @@ pub(crate) fn check(
     count: usize,
     limit: usize,
     what: &str,
-    place: impl FnOnce() -> Place,
+    place: impl FnOnce() -> FilePlace,
 ) -> Result<(), LoadError> {
     if count <= limit {
         return Ok(());

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place, Within};
+use crate::error::{FilePlace, LoadError, Within};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{area_vector, is_flat};
@@ -27,18 +27,18 @@ pub(crate) struct FaceCounts {
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     count: usize,
-    first: Option<Place>,
+    first: Option<FilePlace>,
 }
 
 impl Tally {
-    pub fn add(&mut self, place: impl FnOnce() -> Place) {
+    pub fn add(&mut self, place: impl FnOnce() -> FilePlace) {
         self.count += 1;
         self.first.get_or_insert_with(place);
     }
 
     /// A warning where there is anything: how many of what, and where the first is.
     pub fn warn(&self, what: &str, scene: &mut Scene) {
-        let Some(Place { file, within }) = &self.first else { return };
+        let Some(FilePlace { file, within }) = &self.first else { return };
         let first = match within {
             Within::Whole => String::new(),
             Within::Line(line) => format!(" (first: line {line})"),
@@ -51,7 +51,7 @@ impl Tally {
 
 impl FaceCounts {
     /// Counts a face without area that its reader has left out.
-    pub fn without_area(&mut self, place: impl FnOnce() -> Place) {
+    pub fn without_area(&mut self, place: impl FnOnce() -> FilePlace) {
         self.without_area.add(place);
     }
 
@@ -69,7 +69,7 @@ impl FaceCounts {
         self.warn(&mut scene);
         if scene.primitives.is_empty() {
             let expected = "triangle with an area";
-            return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+            return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
         }
         scene.frame_camera();
         Ok(scene)
@@ -96,7 +96,7 @@ impl Mesh {
         corners: &[u32],
         scene: &mut Scene,
         counts: &mut FaceCounts,
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FilePlace,
     ) -> Result<(), LoadError> {
         let point = |&i: &u32| scene.vertices.get(self.first as usize + i as usize).copied();
         if let [a, b, c] = corners {
@@ -166,7 +166,7 @@ impl Welder {
 pub(crate) fn coordinate(
     value: f64,
     what: &str,
-    place: impl Fn() -> Place,
+    place: impl Fn() -> FilePlace,
 ) -> Result<f64, LoadError> {
     if value.abs() <= MAX_COORDINATE {
         return Ok(value);

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::Deserialize;
 
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::read::{confined, extension, lossy_text};
 use crate::limits::MAX_JSON;
 use crate::mesh::coordinate;
@@ -60,14 +60,14 @@ pub fn parse_tray_racing(
     read_model: impl FnOnce(&Path) -> Result<Scene, LoadError>,
 ) -> Result<Scene, LoadError> {
     if bytes.len() as u64 > MAX_JSON {
-        return Err(LoadError::TooLarge { place: Place::file(path), limit: MAX_JSON });
+        return Err(LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_JSON });
     }
     let reader = ron::Options::default().with_recursion_limit(MAX_DEPTH);
     let entry: SceneEntry = reader.from_str(&lossy_text(bytes)).map_err(|error| {
-        let place = Place::line(path, error.span.start.line);
+        let place = FilePlace::line(path, error.span.start.line);
         LoadError::Parser { place, parser: "ron", message: error.code.to_string() }
     })?;
-    let place = || Place::file(path);
+    let place = || FilePlace::file(path);
     let CameraEntry { eye, look_at, fov } = entry.camera;
     let named = [("eye", eye), ("look_at", look_at), ("sun_direction", entry.sun_direction)];
     for (name, values) in named {
@@ -105,7 +105,7 @@ fn model_of(path: &Path, name: &str, outside: bool) -> Result<PathBuf, LoadError
         return Ok(inside);
     }
     if !outside {
-        let (place, path) = (Place::file(path), shortened(name));
+        let (place, path) = (FilePlace::file(path), shortened(name));
         return Err(LoadError::OutsideSource { place, path });
     }
     Ok(folder.join("../..").join(name))

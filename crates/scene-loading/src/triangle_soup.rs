@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::scene_name;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, Mesh, Welder, coordinate};
@@ -33,7 +33,7 @@ pub fn parse_triangle_soup(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError
     let expected = "a number n of triangles in the first 4 bytes, and 48 n bytes behind them";
     let fail = || {
         let found = format!("{} bytes", bytes.len());
-        LoadError::syntax(Place::byte(path, 0), &found, expected)
+        LoadError::syntax(FilePlace::byte(path, 0), &found, expected)
     };
     let (&count, data) = bytes.split_first_chunk::<4>().ok_or_else(fail)?;
     let count = usize::try_from(u32::from_le_bytes(count)).unwrap_or(usize::MAX);
@@ -50,7 +50,7 @@ pub fn parse_triangle_soup(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError
             progress::at(i);
         }
         let at = 4 + i * TRIANGLE;
-        let place = || Place::byte(path, at);
+        let place = || FilePlace::byte(path, at);
         let size = scene.vertices.len().max(scene.primitives.len()) + 3;
         limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
         let mut corners = [0; 3];

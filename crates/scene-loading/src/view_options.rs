@@ -10,7 +10,7 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::scene::{Light, Rgb, Scene, Warning};
 
 /// Coordinates above this cannot be worked with: their cubes must stay finite.
@@ -94,7 +94,7 @@ impl ViewOptions {
         camera.up = self.up.unwrap_or(camera.up);
         if self.camera.is_some() || self.up.is_some() {
             let place = format!("--camera, --up (scene {})", scene.name);
-            camera.check(|| Place::file(Path::new(&place)))?;
+            camera.check(|| FilePlace::file(Path::new(&place)))?;
         }
         if !self.lights.is_empty() {
             scene.lights = self.lights.iter().map(|&light| light.into()).collect();

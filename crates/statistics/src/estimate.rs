@@ -30,7 +30,7 @@ impl Estimate {
         Self { median: 1.0 / self.median, low: 1.0 / self.high, high: 1.0 / self.low }
     }
 
-    /// True when the interval holds `value`: the samples do not tell the quantity from it.
+    /// True when the interval contains `value`: the quantity is not significantly different from it.
     pub fn holds(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }

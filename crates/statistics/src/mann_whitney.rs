@@ -2,7 +2,7 @@
 //!
 //! Paper: H. B. Mann, D. R. Whitney, "On a Test of Whether One of Two Random Variables Is
 //! Stochastically Larger than the Other", Annals of Mathematical Statistics 18(1), 1947.
-//! Exact for up to `EXACT` samples a side without ties (the counts of the paper's recurrence);
+//! Exact for up to `EXACT` samples per side without ties (the counts of the paper's recurrence);
 //! else the normal approximation with corrections for ties and continuity.
 
 use crate::normal::upper_tail;

@@ -4,12 +4,12 @@
 //! of Educational and Behavioral Statistics 45(6), 2020: the variance of the logarithm of a median
 //! from the order statistics around it, and the normal interval of the difference of both.
 //! Deviations: none. The percentile bootstrap of the same ratio held the truth in 97% of trials with
-//! 31 samples a side, which is too often; this one in 95%.
+//! 31 samples per side, which is too often; this one in 95%.
 
 use crate::estimate::{Estimate, median};
 use crate::normal::{NORMAL_95, quantile};
 
-/// Fewest samples a side: fewer have no order statistics around the median.
+/// Fewest samples per side: fewer have no order statistics around the median.
 pub const FEWEST: usize = 3;
 
 /// The median of one set of samples over that of another, with its 95% interval. None where a side

@@ -2,7 +2,7 @@
 //!
 //! Where code and data lie in memory is drawn once for a process: its rounds share what comes of that,
 //! and say nothing of what another process would have. Of several processes the figure is the
-//! geometric mean of their medians, and its interval is what those medians, one a process, say of it.
+//! geometric mean of their medians, and its interval is what those medians, one per process, say of it.
 //!
 //! Paper: T. Kalibera, R. Jones, "Rigorous Benchmarking in Reasonable Time", ISMM 2013, section 6: the
 //! interval of the mean of the highest level, by Student's distribution with a degree less than there are
@@ -292,7 +292,7 @@ mod tests {
         series.into_iter().collect()
     }
 
-    /// In how many of 2,000 trials an interval holds the truth.
+    /// In how many of 2,000 trials an interval contains the truth.
     fn held(processes: u32, between: f64, of: impl Fn(&Series) -> Estimate) -> u32 {
         let mut random = Random::new(13, "coverage of processes");
         let trial = |_| {

@@ -2,7 +2,7 @@
 
 use renderer::Image;
 
-/// An error must be this many times that of a reference to be told from it.
+/// An error must be this many times that of a reference to be significantly different.
 pub const TIMES_REFERENCE: f64 = 10.0;
 
 /// From this difference to a direct neighbour on, in any channel, a pixel is one of an edge.

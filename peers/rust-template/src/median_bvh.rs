@@ -16,7 +16,7 @@ pub static INFO: StructureInfo = StructureInfo {
     ..StructureInfo::new("median-bvh", "binary BVH, halved at the median of the longest axis")
 };
 
-/// Nodes in the order of a walk that goes to the first child first.
+/// Nodes in the order of a traversal that goes to the first child first.
 pub struct MedianBvh<S: Scalar> {
     nodes: Vec<Node<S>>,
     ids: Vec<u32>,
@@ -50,7 +50,7 @@ impl<S: Scalar> Structure<S> for MedianBvh<S> {
         Ok(Self { nodes, ids })
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         // halves: no node lies deeper than 32
         let mut waiting = [0; 64];
         let mut left = 1;
@@ -80,14 +80,14 @@ impl<S: Scalar> Structure<S> for MedianBvh<S> {
         }
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let leaves = self.nodes.iter().filter(|node| node.count > 0).count() as u64;
-        Shape {
+        StructureStats {
             inner_cells: self.nodes.len() as u64 - leaves,
             cells: leaves,
             references: self.ids.len() as u64,
             bytes: (size_of_val(&*self.nodes) + size_of_val(&*self.ids)) as u64,
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 }

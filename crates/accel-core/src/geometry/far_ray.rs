@@ -17,7 +17,7 @@ use crate::geometry::scalar::{Scalar, Vector};
 
 /// Where a query should start.
 #[derive(Debug, Clone, Copy)]
-pub enum Place<S: Scalar> {
+pub enum PlacedRay<S: Scalar> {
     /// Where the ray starts.
     Near,
     /// On this ray, whose parameters differ.
@@ -54,12 +54,12 @@ pub fn reach<S: Scalar>(magnitude: S) -> S {
 
 /// Judges a ray.
 #[inline(always)]
-pub fn place<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+pub fn place<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     let [x, y, z] = ray.origin.to_array();
     // NaN fails all comparisons
     let is_near = (x.abs() <= reach) & (y.abs() <= reach) & (z.abs() <= reach);
     if is_near & has_common_length(ray) & (ray.t_min <= ray.t_max) {
-        Place::Near
+        PlacedRay::Near
     } else {
         place_of_other(ray, reach)
     }
@@ -76,9 +76,9 @@ fn has_common_length<S: Scalar>(ray: &Ray<S>) -> bool {
 /// Of a ray that is not near, or of no common length, or no ray.
 #[cold]
 #[inline(never)]
-fn place_of_other<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+fn place_of_other<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     if !(ray.origin.is_finite() && ray.t_min <= ray.t_max) {
-        Place::Nowhere
+        PlacedRay::Nowhere
     } else if !has_common_length(ray) {
         resized(ray, reach)
     } else {
@@ -86,9 +86,9 @@ fn place_of_other<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
     }
 }
 
-fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     if !ray.is_traceable() {
-        return Place::Nowhere;
+        return PlacedRay::Nowhere;
     }
     let factor = ray.unit_factor();
     let inverse = S::ONE / factor;
@@ -99,19 +99,21 @@ fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
         ..*ray
     };
     match place(&common, reach) {
-        Place::Near => Place::Moved(common, Parameters { factor, ..Parameters::SAME }),
-        Place::Moved(near, parameters) => Place::Moved(near, Parameters { factor, ..parameters }),
-        Place::Nowhere => Place::Nowhere,
+        PlacedRay::Near => PlacedRay::Moved(common, Parameters { factor, ..Parameters::SAME }),
+        PlacedRay::Moved(near, parameters) => {
+            PlacedRay::Moved(near, Parameters { factor, ..parameters })
+        }
+        PlacedRay::Nowhere => PlacedRay::Nowhere,
     }
 }
 
-fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
+fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     // in f64: far origins overflow the squares of f32
     let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
     let length = d.length();
     let unit = d / length;
     if !unit.is_finite() || unit.length_squared() < 0.5 {
-        return Place::Near;
+        return PlacedRay::Near;
     }
     let along = -o.dot(unit);
     let passing = (o + unit * along).length();
@@ -119,7 +121,7 @@ fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
     let radius = reach.to_f64() * (2.0 / NEAR);
     let slack = along.abs() * S::EPSILON.to_f64() * 4.0;
     if along <= 0.0 || passing > radius + slack {
-        return Place::Nowhere;
+        return PlacedRay::Nowhere;
     }
     let by = S::from_f64((along - 1.5 * radius) / length);
     let near = Ray {
@@ -130,9 +132,9 @@ fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> Place<S> {
         time: ray.time,
     };
     if near.t_min > near.t_max {
-        return Place::Nowhere;
+        return PlacedRay::Nowhere;
     }
-    Place::Moved(near, Parameters { smaller_by: by, ..Parameters::SAME })
+    PlacedRay::Moved(near, Parameters { smaller_by: by, ..Parameters::SAME })
 }
 
 #[cfg(test)]
@@ -146,8 +148,9 @@ mod tests {
     #[test]
     fn near_far_and_lost() {
         let reach = reach(1.0f32);
-        assert!(matches!(place(&ray([7.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), reach), Place::Near));
-        let Place::Moved(near, by) = place(&ray([-1e6, 0.5, 0.0], [2.0, 0.0, 0.0]), reach) else {
+        assert!(matches!(place(&ray([7.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), reach), PlacedRay::Near));
+        let PlacedRay::Moved(near, by) = place(&ray([-1e6, 0.5, 0.0], [2.0, 0.0, 0.0]), reach)
+        else {
             panic!("not moved")
         };
         assert!((near.origin.x + 3.0).abs() < 0.1 && near.origin.y == 0.5);
@@ -158,14 +161,14 @@ mod tests {
             ray([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
             ray([f32::NAN, 0.0, 0.0], [1.0, 0.0, 0.0]),
         ] {
-            assert!(matches!(place(&lost, reach), Place::Nowhere), "{lost:?}");
+            assert!(matches!(place(&lost, reach), PlacedRay::Nowhere), "{lost:?}");
         }
         let mut window = ray([-1e6, 0.5, 0.0], [1.0, 0.0, 0.0]);
         (window.t_min, window.t_max) = (f32::NAN, 1.0);
-        assert!(matches!(place(&window, reach), Place::Nowhere));
+        assert!(matches!(place(&window, reach), PlacedRay::Nowhere));
         // extreme but finite numbers neither overflow nor hang
         for x in [1e30f32, 3e38] {
-            assert!(!matches!(place(&ray([-x, 0.0, 0.0], [x, 0.0, 0.0]), reach), Place::Near));
+            assert!(!matches!(place(&ray([-x, 0.0, 0.0], [x, 0.0, 0.0]), reach), PlacedRay::Near));
         }
     }
     #[test]
@@ -179,7 +182,7 @@ mod tests {
                     // it must pass near the scene
                     query.origin.y = -from;
                 }
-                let Place::Moved(near, parameters) = place(&query, reach) else {
+                let PlacedRay::Moved(near, parameters) = place(&query, reach) else {
                     panic!("{query:?}")
                 };
                 let d = near.direction;
@@ -192,8 +195,8 @@ mod tests {
             }
         }
         let zero = ray([0.0; 3], [0.0, -0.0, 0.0]);
-        assert!(matches!(place(&zero, reach), Place::Nowhere));
+        assert!(matches!(place(&zero, reach), PlacedRay::Nowhere));
         let endless = ray([0.0; 3], [f32::INFINITY, 1.0, 0.0]);
-        assert!(matches!(place(&endless, reach), Place::Nowhere));
+        assert!(matches!(place(&endless, reach), PlacedRay::Nowhere));
     }
 }

@@ -60,7 +60,7 @@ impl<S: Scalar> Ray<S> {
         }
     }
 
-    /// True when a structure may walk it: finite origin and direction, a direction that is not
+    /// True when a structure may traverse it: finite origin and direction, a direction that is not
     /// zero, and an interval that is not empty (or NaN). Anything else is a miss by definition.
     #[inline(always)]
     pub fn is_traceable(&self) -> bool {

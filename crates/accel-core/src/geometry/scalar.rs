@@ -55,7 +55,7 @@ pub trait Scalar:
     /// multiply three coordinates, cone tests four, and rays start up to 8 magnitudes away. Beyond
     /// them such products overflow, or underflow for details that are small within the scene.
     const SCENE_EXPONENTS: [i32; 2];
-    /// Between these sums of the absolute components a direction is walked as it is: reciprocals
+    /// Between these sums of the absolute components a direction is traversed as it is: reciprocals
     /// and parameters in a served scene are normal numbers.
     const DIRECTION_LENGTHS: [Self; 2];
     /// Components below this part of the longest one are too small for triangle tests: their

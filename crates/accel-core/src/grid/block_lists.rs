@@ -42,7 +42,7 @@ pub(crate) struct DenseRows {
 }
 
 impl DenseRows {
-    /// Of a grid of `n` cells an axis.
+    /// Of a grid of `n` cells per axis.
     pub(crate) fn new(n: [u32; 3]) -> Self {
         let [x, y, z] = n.map(|n| n as usize);
         Self { cells: x * y * z, strides: [x, x * y] }

@@ -4,7 +4,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::BlockPlacement;
 use crate::grid::cell_lists::Placement;
-use crate::grid::voxel_walk::GridFrame;
+use crate::grid::voxel_traversal::GridFrame;
 
 /// Primitive `id` goes to every cell that its box touches.
 pub(crate) struct BoxPlacement<'a, S: Scalar> {

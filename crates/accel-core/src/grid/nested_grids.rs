@@ -1,6 +1,6 @@
 //! Grids whose cells hold primitives and further grids: what HUG and the adaptive grid are made of.
 //!
-//! All cells of all grids stand in one array, their ids in two more. The walk is a recursion over
+//! All cells of all grids stand in one array, their ids in two more. The traversal is a recursion over
 //! nested grids, as deep as the builder nests them (each builder has a limit).
 
 use std::collections::HashSet;
@@ -12,8 +12,8 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::{DenseRows, block_lists};
 use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
-use crate::grid::cell_walk::{CellPosition, CellWalk};
-use crate::grid::voxel_walk::GridFrame;
+use crate::grid::cell_traversal::{CellPosition, CellTraversal};
+use crate::grid::voxel_traversal::GridFrame;
 use crate::memory::Counted;
 use crate::query::cells::{Cell, CellKind, CellVisitor};
 use crate::query::sink::Sink;
@@ -222,9 +222,9 @@ impl<S: Scalar> NestedGrids<S> {
             + size_of_val(self.inner.as_slice())) as u64
     }
 
-    /// Walks a grid and the grids within; `Break` when the sink ended the query. A grid that
-    /// `visited` has seen is not walked again.
-    pub(crate) fn walk<K: Sink<S>>(
+    /// Traverses a grid and the grids within; `Break` when the sink ended the query. A grid that
+    /// `visited` has seen is not traversed again.
+    pub(crate) fn traverse<K: Sink<S>>(
         &self,
         grid: u32,
         ray: &Ray<S>,
@@ -233,13 +233,13 @@ impl<S: Scalar> NestedGrids<S> {
         visited: &mut impl Visited,
     ) -> ControlFlow<()> {
         let Some(grid) = self.grids.get(grid as usize) else { return ControlFlow::Continue(()) };
-        // what is farther than the best hit needs no walk
+        // what is farther than the best hit needs no traversal
         let ray_left = Ray { t_max: sink.t_max(), ..*ray };
-        let Some(mut walk) = grid.frame.walk_from(&ray_left, t_start) else {
+        let Some(mut traversal) = grid.frame.traversal_from(&ray_left, t_start) else {
             return ControlFlow::Continue(());
         };
         loop {
-            let cell = grid.first_cell as usize + walk.index();
+            let cell = grid.first_cell as usize + traversal.index();
             let (Some(&from), Some(&to)) = (self.starts.get(cell), self.starts.get(cell + 1))
             else {
                 return ControlFlow::Continue(());
@@ -258,11 +258,11 @@ impl<S: Scalar> NestedGrids<S> {
                 for i in from.grids..to.grids {
                     let Some(&inner) = self.inner.get(i as usize) else { continue };
                     if visited.is_first(inner) {
-                        self.walk(inner, ray, t_start, sink, visited)?;
+                        self.traverse(inner, ray, t_start, sink, visited)?;
                     }
                 }
             }
-            if sink.t_max() < walk.t_exit() || !walk.advance() {
+            if sink.t_max() < traversal.t_exit() || !traversal.advance() {
                 return ControlFlow::Continue(());
             }
         }
@@ -282,10 +282,10 @@ pub(crate) struct Census {
     pub references: u64,
 }
 
-/// Remembers which grids a ray has walked. It may forget (a second walk is only a waste), but
-/// never claims a walk that was not made.
+/// Remembers which grids a ray has traversed. It may forget (a second traversal is only a waste), but
+/// never claims a traversal that was not made.
 pub(crate) trait Visited {
-    /// True unless the grid is known to have been walked; remembers it.
+    /// True unless the grid is known to have been traversed; remembers it.
     fn is_first(&mut self, grid: u32) -> bool;
 }
 

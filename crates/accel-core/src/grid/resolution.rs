@@ -266,7 +266,7 @@ fn cube_side(size: [f64; 3], wanted: f64) -> f64 {
     long / wanted
 }
 
-/// Truncates to whole voxels, at least one an axis, and scales down what exceeds the limits.
+/// Truncates to whole voxels, at least one per axis, and scales down what exceeds the limits.
 fn limited(real: [f64; 3], max_cells: u64) -> [u32; 3] {
     let whole = |r: [f64; 3]| r.map(|x| x.clamp(1.0, f64::from(MAX_PER_AXIS)) as u32);
     let product = |n: [u32; 3]| n.iter().map(|&n| u128::from(n)).product::<u128>();

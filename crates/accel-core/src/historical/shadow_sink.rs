@@ -74,7 +74,7 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, 
 
 /// The shadow ray of Havran and Sixta's (1999) recursive grid: every primitive stops it, glass
 /// too. A hit within the current cell ends the query at once. A farther one is kept and ends the
-/// walk in its cell, after all of that cell's list: found again, it is no new hit. Only used for
+/// traversal in its cell, after all of that cell's list: found again, it is no new hit. Only used for
 /// counting.
 pub struct HistoricalCellShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
     prims: &'a P,

@@ -3,7 +3,7 @@
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::query::counters::WorkCounters;
-use crate::structure::Shape;
+use crate::structure::StructureStats;
 
 /// A built occluder with the primitives it was built over; one dynamic call for a batch of rays.
 ///
@@ -20,7 +20,7 @@ pub trait Occluder<S: Scalar>: Send + Sync {
         blocked: &mut [bool],
     ) -> WorkCounters;
     /// What was built, over all lights.
-    fn shape(&self) -> Shape;
+    fn stats(&self) -> StructureStats;
 }
 
 /// A boxed occluder over a set of primitives.

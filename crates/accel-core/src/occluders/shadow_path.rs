@@ -8,7 +8,7 @@ use crate::geometry::scalar::Scalar;
 use crate::occluders::{BoxedOccluder, NearestLight};
 use crate::query::counters::WorkCounters;
 use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
-use crate::structure::Shape;
+use crate::structure::StructureStats;
 
 /// A structure and an occluder over the same primitives, as one tracer.
 pub struct ShadowPath<'a, S: Scalar> {
@@ -59,8 +59,8 @@ impl<S: Scalar> Tracer<S> for ShadowPath<'_, S> {
         work
     }
 
-    fn shape(&self) -> Shape {
-        let shape = self.structure.shape();
-        Shape { bytes: shape.bytes + self.occluder.shape().bytes, ..shape }
+    fn stats(&self) -> StructureStats {
+        let stats = self.structure.stats();
+        StructureStats { bytes: stats.bytes + self.occluder.stats().bytes, ..stats }
     }
 }

@@ -10,7 +10,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 pub(crate) struct Motion<S: Scalar> {
     /// Which velocity, by id; those beyond the end are at rest.
     which: Vec<u32>,
-    /// World units a unit of time; the first is zero. What belongs together has one, so that blocks of it are
+    /// World units per unit of time; the first is zero. What belongs together has one, so that blocks of it are
     /// known by their numbers.
     velocities: Vec<[S; 3]>,
     /// They move from time 0 to this one.

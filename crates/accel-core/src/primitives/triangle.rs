@@ -177,7 +177,7 @@ pub(crate) fn moeller_trumbore<S: Scalar>(
     (t >= ray.t_min && t <= t_max).then_some(t)
 }
 
-/// Triangles alone, tested by `T`. 36 bytes a triangle in f32, 72 in f64.
+/// Triangles alone, tested by `T`. 36 bytes per triangle in f32, 72 in f64.
 #[derive(Debug, Clone)]
 #[repr(C)]
 pub struct TriangleSet<S: Scalar, T: TriangleTest<S> = Watertight> {

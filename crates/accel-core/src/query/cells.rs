@@ -8,7 +8,7 @@ use crate::geometry::scalar::Scalar;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
     /// A node of a hierarchy, a grid, or a voxel that holds grids: counted by
-    /// [`Shape::inner_cells`](crate::structure::Shape::inner_cells).
+    /// [`StructureStats::inner_cells`](crate::structure::StructureStats::inner_cells).
     Inner,
     /// An elementary cell that lists primitives.
     Leaf,

@@ -36,7 +36,7 @@ pub struct Crossed {
 /// # Errors
 /// [`NoCells`].
 pub fn crossed<S: Scalar>(tracer: &dyn Tracer<S>, ray: &Ray<S>) -> Result<Vec<Crossed>, NoCells> {
-    // hierarchies of boxes are walked from the ray's origin on
+    // hierarchies of boxes are traversed from the ray's origin on
     let ray = Ray { t_min: ray.t_min.to_f64().min(0.0), ..ray.widened() };
     let mut all: Vec<Crossed> = Vec::new();
     // the cell that was crossed last at each depth; none where one was passed by since

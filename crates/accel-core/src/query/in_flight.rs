@@ -1,15 +1,15 @@
-//! Several rays of a batch on their way at once, each on its own: while one waits for memory, the
+//! Several rays of a batch in flight, each on its own: while one waits for memory, the
 //! processor works on the others.
 //!
 //! A structure whose traversal can be interrupted is [`Resumable`]: one ray is driven to its end by
-//! [`walk`], a batch by [`closest`] and [`occlusions`]. The steps are the same, and so are answers and
+//! [`traverse`], a batch by [`closest`] and [`occlusions`]. The steps are the same, and so are answers and
 //! counters. In a batch, rays that are at the same kind of place take their steps one after the other, and
 //! what kind that is decides no branch: one that waits for memory, and guesses wrong, would keep the others
 //! waiting.
 
 use std::ops::ControlFlow;
 
-use crate::geometry::far_ray::{self, Place};
+use crate::geometry::far_ray::{self, PlacedRay};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -64,7 +64,7 @@ pub(crate) trait Resumable<S: Scalar>: Structure<S> {
 
 /// One ray.
 #[inline(always)]
-pub(crate) fn walk<S: Scalar, T: Resumable<S>, K: Sink<S>>(
+pub(crate) fn traverse<S: Scalar, T: Resumable<S>, K: Sink<S>>(
     structure: &T,
     ray: &Ray<S>,
     sink: &mut K,
@@ -149,8 +149,8 @@ fn all<'r, S: Scalar, T: Resumable<S>, B: Batch<'r, S>, const RAYS: usize>(
         loop {
             let place = waiting.next()?;
             match far_ray::place(&rays[place], reach) {
-                Place::Near => return Some(place),
-                Place::Moved(..) | Place::Nowhere => far.push(place),
+                PlacedRay::Near => return Some(place),
+                PlacedRay::Moved(..) | PlacedRay::Nowhere => far.push(place),
             }
         }
     };
@@ -237,7 +237,7 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S> for Closest<'r, S, P> {
     }
 }
 
-/// Closest hits of a batch, `RAYS` on their way at once. Compiled for triangles alone: for other sets
+/// Closest hits of a batch, `RAYS` in flight. Compiled for triangles alone: for other sets
 /// [`Structure::batches`] says [`RayByRay`](crate::structure::Batches::RayByRay).
 #[inline(never)]
 pub(crate) fn closest<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usize>(
@@ -255,7 +255,7 @@ pub(crate) fn closest<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usi
         let (rays, hits) = (&rays[place..=place], &mut batch.hits[place..=place]);
         nearby::closest(reach, rays, hits, NoMailbox, |ray, _| {
             let mut sink = ClosestHit::<S, P, NoCounters>::new(prims, ray);
-            structure.walk(ray, &mut sink);
+            structure.traverse(ray, &mut sink);
             sink.finish().0
         });
     }
@@ -296,7 +296,7 @@ pub(crate) fn occlusions<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: 
     for place in all::<S, T, _, RAYS>(structure, rays, reach, &mut batch) {
         batch.blocked[place] = nearby::near(reach, &rays[place], false, |ray, _| {
             let mut sink = AnyHit::<S, P, NoCounters>::new(prims, ray);
-            structure.walk(ray, &mut sink);
+            structure.traverse(ray, &mut sink);
             sink.finish().0
         });
     }

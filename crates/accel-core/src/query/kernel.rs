@@ -242,7 +242,7 @@ mod tests {
         let entry = find("kd-tree").unwrap();
         let bytes = |settings: &[(&str, &str)]| {
             let params = entry.params(settings.iter().copied()).unwrap();
-            entry.build(PrimsRef::Watertight(&set), &params).map(|tracer| tracer.shape().bytes)
+            entry.build(PrimsRef::Watertight(&set), &params).map(|tracer| tracer.stats().bytes)
         };
         let [scalar, block] = ["scalar", "block"].map(|k| bytes(&[("kernel", k)]).unwrap());
         assert!(block >= scalar + 2 * 320, "{scalar} {block}");

@@ -1,4 +1,4 @@
-//! Questions to a structure: closest hit, any hit, what a shaft meets; and what answering costs.
+//! Questions to a structure: closest hit, any hit, what a frustum meets; and what answering costs.
 
 pub mod cells;
 pub mod counters;

@@ -1,7 +1,7 @@
 //! One ray's way through a structure: what the counted traversal does, in its order.
 //!
 //! It is written down by a sink around the counted query, through the one
-//! [`ErasedSink`](crate::query::sink::ErasedSink) that counting passes walk with: the traversal is that
+//! [`ErasedSink`](crate::query::sink::ErasedSink) that counting passes traverse with: the traversal is that
 //! which is counted. A sink is not told where the ray is;
 //! [`entered`](crate::query::entered) finds that.
 

@@ -22,7 +22,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
 use crate::grid::nested_grids::{NestedGrids, NoMailbox, Rules};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
-use crate::grid::voxel_walk::GridFrame;
+use crate::grid::voxel_traversal::GridFrame;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
@@ -31,7 +31,7 @@ use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::room::Room;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::hug::{Boxes, boxes_of, historical_frame, useful_frame};
 use crate::tree::cluster_bvh::{ClusterBvh, Item};
 use crate::tree::clustering::agglomerate::{MergeRule, agglomerate, surface};
@@ -121,7 +121,7 @@ pub struct AdaptiveGrid<S: Scalar> {
     grids: NestedGrids<S>,
     orphans: u64,
     clusters: u64,
-    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
     from_origin: bool,
 }
 
@@ -194,8 +194,8 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        self.walk_with(ray, sink, || {});
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.traverse_with(ray, sink, || {});
     }
 
     /// An orphan that is a leaf of the hierarchy stands in no list and is tested alone.
@@ -207,7 +207,7 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
     /// are not divided again; an orphan that is a leaf is one cell with one reference. With
     /// `boxes=historical` such an orphan counts as two references, and a node once more: in N_V
     /// if an orphan is right below it, else in N_IN.
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let census = self.grids.census();
         let mut lone = 0;
         self.tree.visit(&mut |_, _, item| lone += u64::from(matches!(item, Some(Item::Orphan(_)))));
@@ -217,14 +217,14 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
             inner += inner - cells;
             references += lone;
         }
-        Shape {
+        StructureStats {
             inner_cells: inner + self.grids.len() as u64,
             cells: census.cells + cells,
             empty_cells: census.empty_cells,
             references: census.references + references,
             resolution: None,
             bytes: self.grids.bytes() + self.tree.bytes(),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 
@@ -243,15 +243,15 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
 }
 
 impl<S: Scalar> AdaptiveGrid<S> {
-    /// [`Structure::walk`] that also reports every inner node of the hierarchy entered: N_BIT of 1999,
+    /// [`Structure::traverse`] that also reports every inner node of the hierarchy entered: N_BIT of 1999,
     /// where a node that holds one grid and one orphan was one test.
     #[inline(always)]
-    pub fn walk_with<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K, on_node: impl FnMut()) {
+    pub fn traverse_with<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K, on_node: impl FnMut()) {
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
-        self.tree.walk(ray, t_start, sink, on_node, |item, sink| match item {
+        self.tree.traverse(ray, t_start, sink, on_node, |item, sink| match item {
             Item::Grid(grid) => {
                 sink.inner_step();
-                self.grids.walk(grid, ray, t_start, sink, &mut NoMailbox)
+                self.grids.traverse(grid, ray, t_start, sink, &mut NoMailbox)
             }
             Item::Orphan(id) => {
                 sink.elementary_step(false);

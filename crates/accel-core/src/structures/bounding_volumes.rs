@@ -39,7 +39,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::too_many;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 
 /// How many plane directions slabs have.
 pub(super) const DIRECTIONS: ParamSpec = ParamSpec {
@@ -187,7 +187,7 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         match &self.volumes {
             Volumes::Boxes(volumes) => self.filter(volumes, ray, sink),
             // a loop of its own for each, where the test is compiled in
@@ -211,12 +211,12 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
         self.ids.chunks(self.group).for_each(each);
     }
 
-    fn shape(&self) -> Shape {
-        Shape {
+    fn stats(&self) -> StructureStats {
+        StructureStats {
             cells: self.ids.len().div_ceil(self.group) as u64,
             references: self.ids.len() as u64,
             bytes: (self.volumes.bytes() + size_of_val(self.ids.as_slice())) as u64,
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 

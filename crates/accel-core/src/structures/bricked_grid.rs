@@ -7,12 +7,12 @@
 //! Deviations: macro-blocks have the size of (half) the L2 cache; blocks need not be cubes, so that
 //! their sizes can be any power of two and flat grids waste nothing; macro-blocks are evened out
 //! among themselves, so that less is padded. What stands in blocks is where a cell's list begins
-//! (4 bytes a cell); lists follow each other in the same order. A list ends where the next one
+//! (4 bytes per cell); lists follow each other in the same order. A list ends where the next one
 //! begins: the last cell of a block looks into the next block for that.
 
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
-use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};

@@ -8,9 +8,9 @@ use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::region::{Shaft, ShaftWalk};
+use crate::query::region::{Frustum, FrustumTraversal};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -24,8 +24,8 @@ pub struct BruteForce<S> {
     scalar: std::marker::PhantomData<S>,
 }
 
-impl ShaftWalk for BruteForce<f64> {
-    fn walk_shaft(&self, _: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
+impl FrustumTraversal for BruteForce<f64> {
+    fn traverse_frustum(&self, _: &Frustum, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
         let _ = cell(&self.ids, f64::NEG_INFINITY);
     }
 }
@@ -37,17 +37,17 @@ impl<S: Scalar> Structure<S> for BruteForce<S> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         sink.elementary_step(self.ids.is_empty());
         let _ = sink.test(&self.ids);
     }
 
-    fn shape(&self) -> Shape {
-        Shape {
+    fn stats(&self) -> StructureStats {
+        StructureStats {
             cells: 1,
             references: self.ids.len() as u64,
             bytes: self.ids.len() as u64 * 4,
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 

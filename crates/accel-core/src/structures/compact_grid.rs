@@ -1,4 +1,4 @@
-//! The compact grid: a bit a cell, and the starts of lists of occupied cells alone, rows of cells
+//! The compact grid: one bit per cell, and the starts of lists of occupied cells alone, rows of cells
 //! laid over each other.
 //!
 //! Paper: A. Lagae, P. Dutre, "Compact, Fast and Robust Grids for Ray Tracing", Computer Graphics
@@ -7,21 +7,21 @@
 //! the hashed grid: the offsets stand in a hash table without collisions, made by row displacement
 //! (R. Tarjan, A. Yao, "Storing a Sparse Table", CACM 22(11), 1979). Each row of cells along x is
 //! pushed along the table until its occupied cells meet free places only; a cell is found by the
-//! displacement of its row. A bit a cell tells beforehand whether it is occupied, so that no
+//! displacement of its row. One bit per cell tells beforehand whether it is occupied, so that no
 //! empty one touches the table.
 //!
 //! Deviations: lists follow each other in the order of the table, places that nobody took count as
 //! empty lists, so that a list ends where the next begins. First fit looks at no more than
 //! `tries` places in the front of the table and as many at its end before a row goes behind it: the
 //! time of a build is linear in the number of rows. Rows are placed in their order, not sorted.
-//! The walk is that of the uniform grid, which keeps no state for the hash.
+//! The traversal is that of the uniform grid, which keeps no state for the hash.
 
 use std::ops::Range;
 
 use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::{BlockPlacement, CellRows};
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
-use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::parallel::map_parts;
 use crate::params::specs;
@@ -152,7 +152,7 @@ struct Displaced {
 }
 
 impl Displaced {
-    /// Rows of `n` cells an axis, of which `occupied` says which need a place.
+    /// Rows of `n` cells per axis, of which `occupied` says which need a place.
     fn new(n: [u32; 3], occupied: &Bits, tries: usize) -> Self {
         let [length, rows_y, rows_z] = n.map(|n| n as usize);
         let mut table = Bits::default();

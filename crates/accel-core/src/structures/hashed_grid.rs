@@ -12,7 +12,7 @@
 
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
-use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::Gained;
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::specs;

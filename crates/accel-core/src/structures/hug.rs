@@ -5,7 +5,7 @@
 //! 1995. Filtering: primitives fall into classes of equal width in the logarithm of their size
 //! (longest side of the box). Clustering: within a class, connected components of boxes nearer
 //! than a gap. Every cluster gets a grid, which is inserted like a primitive into the smallest
-//! grid of a larger class that holds it; a ray walks a grid only once, however many cells list it.
+//! grid of a larger class that holds it; a ray traverses a grid only once, however many cells list it.
 //!
 //! Deviations: the largest class is not clustered but fills the root grid over the scene; clusters
 //! of fewer than `min-objects` primitives go to the grid around them; a grid whose primitives
@@ -22,7 +22,7 @@ use crate::grid::cell_lists::ListOrder;
 use crate::grid::nested_grids::{Mailbox, NestedGrids, Rules, Visited, references_in};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
-use crate::grid::voxel_walk::GridFrame;
+use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -32,7 +32,7 @@ use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::room::Room;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::clustering::box_tree::{BoxTree, Nearness};
 use crate::tree::clustering::components::components;
 
@@ -115,12 +115,12 @@ const REFERENCES_PER_PRIMITIVE: u64 = 32;
 /// A hierarchy of uniform grids; number 0 is the root.
 pub struct Hug<S: Scalar> {
     grids: NestedGrids<S>,
-    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
     from_origin: bool,
 }
 
 /// What is known of a grid before it is filled.
-struct Plan<S: Scalar> {
+struct PlannedGrid<S: Scalar> {
     bounds: Aabb<S>,
     class: usize,
     /// Primitives of the cluster it was made for.
@@ -146,14 +146,14 @@ impl<S: Scalar> Structure<S> for Hug<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
         if !self.from_origin || self.grids.meets(0, ray, t_start) {
             sink.inner_step();
         }
         let mut mailbox = Mailbox::new();
         mailbox.is_first(0);
-        let _ = self.grids.walk(0, ray, t_start, sink, &mut mailbox);
+        let _ = self.grids.traverse(0, ray, t_start, sink, &mut mailbox);
     }
 
     /// N_IN is 1 for the root and 1 for every cell that holds a grid; N_V all other cells.
@@ -161,16 +161,16 @@ impl<S: Scalar> Structure<S> for Hug<S> {
         self.grids.lists().for_each(each);
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let census = self.grids.census();
-        Shape {
+        StructureStats {
             inner_cells: 1 + census.dividing_cells,
             cells: census.cells,
             empty_cells: census.empty_cells,
             references: census.references,
             resolution: None,
             bytes: self.grids.bytes(),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 
@@ -254,13 +254,13 @@ fn plan<S: Scalar>(
     padding: S,
     historical: bool,
     params: &Params,
-) -> (Vec<Plan<S>>, Vec<u32>) {
+) -> (Vec<PlannedGrid<S>>, Vec<u32>) {
     let count = params.integer("size-classes") as usize;
     let near = Nearness { gap: S::from_f64(params.real("gap")), closed: !historical };
     let min_objects = params.integer("min-objects") as usize;
     let class_of = classes(boxes, count);
     let own = class_of.iter().filter(|&&c| c == count - 1).count();
-    let mut plans = vec![Plan { bounds: scene, class: count - 1, own }];
+    let mut plans = vec![PlannedGrid { bounds: scene, class: count - 1, own }];
     let mut owners = vec![0u32; boxes.len()];
     // clusters without a grid, with their boxes and classes
     let mut loose: Vec<(Vec<u32>, Aabb<S>, usize)> = Vec::new();
@@ -278,7 +278,7 @@ fn plan<S: Scalar>(
             for &i in &members {
                 owners[i as usize] = plans.len() as u32;
             }
-            plans.push(Plan { bounds: bounds.expanded(padding), class, own: members.len() });
+            plans.push(PlannedGrid { bounds: bounds.expanded(padding), class, own: members.len() });
         }
     }
     let bounds: Vec<_> = plans.iter().map(|p| p.bounds).collect();
@@ -295,7 +295,7 @@ fn plan<S: Scalar>(
 /// The smallest grid of a class above `class` that holds the box; the root if there is none.
 fn smallest_around<S: Scalar>(
     tree: &BoxTree<S>,
-    plans: &[Plan<S>],
+    plans: &[PlannedGrid<S>],
     bounds: &Aabb<S>,
     class: usize,
 ) -> u32 {
@@ -313,7 +313,7 @@ fn smallest_around<S: Scalar>(
 /// Makes all grids of the plan.
 fn fill<S: Scalar>(
     boxes: &[Aabb<S>],
-    plans: &[Plan<S>],
+    plans: &[PlannedGrid<S>],
     owners: &[u32],
     historical: bool,
     padding: S,

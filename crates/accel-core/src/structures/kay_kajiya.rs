@@ -1,7 +1,7 @@
-//! A hierarchy of slab volumes, walked with a priority queue.
+//! A hierarchy of slab volumes, traversed with a priority queue.
 //!
 //! Paper: T. L. Kay, J. T. Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986: volumes between
-//! parallel planes of a few fixed directions, a hierarchy made by median cuts, and a walk that
+//! parallel planes of a few fixed directions, a hierarchy made by median cuts, and a traversal that
 //! always goes on with the volume the ray enters first, so that it may stop as soon as the next
 //! entry lies beyond the nearest hit. A ray's dot products with the directions are computed once.
 //!
@@ -25,7 +25,7 @@ use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::bounding_volumes::{DIRECTIONS, MAX_CELLS};
 
 /// Registry line.
@@ -92,11 +92,11 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.walk(ray, sink),
-            ByDirections::Four(hierarchy) => hierarchy.walk(ray, sink),
-            ByDirections::Seven(hierarchy) => hierarchy.walk(ray, sink),
+            ByDirections::Three(hierarchy) => hierarchy.traverse(ray, sink),
+            ByDirections::Four(hierarchy) => hierarchy.traverse(ray, sink),
+            ByDirections::Seven(hierarchy) => hierarchy.traverse(ray, sink),
         }
     }
 
@@ -108,11 +108,11 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
         }
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.shape(),
-            ByDirections::Four(hierarchy) => hierarchy.shape(),
-            ByDirections::Seven(hierarchy) => hierarchy.shape(),
+            ByDirections::Three(hierarchy) => hierarchy.stats(),
+            ByDirections::Four(hierarchy) => hierarchy.stats(),
+            ByDirections::Seven(hierarchy) => hierarchy.stats(),
         }
     }
 

@@ -6,7 +6,7 @@
 //! of boxes, empty-space bonus); M. Shevtsov, A. Soupikov, A. Kapustin, "Highly Parallel Fast
 //! kd-Tree Construction for Interactive Ray Tracing of Dynamic Scenes", Eurographics 2007 (bins
 //! for cells with many references); V. Havran, "Heuristic Ray Shooting Algorithms", 2000 (the
-//! walk with a stack).
+//! traversal with a stack).
 //!
 //! Deviations: cells of few references are swept exactly, sorting again in each; primitives are
 //! not clipped to cells ("perfect splits"), only their boxes are; a line of descent may contain
@@ -14,7 +14,7 @@
 //! plane, or one that only grazes a cell, visits both sides.
 
 mod cells;
-mod shaft_walk;
+mod frustum_traversal;
 mod subdivide;
 mod surface_area;
 
@@ -29,7 +29,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, DEEPEST, Node};
 
@@ -118,7 +118,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let clipped = self.bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max);
         let Some((mut t_in, mut t_out)) = clipped else { return };
         let planes = RayPlanes::new(ray);
@@ -172,20 +172,20 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
         self.cells.lists().for_each(each);
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let c = &self.cells;
         let bytes = size_of_val(c.nodes.as_slice())
             + size_of_val(c.starts.as_slice())
             + size_of_val(c.ids.as_slice());
         let leaves = c.starts.len() as u64 - 1;
-        Shape {
+        StructureStats {
             inner_cells: c.nodes.len() as u64 - leaves,
             cells: leaves,
             empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
             references: c.ids.len() as u64,
             resolution: None,
             bytes: bytes as u64,
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 

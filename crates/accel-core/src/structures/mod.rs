@@ -1,4 +1,4 @@
-//! Acceleration structures. One file a structure, one line each in [`REGISTRY`].
+//! Acceleration structures. One file and one line per structure in [`REGISTRY`].
 //!
 //! A structure holds ids and knows nothing of primitives but their bounds. Help, `rtbench list`,
 //! the settings parser and the test matrix are all made from the registry.
@@ -10,7 +10,7 @@ pub mod brute_force;
 pub mod compact_grid;
 #[cfg(feature = "embree")]
 pub mod embree;
-pub mod gatherers;
+pub mod frustum_queries;
 pub mod hashed_grid;
 pub mod hug;
 pub mod instanced;

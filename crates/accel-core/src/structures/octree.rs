@@ -10,14 +10,14 @@
 //!
 //! Deviations: nodes stand in arrays, not behind pointers or in a hash table of names; places on
 //! the ray are ray parameters compared with those of the planes, never rounded points, so that
-//! no walk needs an epsilon; a cell that three cuts would not make cheaper stays whole
+//! no traversal needs an epsilon; a cell that three cuts would not make cheaper stays whole
 //! (`useless-splits`), as does one whose cuts would have multiplied references by more than
 //! `max-growth`: boxes that share an edge, or slivers across the axes, are not separated by any
 //! number of cuts; a thin axis of the root grows to the longest; neighbours are found through a
 //! stack of ancestors, not father links; a ray from so far away that rounding outgrows the padding
-//! of boxes is walked top-down whatever the setting. `boxes=historical` (with `max-leaf=1
+//! of boxes is traversed top-down whatever the setting. `boxes=historical` (with `max-leaf=1
 //! useless-splits=20` and an `order` that alternates) is what Havran and Sixta (1999) measured: no padding, no limit
-//! for growth, walks from the ray's origin (top-down ones from 0.01 on), and steps of 1e-6 beyond a
+//! for growth, traversals from the ray's origin (top-down ones from 0.01 on), and steps of 1e-6 beyond a
 //! cell's exit.
 
 mod cells;
@@ -37,7 +37,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, Content, DEEPEST};
 
@@ -122,7 +122,7 @@ const HISTORICAL_CONE_MARGIN: f64 = 0.001;
 /// How far beyond a cell's exit the next cell was looked for in 1999.
 const HISTORICAL_NUDGE: f64 = 1e-6;
 
-/// Where on every ray, those from the eye too, the top-down walk began in 1999; the others began at
+/// Where on every ray, those from the eye too, the top-down traversal began in 1999; the others began at
 /// the origin.
 const HISTORICAL_START: f64 = 0.01;
 
@@ -140,7 +140,7 @@ pub struct Octree<S: Scalar> {
     cells: Cells<S>,
     traversal: Traversal,
     historical: bool,
-    /// Rays that are followed beyond this distance are walked top-down: the rounding of their
+    /// Rays that are followed beyond this distance are traversed top-down: the rounding of their
     /// parameters outgrows the padding of boxes.
     reach: S,
 }
@@ -191,7 +191,7 @@ impl<S: Scalar> Structure<S> for Octree<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let t_start = match (self.historical, self.traversal) {
             (false, _) => ray.t_min,
             (true, Traversal::TopDown) => S::from_f64(HISTORICAL_START),
@@ -216,20 +216,20 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         self.cells.lists().for_each(each);
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let c = &self.cells;
         let bytes = size_of_val(c.links.as_slice())
             + size_of_val(c.planes.as_slice())
             + size_of_val(c.starts.as_slice())
             + size_of_val(c.ids.as_slice());
-        Shape {
+        StructureStats {
             inner_cells: c.planes.len() as u64,
             cells: c.starts.len() as u64 - 1,
             empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
             references: c.ids.len() as u64,
             resolution: None,
             bytes: bytes as u64,
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 

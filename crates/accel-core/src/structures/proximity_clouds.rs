@@ -13,10 +13,10 @@
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::distance_field::{Metric, distances};
 use crate::grid::regular_grid::{CellStorage, stored};
-use crate::grid::voxel_walk::{GridFrame, VoxelWalk};
+use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
@@ -24,7 +24,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::uniform_grid::DenseCells;
 
 /// Registry line.
@@ -110,23 +110,26 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
-        let Some(mut walk) = self.frame.walk_from(ray, t_start) else { return };
+        let Some(mut traversal) = self.frame.traversal_from(ray, t_start) else { return };
         let jumps = Jumps::new(&self.frame, ray, self.metric);
         let cloud = if self.clouds == 8 { octant_of(ray) } else { 0 };
         loop {
-            let cell = walk.index();
+            let cell = traversal.index();
             let free = self.distances.get(cell * self.clouds + cloud).copied().unwrap_or(0);
             sink.elementary_step(free > 0);
             if free == 0 && sink.test(self.lists.at(cell)).is_break() {
                 return;
             }
-            if sink.t_max() < walk.t_exit() {
+            if sink.t_max() < traversal.t_exit() {
                 return;
             }
-            let goes_on =
-                if free > 1 { jumps.jump(&mut walk, i32::from(free)) } else { walk.advance() };
+            let goes_on = if free > 1 {
+                jumps.jump(&mut traversal, i32::from(free))
+            } else {
+                traversal.advance()
+            };
             if !goes_on {
                 return;
             }
@@ -137,16 +140,16 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
         self.lists.lists().for_each(each);
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let cells = self.frame.cells() as u64;
-        Shape {
+        StructureStats {
             inner_cells: 0,
             cells,
             empty_cells: cells - self.lists.occupied_cells(),
             references: self.lists.references(),
             resolution: Some(self.frame.resolution()),
             bytes: self.lists.bytes() + self.distances.len() as u64,
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 
@@ -184,22 +187,22 @@ impl<S: Scalar> Jumps<S> {
     /// Moves on to the first voxel that may be occupied when everything nearer than `free` is
     /// empty; false when the ray leaves the grid. No voxel at distance `free` or beyond is passed.
     #[inline(always)]
-    pub fn jump(&self, walk: &mut VoxelWalk<S>, free: i32) -> bool {
+    pub fn jump(&self, traversal: &mut VoxelTraversal<S>, free: i32) -> bool {
         let steps = match self.metric {
-            Metric::Chessboard => Some(self.across_a_cube(walk, free)),
-            Metric::CityBlock => self.within_a_diamond(walk, free),
-            Metric::Euclidean => self.within_a_sphere(walk, free),
+            Metric::Chessboard => Some(self.across_a_cube(traversal, free)),
+            Metric::CityBlock => self.within_a_diamond(traversal, free),
+            Metric::Euclidean => self.within_a_sphere(traversal, free),
         };
         match steps {
-            Some(steps) => walk.jump(steps),
-            None => walk.advance(),
+            Some(steps) => traversal.jump(steps),
+            None => traversal.advance(),
         }
     }
 
     /// Planes crossed on axis `k` up to parameter `t`, which may be a little off.
     #[inline(always)]
-    fn crossed(&self, walk: &VoxelWalk<S>, k: usize, t: S) -> i32 {
-        let beyond = t - walk.t_next[k];
+    fn crossed(&self, traversal: &VoxelTraversal<S>, k: usize, t: S) -> i32 {
+        let beyond = t - traversal.t_next[k];
         // not so for an axis without direction: t - infinity
         if beyond >= S::ZERO { (beyond * self.rate[k]).to_i32().saturating_add(1) } else { 0 }
     }
@@ -207,11 +210,11 @@ impl<S: Scalar> Jumps<S> {
     /// The cube of empty voxels is left through its nearest face; on the other axes the ray is
     /// still within the cube there.
     #[inline(always)]
-    fn across_a_cube(&self, walk: &VoxelWalk<S>, free: i32) -> [i32; 3] {
-        let t: [S; 3] = std::array::from_fn(|k| walk.plane_ahead(k, free - 1));
+    fn across_a_cube(&self, traversal: &VoxelTraversal<S>, free: i32) -> [i32; 3] {
+        let t: [S; 3] = std::array::from_fn(|k| traversal.plane_ahead(k, free - 1));
         let (k, first) = if t[1] < t[0] { (1, t[1]) } else { (0, t[0]) };
         let (k, first) = if t[2] < first { (2, t[2]) } else { (k, first) };
-        let mut steps = std::array::from_fn(|j| self.crossed(walk, j, first).min(free - 1));
+        let mut steps = std::array::from_fn(|j| self.crossed(traversal, j, first).min(free - 1));
         steps[k] = free;
         steps
     }
@@ -219,11 +222,11 @@ impl<S: Scalar> Jumps<S> {
     /// Fractions of a voxel by which the ray is ahead on each axis when it leaves its voxel: it
     /// then has crossed at most `ahead + tau * rate` planes after another `tau`.
     #[inline(always)]
-    fn ahead(&self, walk: &VoxelWalk<S>) -> [S; 3] {
-        let t = walk.t_exit();
+    fn ahead(&self, traversal: &VoxelTraversal<S>) -> [S; 3] {
+        let t = traversal.t_exit();
         std::array::from_fn(|k| {
-            if self.rate[k] > S::ZERO && walk.t_next[k].is_finite() {
-                (t - walk.t_next[k]) * self.rate[k] + S::ONE
+            if self.rate[k] > S::ZERO && traversal.t_next[k].is_finite() {
+                (t - traversal.t_next[k]) * self.rate[k] + S::ONE
             } else {
                 S::ZERO
             }
@@ -232,31 +235,32 @@ impl<S: Scalar> Jumps<S> {
 
     /// The voxel at `tau` beyond the exit of the current one, if that is a forward step.
     #[inline(always)]
-    fn steps_after(&self, walk: &VoxelWalk<S>, tau: S) -> Option<[i32; 3]> {
-        let t = walk.t_exit() + tau;
+    fn steps_after(&self, traversal: &VoxelTraversal<S>, tau: S) -> Option<[i32; 3]> {
+        let t = traversal.t_exit() + tau;
         // also refuses NaN
-        (tau >= S::ZERO && t.is_finite()).then(|| std::array::from_fn(|k| self.crossed(walk, k, t)))
+        (tau >= S::ZERO && t.is_finite())
+            .then(|| std::array::from_fn(|k| self.crossed(traversal, k, t)))
     }
 
     #[inline(always)]
-    fn within_a_diamond(&self, walk: &VoxelWalk<S>, free: i32) -> Option<[i32; 3]> {
-        let (a, r) = (self.ahead(walk), self.rate);
+    fn within_a_diamond(&self, traversal: &VoxelTraversal<S>, free: i32) -> Option<[i32; 3]> {
+        let (a, r) = (self.ahead(traversal), self.rate);
         let tau = (S::from_i32(free) - (a[0] + a[1] + a[2])) / (r[0] + r[1] + r[2]);
         let sum = |n: &[i32; 3]| n.iter().map(|&n| i64::from(n)).sum::<i64>();
-        self.steps_after(walk, tau).filter(|n| (1..=i64::from(free)).contains(&sum(n)))
+        self.steps_after(traversal, tau).filter(|n| (1..=i64::from(free)).contains(&sum(n)))
     }
 
     #[inline(always)]
-    fn within_a_sphere(&self, walk: &VoxelWalk<S>, free: i32) -> Option<[i32; 3]> {
+    fn within_a_sphere(&self, traversal: &VoxelTraversal<S>, free: i32) -> Option<[i32; 3]> {
         // |a + tau r| = free
         let dot = |a: [S; 3], b: [S; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let (a, r) = (self.ahead(walk), self.rate);
+        let (a, r) = (self.ahead(traversal), self.rate);
         let (rr, ar) = (dot(r, r), dot(a, r));
         let c = dot(a, a) - S::from_i32(free * free);
         let tau = ((ar * ar - rr * c).sqrt() - ar) / rr;
         let square = |n: &[i32; 3]| n.iter().map(|&n| i64::from(n) * i64::from(n)).sum::<i64>();
         let limit = i64::from(free) * i64::from(free);
-        self.steps_after(walk, tau).filter(|n| (1..=limit).contains(&square(n)))
+        self.steps_after(traversal, tau).filter(|n| (1..=limit).contains(&square(n)))
     }
 }
 
@@ -295,7 +299,7 @@ mod tests {
             for _ in 0..5000 {
                 let o = random.point([64.0; 3]);
                 let ray = Ray::<f64>::new(o, random.point([64.0; 3]) - o);
-                let Some(start) = frame.walk(&ray) else { continue };
+                let Some(start) = frame.traversal(&ray) else { continue };
                 let jumps = Jumps::new(&frame, &ray, metric);
                 let free = 2 + (random.unit() * 20.0) as i32;
                 let mut end = start;

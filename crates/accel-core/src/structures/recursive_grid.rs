@@ -20,9 +20,9 @@ use std::ops::ControlFlow;
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
-use crate::grid::voxel_walk::inverse_direction;
+use crate::grid::voxel_traversal::inverse_direction;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -32,7 +32,7 @@ use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::room::Room;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use budget::Budget;
 use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
 
@@ -112,7 +112,7 @@ pub static INFO: StructureInfo = StructureInfo {
     sampled: false,
 };
 
-/// The walk recurses once a level.
+/// The traversal recurses once a level.
 const MAX_DEPTH: u64 = 8;
 
 /// Box margin of cones and cylinders in Havran and Sixta's recursive grid, as fitted.
@@ -129,7 +129,7 @@ pub struct RecursiveGrid<S: Scalar> {
     lazy: bool,
     /// How far beyond its entry a grid's first voxel is looked up.
     advance: S,
-    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
     from_origin: bool,
 }
 
@@ -190,11 +190,11 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
         let bounds = self.root.frame.bounds();
         if let Some((t, _)) = bounds.clip(ray.origin, ray.direction, t_start, ray.t_max) {
-            let _ = self.walk_grid(&self.root, 1, ray, inverse_direction(ray), t, sink);
+            let _ = self.traverse_grid(&self.root, 1, ray, inverse_direction(ray), t, sink);
         }
     }
 
@@ -202,14 +202,14 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         self.root.lists(each);
     }
 
-    fn shape(&self) -> Shape {
-        let mut shape = Shape {
+    fn stats(&self) -> StructureStats {
+        let mut stats = StructureStats {
             bytes: (size_of::<Self>() + size_of_val(self.division.boxes.as_slice())) as u64,
             pending_cells: self.lazy.then_some(0),
-            ..Shape::default()
+            ..StructureStats::default()
         };
-        add_grid(&self.root, &mut shape);
-        shape
+        add_grid(&self.root, &mut stats);
+        stats
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
@@ -219,10 +219,10 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
 }
 
 impl<S: Scalar> RecursiveGrid<S> {
-    /// Walks through one grid, which the ray enters at `t_enter`, and the grids within; `Break`
-    /// ends the query. A hit before the exit from a voxel ends the walk of its grid alone: the grid
+    /// Traverses one grid, which the ray enters at `t_enter`, and the grids within; `Break`
+    /// ends the query. A hit before the exit from a voxel ends the traversal of its grid alone: the grid
     /// reaches beyond the one around it, whose next voxel may hold what is closer.
-    fn walk_grid<K: Sink<S>>(
+    fn traverse_grid<K: Sink<S>>(
         &self,
         grid: &Grid<S>,
         depth: u32,
@@ -232,22 +232,22 @@ impl<S: Scalar> RecursiveGrid<S> {
         sink: &mut K,
     ) -> ControlFlow<()> {
         sink.inner_step();
-        let mut walk = grid.frame.walk_at(ray, inverse, t_enter + self.advance);
+        let mut traversal = grid.frame.traversal_at(ray, inverse, t_enter + self.advance);
         loop {
-            let t_exit = walk.t_exit();
-            match grid.voxel(walk.index()) {
+            let t_exit = traversal.t_exit();
+            match grid.voxel(traversal.index()) {
                 Voxel::Ids(ids) => test(ids, t_exit, sink)?,
                 Voxel::Child(child) => {
-                    let bounds = || grid.frame.cell_bounds(walk.index());
+                    let bounds = || grid.frame.cell_bounds(traversal.index());
                     match child.content(&self.division, bounds, depth + 1) {
                         Content::Grid(inner) => {
-                            self.walk_grid(inner, depth + 1, ray, inverse, t_enter, sink)?
+                            self.traverse_grid(inner, depth + 1, ray, inverse, t_enter, sink)?
                         }
                         Content::List(ids) => test(ids, t_exit, sink)?,
                     }
                 }
             }
-            if sink.t_max() < t_exit || !walk.advance() {
+            if sink.t_max() < t_exit || !traversal.advance() {
                 return ControlFlow::Continue(());
             }
             // a plane beside the ray may be met long before the grid is
@@ -264,29 +264,29 @@ fn test<S: Scalar, K: Sink<S>>(ids: &[u32], t_exit: S, sink: &mut K) -> ControlF
 }
 
 /// Adds a grid and all within it.
-fn add_grid<S: Scalar>(grid: &Grid<S>, shape: &mut Shape) {
-    shape.inner_cells += 1;
-    shape.cells += (grid.frame.cells() - grid.children.len()) as u64;
-    shape.empty_cells += grid.lists.empty_cells() as u64;
-    shape.references += (grid.lists.references() - grid.children.len()) as u64;
-    shape.bytes += (grid.lists.bytes() + size_of_val(grid.children.as_slice())) as u64;
+fn add_grid<S: Scalar>(grid: &Grid<S>, stats: &mut StructureStats) {
+    stats.inner_cells += 1;
+    stats.cells += (grid.frame.cells() - grid.children.len()) as u64;
+    stats.empty_cells += grid.lists.empty_cells() as u64;
+    stats.references += (grid.lists.references() - grid.children.len()) as u64;
+    stats.bytes += (grid.lists.bytes() + size_of_val(grid.children.as_slice())) as u64;
     for child in &grid.children {
-        add_child(child, shape);
+        add_child(child, stats);
     }
 }
 
-fn add_child<S: Scalar>(child: &Child<S>, shape: &mut Shape) {
+fn add_child<S: Scalar>(child: &Child<S>, stats: &mut StructureStats) {
     let references = match child.built_content() {
-        Some(Content::Grid(inner)) => return add_grid(inner, shape),
+        Some(Content::Grid(inner)) => return add_grid(inner, stats),
         Some(Content::List(ids)) => ids.len(),
         None => {
-            *shape.pending_cells.get_or_insert(0) += 1;
+            *stats.pending_cells.get_or_insert(0) += 1;
             child.waiting().len()
         }
     } as u64;
-    shape.cells += 1;
-    shape.references += references;
-    shape.bytes += references * 4;
+    stats.cells += 1;
+    stats.references += references;
+    stats.bytes += references * 4;
 }
 
 #[cfg(test)]

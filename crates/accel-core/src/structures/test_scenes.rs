@@ -140,10 +140,10 @@ pub(crate) fn written(n: usize, mut ask: impl FnMut(&mut [bool])) -> Vec<bool> {
 }
 
 /// What a tracer did: hits, blocked, counters of both kinds of query.
-pub(crate) type Work<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
+pub(crate) type AnswersAndWork<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
 
 /// Runs every query of a tracer; counted and timed answers must agree.
-pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Work<S> {
+pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> AnswersAndWork<S> {
     let hits = closest_hits(tracer, rays);
     let mut counted_hits = vec![unwritten(); rays.len()];
     let blocked = occlusions(tracer, rays);
@@ -221,7 +221,7 @@ fn storages_have_the_same_cells_and_do_the_same_work() {
             for name in ["hashed-grid", "bricked-grid"] {
                 let other = built(find(name).unwrap(), &set, settings);
                 assert!(work(other.as_ref(), &rays) == expected, "{name} {settings} {scene}");
-                let (mut a, mut b) = (dense.shape(), other.shape());
+                let (mut a, mut b) = (dense.stats(), other.stats());
                 (a.bytes, b.bytes) = (0, 0);
                 assert_eq!(a, b, "{name} {settings} {scene}");
             }
@@ -246,9 +246,9 @@ fn a_virtual_grid_of_2048_cubed_works() {
         let grid = built(find("hashed-grid").unwrap(), &set, &settings);
         let got = work(grid.as_ref(), &rays);
         assert!(got.0 == right.0 && got.1 == right.1);
-        let shape = grid.shape();
-        assert_eq!(shape.cells, 1 << 33);
-        assert!(shape.bytes < 1 << 27, "{shape:?}");
+        let stats = grid.stats();
+        assert_eq!(stats.cells, 1 << 33);
+        assert!(stats.bytes < 1 << 27, "{stats:?}");
     }
 }
 

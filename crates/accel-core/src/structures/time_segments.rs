@@ -12,7 +12,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink};
 use crate::query::tracer::tested::asks_for_blocks;
-use crate::structure::{BuildError, Shape, Structure};
+use crate::structure::{BuildError, Structure, StructureStats};
 
 /// The setting, which every structure has.
 pub const PARAM: ParamSpec = ParamSpec {
@@ -39,10 +39,10 @@ impl<S: Scalar, T: Structure<S>> Segment<S, T> {
         Ok(Self { structure, blocks })
     }
 
-    fn shape(&self) -> Shape {
-        let shape = self.structure.shape();
+    fn stats(&self) -> StructureStats {
+        let stats = self.structure.stats();
         let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
-        Shape { bytes: shape.bytes + blocks, ..shape }
+        StructureStats { bytes: stats.bytes + blocks, ..stats }
     }
 }
 
@@ -68,7 +68,7 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
         let mut narrowed = |k| {
             part.narrow_to(k, n);
             let segment = Segment::<S, T>::build(&part, &left)?;
-            left = left.clone().within(left.memory().beside(segment.shape().bytes));
+            left = left.clone().within(left.memory().beside(segment.stats().bytes));
             Ok(segment)
         };
         Ok(Self { set, segments: (0..n).map(&mut narrowed).collect::<Result<_, BuildError>>()? })
@@ -88,21 +88,21 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
         if T::HAS_LISTS { self.at(ray).blocks.as_ref() } else { None }
     }
 
-    /// The walk of all passes that count.
+    /// The traversal of all passes that count.
     #[inline(never)]
-    pub(crate) fn counted_walk(&self, ray: &Ray<S>, mut sink: ErasedSink<'_, S>) {
-        self.at(ray).structure.walk(ray, &mut sink);
+    pub(crate) fn counted_traversal(&self, ray: &Ray<S>, mut sink: ErasedSink<'_, S>) {
+        self.at(ray).structure.traverse(ray, &mut sink);
     }
 
-    /// The walk of all passes that are timed.
+    /// The traversal of all passes that are timed.
     #[inline(never)]
-    pub(crate) fn timed_walk(&self, ray: &Ray<S>, mut sink: RelayedSink<'_, S>) {
-        self.at(ray).structure.walk(ray, &mut sink);
+    pub(crate) fn timed_traversal(&self, ray: &Ray<S>, mut sink: RelayedSink<'_, S>) {
+        self.at(ray).structure.traverse(ray, &mut sink);
     }
 
     /// The sum of all; the resolution is that of the first.
-    pub(crate) fn shape(&self) -> Shape {
-        let shapes = self.segments.iter().map(Segment::shape);
+    pub(crate) fn stats(&self) -> StructureStats {
+        let shapes = self.segments.iter().map(Segment::stats);
         shapes.reduce(with).unwrap_or_default()
     }
 
@@ -113,8 +113,8 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
 }
 
 /// Both together.
-fn with(a: Shape, b: Shape) -> Shape {
-    Shape {
+fn with(a: StructureStats, b: StructureStats) -> StructureStats {
+    StructureStats {
         inner_cells: a.inner_cells + b.inner_cells,
         cells: a.cells + b.cells,
         empty_cells: a.empty_cells + b.empty_cells,

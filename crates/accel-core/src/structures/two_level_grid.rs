@@ -11,7 +11,7 @@
 //! cost model; a leaf grid that would list most primitives in most of its cells is made coarser, so
 //! that copies of a large primitive do not multiply; upper cells without primitives have no leaf
 //! cell. An upper cell is 8 bytes: its leaf grid is computed by each ray that comes by. Rays are
-//! walked one by one.
+//! traversed one by one.
 
 mod leaf_cells;
 
@@ -19,10 +19,10 @@ use std::ops::ControlFlow;
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::grid::cell_walk::{CellPosition, CellWalk};
+use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::regular_grid::{CellStorage, contents_of, stored};
-use crate::grid::voxel_walk::{CellDivision, GridFrame, VoxelWalk, inverse_direction};
+use crate::grid::voxel_traversal::{CellDivision, GridFrame, VoxelTraversal, inverse_direction};
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
@@ -31,7 +31,7 @@ use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::room::Room;
-use crate::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::uniform_grid::DenseCells;
 use crate::update::{Change, INCREMENTAL, is_incremental, is_worth_changing};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
@@ -140,20 +140,20 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         sink.inner_step();
         let bounds = self.upper.bounds();
         let Some((mut t, _)) = bounds.clip(ray.origin, ray.direction, ray.t_min, ray.t_max) else {
             return;
         };
         let inverse = inverse_direction(ray);
-        let mut walk = self.upper.walk_at(ray, inverse, t);
+        let mut traversal = self.upper.traversal_at(ray, inverse, t);
         loop {
-            let Some(cell) = self.cells.get(walk.index()) else { return };
+            let Some(cell) = self.cells.get(traversal.index()) else { return };
             if cell.is_divided() {
                 sink.inner_step();
-                let leaf = self.division.grid(walk.coords(), cell.resolution());
-                if self.leaves.walk(cell, leaf.walk_at(ray, inverse, t), sink).is_break() {
+                let leaf = self.division.grid(traversal.coords(), cell.resolution());
+                if self.leaves.traverse(cell, leaf.traversal_at(ray, inverse, t), sink).is_break() {
                     return;
                 }
             } else {
@@ -163,8 +163,8 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
                     return;
                 }
             }
-            let t_exit = walk.t_exit();
-            if sink.t_max() < t_exit || !walk.advance() {
+            let t_exit = traversal.t_exit();
+            if sink.t_max() < t_exit || !traversal.advance() {
                 return;
             }
             // a plane beside the ray may be met long before the grid is
@@ -177,18 +177,18 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         self.leaves.lists().lists().for_each(each);
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let divided = self.cells.iter().filter(|cell| cell.is_divided()).count() as u64;
         let vacant = self.cells.iter().filter(|cell| cell.is_vacant()).count() as u64;
         let lists = self.leaves.lists();
-        Shape {
+        StructureStats {
             inner_cells: 1 + divided,
             cells: lists.cells() as u64 + vacant,
             empty_cells: lists.empty_cells() as u64 + vacant,
             references: lists.references() as u64,
             bytes: (size_of_val(self.cells.as_slice()) + lists.bytes()) as u64
                 + self.lists.as_ref().map_or(0, DenseCells::bytes),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 
@@ -211,22 +211,22 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
 }
 
 impl LeafCells {
-    /// Visits the leaf cells of an upper cell until the walk leaves it or nothing closer can follow
+    /// Visits the leaf cells of an upper cell until the traversal leaves it or nothing closer can follow
     /// there; `Break` ends the query.
     #[inline(always)]
-    fn walk<S: Scalar, K: Sink<S>>(
+    fn traverse<S: Scalar, K: Sink<S>>(
         &self,
         cell: &UpperCell,
-        mut walk: VoxelWalk<S>,
+        mut traversal: VoxelTraversal<S>,
         sink: &mut K,
     ) -> ControlFlow<()> {
         loop {
-            let list = self.list(cell, walk.index());
+            let list = self.list(cell, traversal.index());
             sink.elementary_step(list.is_empty());
             if !list.is_empty() {
                 sink.test(list)?;
             }
-            if sink.t_max() < walk.t_exit() || !walk.advance() {
+            if sink.t_max() < traversal.t_exit() || !traversal.advance() {
                 return ControlFlow::Continue(());
             }
         }

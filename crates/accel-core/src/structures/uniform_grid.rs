@@ -2,20 +2,20 @@
 //!
 //! Papers: A. Fujimoto, T. Tanaka, K. Iwata, "ARTS: Accelerated Ray-Tracing System", IEEE CG&A
 //! 6(4), 1986; J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
-//! Eurographics 1987 (the walks, see `driving_axis_walk.rs` and `voxel_walk.rs`).
+//! Eurographics 1987 (the traversals, see `driving_axis_traversal.rs` and `voxel_traversal.rs`).
 //!
 //! Deviations: lists stand in one array (count, prefix sum, fill); boxes are padded by a few ulps
-//! so that rounding loses nothing; the walk recomputes plane parameters instead of accumulating;
+//! so that rounding loses nothing; the traversal recomputes plane parameters instead of accumulating;
 //! a resolution that a rule gave is halved while it lists primitives more than 64 times on average.
 //! `boxes=historical order=reverse` is Havran and Sixta's (1999) grid as their counters show it:
-//! its walks also begin at the ray's origin, although hits only count beyond the epsilon.
+//! its traversals also begin at the ray's origin, although hits only count beyond the epsilon.
 
 use std::ops::Range;
 
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_overlap::Insertion;
-use crate::grid::cell_walk::{CellPosition, Traversal};
+use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::Gained;
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::params::Params;
@@ -105,7 +105,7 @@ impl DenseCells {
 }
 
 impl CellStorage for DenseCells {
-    const COMPARES_WALKS: bool = true;
+    const COMPARES_TRAVERSALS: bool = true;
 
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,

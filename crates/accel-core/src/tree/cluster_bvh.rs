@@ -24,7 +24,7 @@ pub(crate) enum Item {
 /// Depth from which halves are made.
 const BALANCED_FROM: usize = 40;
 
-/// Room for one waiting node a level: 40 levels and the logarithm of the largest number of items.
+/// Room for one waiting node per level: 40 levels and the logarithm of the largest number of items.
 const STACK: usize = BALANCED_FROM + 34;
 
 #[derive(Debug, Clone, Copy)]
@@ -115,7 +115,7 @@ impl<S: Scalar> ClusterBvh<S> {
     /// Visits the items whose boxes the ray meets in `[t_start, sink.t_max()]`, near ones first.
     /// `on_node` is called for every inner node entered.
     #[inline(always)]
-    pub(crate) fn walk<K: Sink<S>>(
+    pub(crate) fn traverse<K: Sink<S>>(
         &self,
         ray: &Ray<S>,
         t_start: S,

@@ -1,7 +1,7 @@
 //! Where a ray meets axis-parallel planes, and the cell it is in: all in ray parameters.
 //!
 //! A plane always gets the same parameter, so comparisons between parameters never contradict
-//! each other: a walk that enters the next cell at the exit of the last one always moves on.
+//! each other: a traversal that enters the next cell at the exit of the last one always moves on.
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -56,14 +56,14 @@ impl<S: Scalar> RayPlanes<S> {
 
     /// The whole box as the cell the ray is in.
     #[inline(always)]
-    pub(crate) fn root(&self, bounds: &Aabb<S>) -> Place<S> {
+    pub(crate) fn root(&self, bounds: &Aabb<S>) -> RayCell<S> {
         let (lo, hi) = (bounds.min.to_array(), bounds.max.to_array());
         let mut exit = [S::INFINITY; 3];
         for k in 0..3 {
             let far = if self.downwards >> k & 1 == 1 { lo[k] } else { hi[k] };
             exit[k] = self.crossing(k, far).lesser(S::INFINITY);
         }
-        Place { cell: 0, exit }
+        RayCell { cell: 0, exit }
     }
 
     /// The child of an inner cell in which the ray is at parameter `t`; on a plane, the child
@@ -71,11 +71,11 @@ impl<S: Scalar> RayPlanes<S> {
     #[inline(always)]
     pub(crate) fn child(
         &self,
-        parent: &Place<S>,
+        parent: &RayCell<S>,
         planes: &[S; 3],
         first_child: u32,
         t: S,
-    ) -> Place<S> {
+    ) -> RayCell<S> {
         let mut behind = 0;
         let mut exit = parent.exit;
         for k in 0..3 {
@@ -86,20 +86,20 @@ impl<S: Scalar> RayPlanes<S> {
                 exit[k] = crossing.lesser(exit[k]);
             }
         }
-        Place { cell: first_child + (behind ^ self.downwards), exit }
+        RayCell { cell: first_child + (behind ^ self.downwards), exit }
     }
 }
 
 /// A cell on a ray's way.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Place<S> {
+pub(crate) struct RayCell<S> {
     /// Number of the cell.
     pub(crate) cell: u32,
     /// Parameters of the far planes of its box.
     exit: [S; 3],
 }
 
-impl<S: Scalar> Place<S> {
+impl<S: Scalar> RayCell<S> {
     /// Parameter at which the ray leaves the cell.
     #[inline(always)]
     pub(crate) fn exit(&self) -> S {

@@ -27,13 +27,13 @@ use crate::variants::triangle_tests::{
     InDouble, MoellerTrumboreTolerant, Pluecker, WatertightFallback,
 };
 
-/// The test that is compiled into every walk.
+/// The test that is compiled into every traversal.
 const DEFAULT: &str = "default";
 
 /// A setting that every structure has.
 pub const TRIANGLE_TEST: ParamSpec = ParamSpec {
     name: "triangle-test",
-    summary: "test of triangles: the default is the watertight one, compiled into each walk; \
+    summary: "test of triangles: the default is the watertight one, compiled into each traversal; \
               others are called, unless built with the feature compiled-tests",
     default: DEFAULT,
     kind: ParamKind::Choice(&[
@@ -50,7 +50,7 @@ pub const TRIANGLE_TEST: ParamSpec = ParamSpec {
 /// Another.
 pub const SPHERE_TEST: ParamSpec = ParamSpec {
     name: "sphere-test",
-    summary: "test of spheres: the default is the rearranged one, compiled into each walk; \
+    summary: "test of spheres: the default is the rearranged one, compiled into each traversal; \
               others are called, unless built with the feature compiled-tests",
     default: DEFAULT,
     kind: ParamKind::Choice(&[DEFAULT, "naive", "rearranged", "f64"]),

@@ -6,7 +6,7 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray, Scalar};
 
@@ -45,7 +45,7 @@ fn build(entry: &Entry, set: &TriangleSet<f32, Watertight>) -> Result<u64, Build
     let mut hit = [Hit::NONE];
     tracer.closest_hits(&[ray], &mut hit);
     assert!(hit[0].is_hit(), "{}", entry.info.name);
-    Ok(tracer.shape().bytes)
+    Ok(tracer.stats().bytes)
 }
 
 /// Scenes that a structure may refuse by its defaults, and the limit it names.
@@ -170,12 +170,12 @@ fn cuts_that_do_not_separate_are_few() {
         let entry = find("octree").unwrap();
         let params = entry.params(settings.iter().copied()).unwrap();
         let tracer = entry.build(PrimsRef::Watertight(&set), &params)?;
-        Ok::<_, BuildError>(tracer.shape().references as f64 / set.len() as f64)
+        Ok::<_, BuildError>(tracer.stats().references as f64 / set.len() as f64)
     };
     for scene in [blocks(12), wing(3997, 2), wing(999, 8)] {
         for (growth, limit) in [("1", 1.0), ("16", 16.0), ("256", 256.0)] {
             let found = references(&scene, &[("max-growth", growth)]).unwrap();
-            assert!(found <= limit, "{found} references a primitive, at most {limit}");
+            assert!(found <= limit, "{found} references per primitive, at most {limit}");
         }
         // without that rule: planted
         let unlimited = [("max-growth", "1e9"), ("max-references", "3000000")];
@@ -194,10 +194,10 @@ impl<S: Scalar> Structure<S> for Refuses<S> {
         Err(BuildError::TooLarge { structure, what: "number of cells", needed: 2, limit: 1 })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, _: &mut K) {}
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, _: &mut K) {}
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 
@@ -206,12 +206,12 @@ impl<S: Scalar> Structure<S> for Fat<S> {
         Ok(Self((0..prims.len() as u32).collect(), std::marker::PhantomData))
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         let _ = sink.test(&self.0);
     }
 
-    fn shape(&self) -> Shape {
-        Shape { bytes: 1 << 40, ..Shape::default() }
+    fn stats(&self) -> StructureStats {
+        StructureStats { bytes: 1 << 40, ..StructureStats::default() }
     }
 }
 
@@ -248,8 +248,8 @@ fn limits_are_typed_errors() {
                 }
                 Err(e) => panic!("{} {limit}: {e}", entry.info.name),
                 Ok(tracer) => {
-                    let shape = tracer.shape();
-                    let held = if limit == "max-cells" { shape.cells } else { shape.references };
+                    let stats = tracer.stats();
+                    let held = if limit == "max-cells" { stats.cells } else { stats.references };
                     assert!(held <= 5, "{} {limit}: {held}", entry.info.name);
                 }
             }

@@ -8,7 +8,7 @@ use accel_core::query::entered::{cells_entered, crossed};
 use accel_core::query::tracer::Tracer;
 use accel_core::query::way::{Outcome, Way};
 use accel_core::registry::Buildable;
-use accel_core::structure::Shape;
+use accel_core::structure::StructureStats;
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vector};
 use glam::DVec3;
@@ -78,15 +78,15 @@ fn inside(b: &Aabb<f64>, p: DVec3) -> bool {
 }
 
 /// What is wrong about the cells of a structure, which may cut primitives up.
-fn faults(shape: &Shape, cells: &[Kept], solids: &[Solid], cuts: bool) -> Vec<String> {
+fn faults(stats: &StructureStats, cells: &[Kept], solids: &[Solid], cuts: bool) -> Vec<String> {
     let mut wrong = Vec::new();
     let of_kind = |kind| cells.iter().filter(|cell| cell.kind == kind).count() as u64;
     let empty = of_kind(CellKind::Empty);
     for (what, shown, counted) in [
-        ("inner cells", of_kind(CellKind::Inner), shape.inner_cells),
-        ("cells", of_kind(CellKind::Leaf) + empty, shape.cells),
-        ("empty cells", empty, shape.empty_cells),
-        ("references", cells.iter().map(|cell| cell.ids.len() as u64).sum(), shape.references),
+        ("inner cells", of_kind(CellKind::Inner), stats.inner_cells),
+        ("cells", of_kind(CellKind::Leaf) + empty, stats.cells),
+        ("empty cells", empty, stats.empty_cells),
+        ("references", cells.iter().map(|cell| cell.ids.len() as u64).sum(), stats.references),
     ] {
         if shown != counted {
             wrong.push(format!("{shown} {what} shown, {counted} counted"));
@@ -99,7 +99,7 @@ fn faults(shape: &Shape, cells: &[Kept], solids: &[Solid], cuts: bool) -> Vec<St
     }
     let mut deepest = None;
     for cell in cells {
-        if cell.depth > deepest.map_or(0, |depth| depth + 1) && shape.inner_cells > 0 {
+        if cell.depth > deepest.map_or(0, |depth| depth + 1) && stats.inner_cells > 0 {
             wrong.push(format!("a cell of depth {} within one of {deepest:?}", cell.depth));
         }
         deepest = Some(cell.depth);
@@ -155,7 +155,7 @@ fn all_cells<S: Buildable>() {
                     Ok(cells) => {
                         // the presplit triangles of obvhs have boxes of their parts alone
                         let cuts = setting == "preset=very-slow adapter=direct";
-                        let wrong = faults(&tracer.shape(), &cells, &solids, cuts);
+                        let wrong = faults(&tracer.stats(), &cells, &solids, cuts);
                         assert!(wrong.is_empty(), "{name}: {:#?}", &wrong[..wrong.len().min(5)]);
                     }
                     Err(error) => assert!(shows_none(entry, scene), "{name}: {error}"),
@@ -183,20 +183,20 @@ fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
     for entry in REGISTRY.iter().filter(|entry| entry.info.name != "embree") {
         let name = entry.info.name;
         let tracer = built(entry, set, settings(entry).next().unwrap());
-        let (shape, cells) = (tracer.shape(), kept(&*tracer).unwrap());
+        let (stats, cells) = (tracer.stats(), kept(&*tracer).unwrap());
         for kind in [CellKind::Inner, CellKind::Leaf, CellKind::Empty] {
             // planted fault: the visitor drops a cell
             let Some(dropped) = cells.iter().rposition(|cell| cell.kind == kind) else { continue };
             let mut fewer = cells.clone();
             let dropped = fewer.remove(dropped);
-            let wrong = faults(&shape, &fewer, &solids, false);
+            let wrong = faults(&stats, &fewer, &solids, false);
             assert!(!wrong.is_empty(), "{name}: {kind:?}");
             if kind == CellKind::Leaf {
                 // planted fault: as the one before, but the counts are said to be right
-                let lies = Shape {
-                    cells: shape.cells - 1,
-                    references: shape.references - dropped.ids.len() as u64,
-                    ..shape
+                let lies = StructureStats {
+                    cells: stats.cells - 1,
+                    references: stats.references - dropped.ids.len() as u64,
+                    ..stats
                 };
                 let wrong = faults(&lies, &fewer, &solids, false);
                 assert!(wrong.iter().any(|w| w.contains("primitive")), "{name}: {wrong:?}");
@@ -206,7 +206,7 @@ fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
         let mut more = cells.clone();
         let leaf = more.iter_mut().find(|cell| cell.kind == CellKind::Leaf).unwrap();
         leaf.ids.push(leaf.ids[0]);
-        assert!(!faults(&shape, &more, &solids, false).is_empty(), "{name}");
+        assert!(!faults(&stats, &more, &solids, false).is_empty(), "{name}");
     }
 }
 
@@ -307,7 +307,7 @@ fn ways_with_a_step_or_a_test_less_are_found_out() {
 #[test]
 fn empty_voxels_are_told_by_where_the_ray_is() {
     // two small triangles in opposite corners, all empty between: which voxels a ray enters is known
-    // without any walk
+    // without any traversal
     let at = |x: f32| [[x, x, x], [x + 0.1, x, x], [x, x + 0.1, x]];
     let triangles = TriangleSet::<f32, Watertight>::new(vec![at(0.0), at(9.9)], |_| false);
     let set = Set::Triangles(triangles.unwrap());
@@ -352,8 +352,8 @@ fn what_shows_no_cells_says_so() {
         ) -> accel_core::query::counters::WorkCounters {
             Default::default()
         }
-        fn shape(&self) -> Shape {
-            Shape::default()
+        fn stats(&self) -> StructureStats {
+            StructureStats::default()
         }
     }
     assert_eq!(kept(&Silent).unwrap_err(), NoCells::UNTOLD);

@@ -55,7 +55,7 @@ fn references(set: &MixedSet<f32>, entry: &Entry, settings: &str) -> u64 {
     let mut hits = [Hit { t: f32::NAN, id: 0 }; 3];
     tracer.closest_hits(&rays, &mut hits);
     assert_eq!(hits, right, "{}", entry.info.name);
-    tracer.shape().references
+    tracer.stats().references
 }
 
 #[test]

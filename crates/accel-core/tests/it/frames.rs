@@ -10,7 +10,7 @@ use accel_core::primitives::{
 use accel_core::query::sink::Sink;
 use accel_core::query::tracer::Before;
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, Shape, Structure};
+use accel_core::structure::{BuildError, Structure, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find, wide_bvh};
 use accel_core::update::{Change, moved};
 use accel_core::{Ray, Scalar, Vec3, Vector};
@@ -223,12 +223,12 @@ impl<S: Scalar> Structure<S> for Stale<S> {
         Ok(Change::Updated)
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        self.0.walk(ray, sink);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.0.traverse(ray, sink);
     }
 
-    fn shape(&self) -> Shape {
-        Structure::<S>::shape(&self.0)
+    fn stats(&self) -> StructureStats {
+        Structure::<S>::stats(&self.0)
     }
 }
 

@@ -111,12 +111,12 @@ fn an_object_is_divided_once() {
     assert_eq!(claims.len(), 100);
     let prims = |set| accel_core::primitives::PrimsRef::<f32>::Watertight(set);
     for (instanced, plain) in [("instanced-grid", "uniform-grid"), ("instanced-bvh", "wide-bvh")] {
-        let shape = |name: &str, set| {
+        let stats = |name: &str, set| {
             let entry = find(name).unwrap();
-            entry.build(prims(set), &entry.defaults()).unwrap().shape()
+            entry.build(prims(set), &entry.defaults()).unwrap().stats()
         };
         let (two_levels, one, flat) =
-            (shape(instanced, &set), shape(plain, &set), shape(instanced, &flat));
+            (stats(instanced, &set), stats(plain, &set), stats(instanced, &flat));
         assert!(two_levels.bytes * 3 < one.bytes, "{two_levels:?} {one:?}");
         // 100 triangles are in no bush, the 40 of a bush are listed once
         assert!(two_levels.references * 5 < one.references, "{two_levels:?} {one:?}");

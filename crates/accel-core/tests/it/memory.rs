@@ -3,7 +3,7 @@
 use accel_core::memory::{MemoryLimit, OutOfMemory};
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
-use accel_core::structure::{BuildError, Shape};
+use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find};
 
 type Set = TriangleSet<f32, Watertight>;
@@ -27,9 +27,9 @@ fn built(
     set: &Set,
     settings: &[(&str, &str)],
     limit: MemoryLimit,
-) -> Result<Shape, BuildError> {
+) -> Result<StructureStats, BuildError> {
     let params = entry.params(settings.iter().copied()).unwrap().within(limit);
-    Ok(entry.build(PrimsRef::Watertight(set), &params)?.shape())
+    Ok(entry.build(PrimsRef::Watertight(set), &params)?.stats())
 }
 
 /// The variants of a structure, as settings.
@@ -40,7 +40,7 @@ fn variants(entry: &'static Entry) -> impl Iterator<Item = Vec<(&'static str, &'
 
 /// What is wrong with a structure that has little memory.
 fn complaint(
-    of: impl Fn(MemoryLimit) -> Result<Shape, BuildError>,
+    of: impl Fn(MemoryLimit) -> Result<StructureStats, BuildError>,
     smallest: u64,
 ) -> Option<String> {
     let whole = of(MemoryLimit::NONE).unwrap();
@@ -56,7 +56,7 @@ fn complaint(
                 }
             }
             Err(error) => return Some(format!("a 1/{part}: {error}")),
-            Ok(shape) if shape != whole => return Some(format!("a 1/{part}: {shape:?}")),
+            Ok(stats) if stats != whole => return Some(format!("a 1/{part}: {stats:?}")),
             Ok(_) if part == smallest => return Some(format!("built in a 1/{part}")),
             Ok(_) => {}
         }
@@ -94,10 +94,11 @@ fn parts_are_asked_for_together() {
 /// Planted: a structure that does not ask, and one that makes itself smaller.
 #[test]
 fn structures_that_do_not_ask_are_found() {
-    let whole = Shape { bytes: 1 << 20, ..Shape::default() };
+    let whole = StructureStats { bytes: 1 << 20, ..StructureStats::default() };
     assert_eq!(complaint(|_| Ok(whole), 64).as_deref(), Some("built in a 1/64"));
-    let smaller = |limit: MemoryLimit| Ok(Shape { cells: limit.count(1 << 20).min(1), ..whole });
-    assert!(complaint(smaller, 64).unwrap().starts_with("a 1/2: Shape"));
+    let smaller =
+        |limit: MemoryLimit| Ok(StructureStats { cells: limit.count(1 << 20).min(1), ..whole });
+    assert!(complaint(smaller, 64).unwrap().starts_with("a 1/2: StructureStats"));
 }
 
 /// Grids of any number of voxels are refused before a byte of them is taken.

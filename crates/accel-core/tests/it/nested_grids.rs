@@ -187,7 +187,7 @@ fn ten_thousand_copies_of_a_triangle_stay_within_memory() {
         let entry = find(name).unwrap();
         let params = entry.params(settings.iter().copied()).unwrap();
         let tracer = entry.build(PrimsRef::Watertight(&set), &params).unwrap();
-        let bytes = tracer.shape().bytes;
+        let bytes = tracer.stats().bytes;
         assert!(bytes < 16 << 20, "{name} {params}: {bytes} bytes");
     }
 }

@@ -183,7 +183,7 @@ fn of_other_sets_the_primitives_are_tested_by_ours() {
 }
 
 #[test]
-fn trees_that_obvhs_cannot_walk_are_refused() {
+fn trees_that_obvhs_cannot_traverse_are_refused() {
     let nested = |i: usize| {
         let size = 1.0 + i as f32 / 6000.0;
         [[0.0; 3], [size, 0.0, 0.0], [0.0, size, size]]

@@ -6,7 +6,7 @@ use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder};
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, Shape};
+use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::find;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::{DVec3, Vec3Swizzles as _};
@@ -189,7 +189,7 @@ fn ten_thousand_duplicates_stay_few_cells() {
     let ray = [Ray::<f32>::new(glam::Vec3::new(0.4, 0.3, 5.0), -glam::Vec3::Z)];
     for (name, settings) in SETTINGS.iter().filter(|(_, s)| !s.contains("useless")) {
         let tracer = build(&set, name, settings).unwrap();
-        let Shape { references, bytes, .. } = tracer.shape();
+        let StructureStats { references, bytes, .. } = tracer.stats();
         assert!(references < 1_000_000 && bytes < 1 << 24, "{name} {settings} {references}");
         assert_eq!(answers(tracer.as_ref(), &ray).0[0].id, 0, "{name} {settings}");
     }
@@ -214,8 +214,8 @@ fn centre_subdivision_makes_eight_cells_of_one() {
     for subdivision in ["centre", "adaptive"] {
         let settings =
             format!("subdivision={subdivision} max-leaf=1 useless-splits=20 max-depth=5");
-        let shape = build(&set, "octree", &settings).unwrap().shape();
-        assert_eq!(shape.cells, 7 * shape.inner_cells + 1);
-        assert!(shape.empty_cells < shape.cells && shape.references > 300);
+        let stats = build(&set, "octree", &settings).unwrap().stats();
+        assert_eq!(stats.cells, 7 * stats.inner_cells + 1);
+        assert!(stats.empty_cells < stats.cells && stats.references > 300);
     }
 }

@@ -89,7 +89,7 @@ fn settings(text: &str) -> impl Iterator<Item = (&str, &str)> {
 }
 
 /// What a structure answers: closest hits, occlusions, and closest hits while it counts, which some
-/// find by a walk of their own.
+/// find by a traversal of their own.
 type Answers<S> = (Vec<Hit<S>>, Vec<bool>, Vec<Hit<S>>);
 
 fn answers<S: Buildable>(
@@ -107,7 +107,7 @@ fn answers<S: Buildable>(
     (hits, blocked, counted)
 }
 
-/// Every structure in every variant; more of those whose walks or levels differ.
+/// Every structure in every variant; more of those whose traversals or levels differ.
 fn tested() -> impl Iterator<Item = (&'static str, &'static str)> {
     let variants = REGISTRY.iter().flat_map(|entry| {
         // an octree cuts aligned faces for ever

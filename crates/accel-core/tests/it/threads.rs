@@ -4,7 +4,7 @@
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::ShadowRule;
-use accel_core::structure::Shape;
+use accel_core::structure::StructureStats;
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray};
 
@@ -12,7 +12,7 @@ use crate::common::{Random, many_triangles, rays_for};
 
 /// What can be seen of a structure. The tests of an occlusion query end at the first that blocks,
 /// so they depend on the order within each list.
-type Seen = (Shape, [WorkCounters; 2], Vec<Hit<f32>>);
+type Seen = (StructureStats, [WorkCounters; 2], Vec<Hit<f32>>);
 
 fn seen(entry: &Entry, setting: &str, prims: PrimsRef<f32>, rays: &[Ray<f32>]) -> Seen {
     let words = setting.split_whitespace().filter_map(|word| word.split_once('='));
@@ -21,7 +21,7 @@ fn seen(entry: &Entry, setting: &str, prims: PrimsRef<f32>, rays: &[Ray<f32>]) -
     let closest = tracer.count_closest_hits(rays, &mut hits);
     let mut blocked = vec![Default::default(); rays.len()];
     let shadows = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut blocked);
-    (tracer.shape(), [closest, shadows], hits)
+    (tracer.stats(), [closest, shadows], hits)
 }
 
 fn on<T: Send>(threads: usize, f: impl FnOnce() -> T + Send) -> T {

@@ -5,7 +5,7 @@ use accel_core::params::Params;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, PrimsRef};
 use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{REGISTRY, find};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector, entry};
 use glam::{DVec3, dvec3};
@@ -109,7 +109,7 @@ impl<S: Scalar> Structure<S> for CutShort<S> {
         Ok(Self((0..prims.len() as u32).map(cut).collect()))
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         for (id, bounds) in (0..).zip(&self.0) {
             let enters = bounds.clip(ray.origin, ray.direction, ray.t_min, sink.t_max());
             if enters.is_some() && sink.test(&[id]).is_break() {
@@ -118,8 +118,8 @@ impl<S: Scalar> Structure<S> for CutShort<S> {
         }
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 
@@ -149,9 +149,9 @@ fn memory_is_the_sum_of_segments_and_a_scene_at_rest_has_one() {
         let tracer = entry.build(PrimsRef::Mixed(set), &params).unwrap();
         let mut cells = 0;
         tracer.cells(&mut |_| cells += 1).unwrap();
-        let shape = tracer.shape();
-        assert_eq!(cells, shape.cells + shape.inner_cells);
-        shape
+        let stats = tracer.stats();
+        assert_eq!(cells, stats.cells + stats.inner_cells);
+        stats
     };
     let moving = scene::<f32>(5, DVec3::splat(0.5), 1.0, 4);
     assert!(built(&moving, "4").bytes > built(&moving, "1").bytes * 2);

@@ -8,7 +8,7 @@ use accel_core::primitives::{MixedSetBuilder, TriangleSet, Watertight};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, Shape};
+use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::find;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::{DVec3, dvec3};
@@ -162,9 +162,9 @@ fn ten_thousand_duplicates() {
         (0..20).map(|i| to_ray(dvec3(0.4, 0.3 + f64::from(i) * 0.05, 5.0), -DVec3::Z)).collect();
     compare(set.prims(), &rays, "duplicates");
     for (name, settings) in SETTINGS {
-        let shape: Shape = build(set.prims(), name, settings).unwrap().shape();
-        assert_eq!((shape.references, shape.empty_cells), (10_000, 0), "{name} {settings}");
-        assert!(shape.inner_cells < shape.cells && shape.cells <= 10_000, "{name} {settings}");
+        let stats: StructureStats = build(set.prims(), name, settings).unwrap().stats();
+        assert_eq!((stats.references, stats.empty_cells), (10_000, 0), "{name} {settings}");
+        assert!(stats.inner_cells < stats.cells && stats.cells <= 10_000, "{name} {settings}");
     }
 }
 

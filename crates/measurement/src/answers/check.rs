@@ -11,7 +11,7 @@ use crate::answers::judge::judge;
 use crate::plan::measured_row::{Built, MeasuredRow};
 use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::record::query::Query;
-use crate::record::{PluginRecord, ShapeRecord, Verdict, WorkRecord};
+use crate::record::{PluginRecord, StatsRecord, Verdict, WorkRecord};
 use crate::rounds::scope::Scope;
 use crate::system::clock::Clock;
 
@@ -26,7 +26,7 @@ pub struct Checked {
     /// What is said of its answers.
     pub verdict: Verdict,
     /// What was built.
-    pub shape: ShapeRecord,
+    pub stats: StatsRecord,
     /// How it answers the rays of a batch.
     pub query: Query,
     /// The work of the counted rays; none where nothing counts it.
@@ -93,9 +93,9 @@ pub fn check<S: Buildable>(
         }
     });
     built.alive()?;
-    let shape = shape(&built);
+    let stats = stats(&built);
     // of what grew nobody knew before
-    scope.plan.memory.allows(row.structure(), shape.memory_bytes.into())?;
+    scope.plan.memory.allows(row.structure(), stats.memory_bytes.into())?;
     let verdict = match (mismatches, row.known_defect()) {
         (0, _) => Verdict::Ok,
         (_, Some(_)) => Verdict::WrongAsShipped,
@@ -103,7 +103,7 @@ pub fn check<S: Buildable>(
     };
     Ok(Checked {
         verdict,
-        shape,
+        stats,
         query: built.query(),
         work: built.foreign().is_none_or(Foreign::has_counters).then(|| WorkRecord {
             rays: set.total() as u64,
@@ -131,7 +131,7 @@ fn example(mut examples: Vec<String>, is_foreign: bool) -> Option<String> {
     (!examples.is_empty()).then(|| examples.join("; "))
 }
 
-/// Every how many-th ray to take so that a pass stays within the cap; a power of two, so that
+/// The stride to take so that a pass stays within the cap; a power of two, so that
 /// rows share samples.
 pub fn stride_for(full_pass_s: f64, cap: f64) -> usize {
     let wanted = (full_pass_s / cap).ceil();
@@ -191,16 +191,16 @@ pub fn count<S: Buildable>(
     (Answers::Hits(hits), work)
 }
 
-fn shape<S: Buildable>(built: &Built<'_, S>) -> ShapeRecord {
-    let shape = built.shape();
-    ShapeRecord {
-        n_in: shape.inner_cells,
-        n_v: shape.cells,
-        n_ev: shape.empty_cells,
-        n_oiv: shape.references,
-        resolution: shape.resolution,
-        memory_bytes: shape.bytes,
-        pending_cells: shape.pending_cells,
+fn stats<S: Buildable>(built: &Built<'_, S>) -> StatsRecord {
+    let stats = built.stats();
+    StatsRecord {
+        n_in: stats.inner_cells,
+        n_v: stats.cells,
+        n_ev: stats.empty_cells,
+        n_oiv: stats.references,
+        resolution: stats.resolution,
+        memory_bytes: stats.bytes,
+        pending_cells: stats.pending_cells,
     }
 }
 

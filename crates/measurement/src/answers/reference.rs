@@ -16,7 +16,7 @@ use crate::system::panics::caught;
 use crate::system::pools::Pools;
 use statistics::random::Random;
 
-/// Fewest rays a kind that the oracle answers, whatever they cost.
+/// Fewest rays per kind that the oracle answers, whatever they cost.
 const FEWEST_ORACLE_RAYS: usize = 16;
 
 /// The rays of a scene, their answers, and what the oracle says of them.
@@ -102,8 +102,8 @@ impl<S: Buildable> Stage<'_, S> {
 
 /// How many rays of a kind the oracle answers: fewer in large scenes.
 pub fn oracle_rays(primitives: usize, kinds: usize, limits: &Limits) -> usize {
-    let tests_a_ray = primitives.max(1) as u64 * kinds.max(1) as u64;
-    let affordable = (limits.oracle_tests / tests_a_ray) as usize;
+    let tests_per_ray = primitives.max(1) as u64 * kinds.max(1) as u64;
+    let affordable = (limits.oracle_tests / tests_per_ray) as usize;
     affordable.max(FEWEST_ORACLE_RAYS).min(limits.oracle_rays)
 }
 

@@ -1,4 +1,4 @@
-//! Instruction counts of the build and of the walk of each row, by valgrind's callgrind.
+//! Instruction counts of the build and of the traversal of each row, by valgrind's callgrind.
 //!
 //! Source: the manual of callgrind (N. Nethercote, J. Seward, "Valgrind: A Framework for
 //! Heavyweight Dynamic Binary Instrumentation", PLDI 2007). All rows are counted in one process, as
@@ -99,7 +99,7 @@ fn name(revision: &Option<String>) -> &str {
 pub struct Counts {
     /// Version of valgrind.
     pub valgrind: String,
-    /// One a scene and row.
+    /// One per scene and row.
     pub rows: Vec<CountedRow>,
 }
 
@@ -116,7 +116,7 @@ pub struct CountedRow {
     pub rays: u64,
     /// Instructions of the build.
     pub build: Option<u64>,
-    /// Instructions of the walks of all those rays; none where it was not built.
+    /// Instructions of the traversals of all those rays; none where it was not built.
     pub trace: Option<u64>,
 }
 

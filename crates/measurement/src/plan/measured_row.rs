@@ -6,7 +6,7 @@ use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{Foreign, ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structure::{Batches, BuildError, Shape};
+use accel_core::structure::{Batches, BuildError, StructureStats};
 use accel_core::structures::Entry;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -234,10 +234,10 @@ impl<S: Buildable> Built<'_, S> {
     }
 
     /// What was built.
-    pub fn shape(&self) -> Shape {
+    pub fn stats(&self) -> StructureStats {
         match self {
-            Self::Structure(tracer) => tracer.shape(),
-            Self::Occluder(occluder) => occluder.shape(),
+            Self::Structure(tracer) => tracer.stats(),
+            Self::Occluder(occluder) => occluder.stats(),
         }
     }
 }

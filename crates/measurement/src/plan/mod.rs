@@ -33,7 +33,7 @@ use renderer::{RayKind, RaySettings, ShadowRays};
 pub const DEFAULT_SET: &str = "spd";
 /// The structure that traces when none is named.
 pub const DEFAULT_TRACER: &str = "obvhs-cwbvh";
-/// The rows that ratios are taken to when none is named, best first: structure and settings. The
+/// The reference rows when none is named, best first: structure and settings. The
 /// first is a BVH as its authors use it. Its known wrong hits are no reason to take another: what
 /// judges answers is another question, see [`crate::answers::reference`].
 const DEFAULT_BASELINES: [(&str, &str); 2] =
@@ -69,7 +69,7 @@ pub struct Limits {
     pub checked_pass: f64,
     /// Rays of a kind that the oracle answers, at most.
     pub oracle_rays: usize,
-    /// Intersection tests of the oracle for a scene, at most (but 16 rays a kind at least).
+    /// Intersection tests of the oracle for a scene, at most (but 16 rays per kind at least).
     pub oracle_tests: u64,
 }
 
@@ -114,7 +114,7 @@ pub struct Plan<'r> {
     pub scenes: Vec<Box<dyn KnownScene>>,
     /// Rows of every scene's table.
     pub rows: Vec<MeasuredRow<'r>>,
-    /// Index of the row that ratios are taken to.
+    /// Index of the reference row.
     pub baseline: usize,
     /// No other row may take its place in any scene: ratios are joined or compared with those of
     /// others.
@@ -125,7 +125,7 @@ pub struct Plan<'r> {
     pub answers: Vec<Row<'r>>,
     /// Kinds of rays.
     pub kinds: Vec<RayKind>,
-    /// In which orders rows are asked the rays.
+    /// In which orders rays are issued to rows.
     pub orders: Orders,
     /// Tables of each kind of ray are wanted, too.
     pub by_kind: bool,
@@ -143,7 +143,7 @@ pub struct Plan<'r> {
     pub limits: Limits,
     /// A first look only.
     pub quick: bool,
-    /// Every how many-th ray rows are asked, where an earlier record says so.
+    /// The stride of each row (every k-th ray is issued to it), where an earlier record says so.
     pub strides: FixedStrides,
     /// Where this is a part of a run: that part.
     pub part: Option<PlannedPart>,
@@ -200,7 +200,7 @@ impl<'r> Plan<'r> {
         Ok(plan)
     }
 
-    /// A plan over those scenes and rows; ratios are taken to the row at the index `baseline`.
+    /// A plan over those scenes and rows; the reference is the row at the index `baseline`.
     ///
     /// # Errors
     /// [`PlanError`] naming what is valid.
@@ -282,7 +282,7 @@ const DEFAULT_SIZE: u32 = 128;
 /// Width and height of the image of a quick run.
 const QUICK_SIZE: u32 = 48;
 
-/// How good a row is as the one that ratios are taken to when none is named: less is better. None
+/// How good a row is as the reference when none is named: less is better. None
 /// for most.
 pub fn default_rank(structure: &str, settings: &str) -> Option<usize> {
     DEFAULT_BASELINES.iter().position(|default| *default == (structure, settings))
@@ -299,7 +299,7 @@ pub fn default_baseline(registry: &[Entry]) -> Result<Row<'_>, PlanError> {
     best.or(next)
 }
 
-/// Index of the row that ratios are taken to; a row that was asked for and is not there yet is
+/// Index of the reference row; a row that was asked for and is not there yet is
 /// added.
 ///
 /// # Errors

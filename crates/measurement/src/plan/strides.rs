@@ -1,4 +1,4 @@
-//! Every how many-th ray a row is asked, as in an earlier record.
+//! The stride of each row (every k-th ray is issued to it), as in an earlier record.
 //!
 //! A run thins the rays of slow rows by what a pilot costs, which differs from run to run. What is
 //! held against an earlier record must be asked that record's rays, or neither counters nor times
@@ -35,12 +35,12 @@ impl FixedStrides {
         Self(strides)
     }
 
-    /// Every how many-th ray is compared; none where the record does not say.
+    /// Stride of the rays that are compared; none where the record does not say.
     pub fn checked(&self, scene: &str, label: &str) -> Option<usize> {
         self.of_row(scene, label)?.checked
     }
 
-    /// Every how many-th ray is timed; none where the record does not say.
+    /// Stride of the rays that are timed; none where the record does not say.
     pub fn timed(&self, scene: &str, label: &str) -> Option<usize> {
         self.of_row(scene, label)?.timed
     }

@@ -135,7 +135,7 @@ struct CommonScene<'a> {
 #[derive(Serialize)]
 struct Counted<'a> {
     verdict: crate::record::Verdict,
-    shape: &'a Option<crate::record::ShapeRecord>,
+    stats: &'a Option<crate::record::StatsRecord>,
     work: &'a Option<crate::record::WorkRecord>,
     answers_sha256: &'a Option<String>,
 }
@@ -297,7 +297,7 @@ fn common_scene(scene: &SceneRecord) -> CommonScene<'_> {
         oracle: &scene.oracle,
         reference: scene.rows.iter().find(is_whole).map(|row| Counted {
             verdict: row.verdict,
-            shape: &row.shape,
+            stats: &row.stats,
             work: &row.work,
             answers_sha256: &row.answers_sha256,
         }),

@@ -1,11 +1,11 @@
-//! What can be compared between rows of runs: one registry line a metric.
+//! What can be compared between rows of runs: one registry line per metric.
 //!
 //! Exact metrics are the same on every machine and in every run of the same program; measured ones
-//! have a sample a round.
+//! have one sample per round.
 
 use crate::plan::error::PlanError;
 use crate::record::ratios::{build_ratios, kind_ratios, series, trace_ratios};
-use crate::record::{RowRecord, SceneRecord, ShapeRecord, WorkRecord};
+use crate::record::{RowRecord, SceneRecord, StatsRecord, WorkRecord};
 use crate::settings::suggest::hint;
 use statistics::series::Series;
 
@@ -28,14 +28,14 @@ pub struct Metric {
 #[derive(Debug, Clone, Copy)]
 pub enum Reading {
     /// Of what was built; no machine changes it.
-    Shape(fn(&ShapeRecord) -> u64),
+    Stats(fn(&StatsRecord) -> u64),
     /// Of the work of the rays that were counted, per ray; no machine changes it.
     Work(fn(&WorkRecord) -> u64),
-    /// Of the builds of a row of a scene, a sample a round.
+    /// Of the builds of a row of a scene, one sample per round.
     Build(fn(&SceneRecord, &RowRecord) -> Series),
-    /// Of the rays that were timed, a sample a round.
+    /// Of the rays that were timed, one sample per round.
     Trace(fn(&RowRecord) -> Series),
-    /// Of those of a kind and order: the ratio to the reference, a sample a round.
+    /// Of those of a kind and order: the ratio to the reference, one sample per round.
     RatioOf(&'static str),
 }
 
@@ -55,7 +55,7 @@ pub enum Concerns {
 impl Metric {
     /// The same in every run of the same program.
     pub fn is_exact(&self) -> bool {
-        matches!(self.reading, Reading::Shape(_) | Reading::Work(_))
+        matches!(self.reading, Reading::Stats(_) | Reading::Work(_))
     }
 
     /// It is taken to the reference of the same run.
@@ -81,14 +81,14 @@ impl Metric {
             Reading::Trace(_) => Some(row.rays),
             Reading::Work(_) => Some(row.work.as_ref()?.rays),
             Reading::RatioOf(kind) => row.rays_by_kind.get(kind).copied(),
-            Reading::Shape(_) | Reading::Build(_) => None,
+            Reading::Stats(_) | Reading::Build(_) => None,
         }
     }
 
     /// Its value, where it is exact and the row has one.
     pub fn exact(&self, row: &RowRecord) -> Option<f64> {
         match self.reading {
-            Reading::Shape(read) => Some(read(row.shape.as_ref()?) as f64),
+            Reading::Stats(read) => Some(read(row.stats.as_ref()?) as f64),
             Reading::Work(read) => {
                 let work = row.work.as_ref()?;
                 Some(read(work) as f64 / work.rays.max(1) as f64)
@@ -97,10 +97,10 @@ impl Metric {
         }
     }
 
-    /// Its values in a row of a scene: none, one, or one a round.
+    /// Its values in a row of a scene: none, one, or one per round.
     pub fn values(&self, scene: &SceneRecord, row: &RowRecord) -> Series {
         match self.reading {
-            Reading::Shape(_) | Reading::Work(_) => {
+            Reading::Stats(_) | Reading::Work(_) => {
                 self.exact(row).into_iter().collect::<Vec<_>>().into()
             }
             Reading::Build(read) => read(scene, row),
@@ -127,15 +127,15 @@ pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
 /// All metrics, exact ones first.
 #[rustfmt::skip]
 pub static METRICS: &[Metric] = &[
-    cost("n_in", "", "inner cells", Reading::Shape(|shape| shape.n_in)),
-    cost("n_v", "", "elementary cells", Reading::Shape(|shape| shape.n_v)),
+    cost("n_in", "", "inner cells", Reading::Stats(|stats| stats.n_in)),
+    cost("n_v", "", "elementary cells", Reading::Stats(|stats| stats.n_v)),
     Metric {
         // what it cost is in n_v and memory
         is_cost: false,
-        ..cost("n_ev", "", "empty elementary cells", Reading::Shape(|shape| shape.n_ev))
+        ..cost("n_ev", "", "empty elementary cells", Reading::Stats(|stats| stats.n_ev))
     },
-    cost("n_oiv", "", "references in cells", Reading::Shape(|shape| shape.n_oiv)),
-    cost("memory", "bytes", "bytes of the structure", Reading::Shape(|shape| shape.memory_bytes)),
+    cost("n_oiv", "", "references in cells", Reading::Stats(|stats| stats.n_oiv)),
+    cost("memory", "bytes", "bytes of the structure", Reading::Stats(|stats| stats.memory_bytes)),
     cost("n_it", "", "intersection tests per ray", Reading::Work(|work| work.intersection_tests)),
     cost("n_ts", "", "traversal steps per ray", Reading::Work(|work| work.traversal_steps)),
     cost("n_ets", "", "elementary steps per ray", Reading::Work(|work| work.elementary_steps)),

@@ -44,7 +44,7 @@ pub use summary_row::SummaryRow;
 pub use surroundings::{Compiler, Load, Machine, Ticks, Tool};
 pub use verdict::Verdict;
 pub use warning::Warning;
-pub use work::{ShapeRecord, WorkRecord};
+pub use work::{StatsRecord, WorkRecord};
 
 /// Version of this schema; raised when a field changes its meaning or goes away.
 pub const SCHEMA_VERSION: u32 = 1;

@@ -1,6 +1,6 @@
 //! How a row is asked: ray by ray, or a batch at a time.
 //!
-//! A call that has several rays on their way at once hides the time that each of them waits for
+//! A call that has several rays in flight hides the time that each of them waits for
 //! memory; one ray alone cannot. The two are different questions, so tables say which one a row
 //! answered. It is read off what was built over the scene, not off names or settings: a structure may
 //! have its batches for triangles alone.
@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub enum Query {
-    /// Each ray was walked to its end before the next one began.
+    /// Each ray was traversed to its end before the next one began.
     #[default]
     #[serde(rename = "one ray")]
     OneRay,
-    /// A whole batch in one call, several rays on their way at once.
+    /// A whole batch in one call, several rays in flight.
     #[serde(rename = "batch")]
     Batch,
 }

@@ -8,7 +8,7 @@ use crate::record::label::{label, with_query};
 use crate::record::plugin::{ForeignRecord, PluginRecord};
 use crate::record::query::Query;
 use crate::record::verdict::Verdict;
-use crate::record::work::{ShapeRecord, WorkRecord};
+use crate::record::work::{StatsRecord, WorkRecord};
 use statistics::estimate::Estimate;
 use statistics::outliers::outliers;
 use statistics::series::TwoLevels;
@@ -93,7 +93,8 @@ pub struct RowRecord {
     /// Why it was not built, what its panic said, or which limit it is over.
     pub error: Option<String>,
     /// What was built.
-    pub shape: Option<ShapeRecord>,
+    #[serde(rename = "shape")]
+    pub stats: Option<StatsRecord>,
     /// Work of the counting pass.
     pub work: Option<WorkRecord>,
     /// Rays whose answers were compared.
@@ -106,7 +107,7 @@ pub struct RowRecord {
     pub answers_sha256: Option<String>,
     /// The first wrong answer, in words.
     pub example: Option<String>,
-    /// Every how many-th ray of the scene was timed.
+    /// Stride of the rays that were timed: every k-th of the scene.
     pub stride: u64,
     /// Rays timed in a round.
     pub rays: u64,
@@ -116,7 +117,7 @@ pub struct RowRecord {
     pub build_s: Option<Estimate>,
     /// Trace time of all kinds, seconds.
     pub trace_s: Option<Estimate>,
-    /// Millions of rays a second by kind, from the median time.
+    /// Millions of rays per second by kind, from the median time.
     pub mrays: BTreeMap<String, f64>,
     /// Trace time divided by the reference's in the same round, on the same rays.
     pub ratio: Option<Estimate>,
@@ -181,7 +182,7 @@ impl RowRecord {
             verdict,
             known_defect: None,
             error: None,
-            shape: None,
+            stats: None,
             work: None,
             checked_rays: 0,
             mismatches: 0,

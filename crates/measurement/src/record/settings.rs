@@ -26,7 +26,7 @@ pub struct Settings {
     pub reference: String,
     /// Run with `--quick`.
     pub quick: bool,
-    /// In which order rows were asked the rays: `scanline`, `shuffled`, or `both`.
+    /// In which order rays were issued to rows: `scanline`, `shuffled`, or `both`.
     #[serde(default = "scanline")]
     pub order: String,
     /// Which lights were asked: `each` that a hit faces, or from primary hits the `first`.

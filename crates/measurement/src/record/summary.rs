@@ -13,7 +13,7 @@ use statistics::series::{Series, geometric_mean_of};
 /// [`reference::of_means`]; verdicts are over all.
 pub fn summarize(scenes: &[SceneRecord], settings: &Settings) -> Vec<SummaryRow> {
     let reference = reference::of_means(scenes, &settings.reference);
-    // the first row of each setting, and all that are the same, one a scene
+    // the first row of each setting, and all that are the same, one per scene
     let mut groups: Vec<(&RowRecord, Vec<Own<'_>>)> = Vec::new();
     let mut places: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for scene in scenes {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// What was built, in the symbols of Havran and Sixta (1999).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct ShapeRecord {
+pub struct StatsRecord {
     /// N_IN: hierarchical cells.
     pub n_in: u64,
     /// N_V: elementary cells.
@@ -14,7 +14,7 @@ pub struct ShapeRecord {
     pub n_ev: u64,
     /// N_OIV: references in elementary cells.
     pub n_oiv: u64,
-    /// Voxels an axis.
+    /// Voxels per axis.
     pub resolution: Option<[u32; 3]>,
     /// Bytes of the structure.
     pub memory_bytes: u64,

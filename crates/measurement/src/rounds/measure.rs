@@ -27,9 +27,9 @@ const MOST_ROUNDS: usize = 10_000;
 /// What the rounds gave for a row.
 #[derive(Debug, Clone, Default)]
 pub struct Timed {
-    /// One a round.
+    /// One per round.
     pub samples: Vec<Sample>,
-    /// Every how many-th ray was timed.
+    /// Stride of the rays that were timed.
     pub stride: usize,
     /// Most rays answered otherwise than expected in any timed pass.
     pub mismatches: usize,
@@ -49,7 +49,7 @@ impl Timed {
 }
 
 /// A sample of the rays and room for the answers to them.
-struct Sheet<'a, S: Buildable> {
+struct Subsample<'a, S: Buildable> {
     set: BatchSet<'a, S>,
     answers: Vec<Answers<S>>,
 }
@@ -58,7 +58,7 @@ struct Sheet<'a, S: Buildable> {
 type Seconds = BTreeMap<String, f64>;
 
 /// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
-/// for rows that were not built. Ratios are taken to the row `baseline`. The result has one entry
+/// for rows that were not built. The row `baseline` is the reference. The result has one entry
 /// for each row too. `log` is told what each row does for the first time.
 pub fn measure<S: Buildable>(
     scope: &Scope<'_, '_, S>,
@@ -71,11 +71,11 @@ pub fn measure<S: Buildable>(
     let mut timed = vec![Timed::default(); plan.rows.len()];
     let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
     let rows: Vec<usize> = (0..plan.rows.len()).filter(|&r| strides[r].is_some()).collect();
-    let mut sheets: BTreeMap<usize, Sheet<'_, S>> = BTreeMap::new();
+    let mut subsamples: BTreeMap<usize, Subsample<'_, S>> = BTreeMap::new();
     for stride in strides.iter().flatten() {
-        sheets.entry(*stride).or_insert_with(|| {
+        subsamples.entry(*stride).or_insert_with(|| {
             let set = scope.all.thinned(*stride);
-            Sheet { answers: set.answers(), set }
+            Subsample { answers: set.answers(), set }
         });
     }
     let (at_least, deadline) = match plan.rounds {
@@ -99,7 +99,7 @@ pub fn measure<S: Buildable>(
         } else {
             log.rows_passed();
         }
-        let seen = caught(|| asked.make(scope, &mut sheets, &mut of_reference[round]));
+        let seen = caught(|| asked.make(scope, &mut subsamples, &mut of_reference[round]));
         let out = &mut timed[row];
         let seen = match seen {
             Ok(Ok(seen)) => seen,
@@ -142,7 +142,7 @@ pub fn measure<S: Buildable>(
         }
     }
     let rounds = of_reference.len();
-    drop(sheets);
+    drop(subsamples);
     log.rows_passed();
     let order = round_order(plan.seed, &scope.stage.scene.name, rounds, rows.len());
     for i in order {
@@ -165,7 +165,7 @@ pub fn measure<S: Buildable>(
     timed
 }
 
-/// Every how many-th ray each row is timed on; none for rows that are not timed. No row is timed
+/// Stride of the rays that each row is timed on; none for rows that are not timed. No row is timed
 /// on more rays than the baseline, so that both can be timed on the same; where the plan wants the
 /// same for all, no row on more than the slowest.
 fn strides(
@@ -221,7 +221,7 @@ impl Asked<'_, '_> {
     fn make<S: Buildable>(
         &self,
         scope: &Scope<'_, '_, S>,
-        sheets: &mut BTreeMap<usize, Sheet<'_, S>>,
+        subsamples: &mut BTreeMap<usize, Subsample<'_, S>>,
         of_reference: &mut BTreeMap<usize, Seconds>,
     ) -> Result<Seen, BuildError> {
         let prims = scope.stage.geometry.prims();
@@ -230,15 +230,16 @@ impl Asked<'_, '_> {
             let (built, build_s) = timed(scope.clock, build);
             let built = built?;
             let build_s = built.foreign().map_or(build_s, Foreign::build_seconds);
-            let Some(sheet) = sheets.get_mut(&self.stride) else {
+            let Some(subsample) = subsamples.get_mut(&self.stride) else {
                 return Err(BuildError::NoPrimitives { structure: self.row.structure() });
             };
             let answers = |kind| self.row.answers(kind);
-            let (trace_s, mismatches) = sheet.ask(&built, answers, scope);
+            let (trace_s, mismatches) = subsample.ask(&built, answers, scope);
             if self.is_baseline {
                 of_reference.insert(self.stride, trace_s.clone());
-                for (stride, sheet) in sheets.iter_mut().filter(|(s, _)| **s != self.stride) {
-                    of_reference.insert(*stride, sheet.ask(&built, answers, scope).0);
+                for (stride, subsample) in subsamples.iter_mut().filter(|(s, _)| **s != self.stride)
+                {
+                    of_reference.insert(*stride, subsample.ask(&built, answers, scope).0);
                 }
             }
             built.alive()?;
@@ -247,7 +248,7 @@ impl Asked<'_, '_> {
     }
 }
 
-impl<S: Buildable> Sheet<'_, S> {
+impl<S: Buildable> Subsample<'_, S> {
     /// Times a row on the batches that it answers; with several threads in chunks over them. Also
     /// how many of its answers are not the ones expected.
     fn ask(

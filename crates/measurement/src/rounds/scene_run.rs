@@ -225,7 +225,7 @@ impl RowParts<'_, '_> {
                 .collect()
         };
         RowRecord {
-            shape: checked.as_ref().map(|c| c.shape.clone()),
+            stats: checked.as_ref().map(|c| c.stats.clone()),
             work: checked.as_ref().and_then(|c| c.work.clone()),
             checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
             mismatches,

@@ -64,7 +64,7 @@ impl Precision {
 pub struct MeasuringSettings {
     /// Kinds of rays; none means all.
     pub rays: Vec<String>,
-    /// The order in which rows are asked the rays.
+    /// The order in which rays are issued to rows.
     pub order: Orders,
     /// Which lights shadow rays run to.
     pub lights: Lights,

@@ -50,7 +50,7 @@ pub struct Matrix {
     pub scenes: usize,
     /// Number of rows of each.
     pub rows: usize,
-    /// The place of the row that ratios are taken to.
+    /// The place of the reference row.
     pub reference: usize,
 }
 

@@ -73,7 +73,7 @@ impl Canvas {
         }
     }
 
-    /// The inside of a closed line, by the even-odd rule, four rows a pixel.
+    /// The inside of a closed line, by the even-odd rule, four rows per pixel.
     pub fn fill_within(&mut self, points: &[[f64; 2]], color: Color, opacity: f64) {
         const ROWS: usize = 4;
         let of = |pick: fn(f64, f64) -> f64, start: f64, k: usize| {

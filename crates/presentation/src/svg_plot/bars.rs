@@ -45,7 +45,7 @@ pub struct BarRow {
     pub name: String,
     /// Which of the colours of series its bars have.
     pub color: usize,
-    /// One bar a column.
+    /// One bar per column.
     pub bars: Vec<Bar>,
 }
 
@@ -143,7 +143,7 @@ pub fn chart(chart: &BarChart, format: Format) -> String {
             _ => Vec::new(),
         });
         let from = layout.left + width * i as f64;
-        let place = Place {
+        let place = BarPlace {
             axis: Fitted::new(&column.axis.scale, values.chain([column.base])),
             left: from + 6.0,
             right: from + width - layout.numbers,
@@ -163,7 +163,7 @@ pub fn chart(chart: &BarChart, format: Format) -> String {
 }
 
 /// A column's place.
-struct Place {
+struct BarPlace {
     axis: Fitted,
     left: f64,
     right: f64,
@@ -171,7 +171,7 @@ struct Place {
     bottom: f64,
 }
 
-impl Place {
+impl BarPlace {
     fn across(&self, x: f64) -> f64 {
         self.left + self.axis.nearest_place(x) * (self.right - self.left)
     }

@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_foot_is_on_the_surface_and_the_normal_stands_on_it() {
+    fn the_refined_hit_is_on_the_surface_and_the_normal_stands_on_it() {
         let scene = scene();
         let on_ball = refined_hit(&scene, &[], 0, dvec3(7.1, 0.0, 0.0));
         assert_eq!((on_ball.position, on_ball.normal), (dvec3(7.0, 0.0, 0.0), DVec3::X));

@@ -1,6 +1,6 @@
 //! What tracers without samples draw with, and what they give.
 
-use accel_core::query::region::{Gatherer, Work};
+use accel_core::query::region::{FrustumQueries, FrustumWork};
 use accel_core::query::tracer::Tracer;
 
 use crate::film::Image;
@@ -12,7 +12,7 @@ pub struct Structures<'a> {
     /// Answers rays.
     pub rays: &'a dyn Tracer<f64>,
     /// Answers beams and cones.
-    pub shafts: &'a dyn Gatherer,
+    pub frusta: &'a dyn FrustumQueries,
 }
 
 /// How large an image is, and how deep.
@@ -30,7 +30,7 @@ pub struct Drawn {
     /// The image.
     pub image: Image,
     /// What its candidate queries cost.
-    pub work: Work,
+    pub work: FrustumWork,
     /// What else was counted, in the tracer's own words: `shadow beams`.
     pub counts: Vec<(&'static str, u64)>,
 }

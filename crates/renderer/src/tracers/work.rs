@@ -6,7 +6,7 @@ use std::time::Duration;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structure::Shape;
+use accel_core::structure::StructureStats;
 use accel_core::{Hit, Ray};
 use rayon::prelude::*;
 use scene_loading::Scene;
@@ -63,8 +63,8 @@ impl<S: Buildable> Tracer<S> for Counted<'_, S> {
         self.add(self.tracer.count_occlusions(rays, rule, answers))
     }
 
-    fn shape(&self) -> Shape {
-        self.tracer.shape()
+    fn stats(&self) -> StructureStats {
+        self.tracer.stats()
     }
 }
 

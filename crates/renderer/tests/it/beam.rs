@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use accel_core::query::region::Gatherer;
+use accel_core::query::region::FrustumQueries;
 use accel_core::query::tracer::Tracer;
 use accel_core::structures::find;
-use accel_core::structures::gatherers;
+use accel_core::structures::frustum_queries;
 use accel_core::{Hit, Ray, Vector};
 use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
@@ -21,16 +21,16 @@ use crate::flat_scenes::*;
 
 type Coverage = Vec<Vec<Covered>>;
 
-/// Asks `ask` with a kd-tree for rays and the structure of that name for shafts.
-fn over<R>(scene: &Scene, shafts: &str, ask: impl FnOnce(Structures<'_>) -> R) -> R {
+/// Asks `ask` with a kd-tree for rays and the structure of that name for frusta.
+fn over<R>(scene: &Scene, frusta: &str, ask: impl FnOnce(Structures<'_>) -> R) -> R {
     let geometry = Geometry::<f64>::of(scene).unwrap();
     let entry = find("kd-tree").unwrap();
     let rays: Box<dyn Tracer<f64> + '_> =
         entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-    let entry = gatherers::find(shafts).unwrap();
-    let shafts: Box<dyn Gatherer> =
+    let entry = frustum_queries::find(frusta).unwrap();
+    let frusta: Box<dyn FrustumQueries> =
         entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-    ask(Structures { rays: rays.as_ref(), shafts: shafts.as_ref() })
+    ask(Structures { rays: rays.as_ref(), frusta: frusta.as_ref() })
 }
 
 fn frame(size: u32, max_depth: u32) -> Frame {
@@ -315,7 +315,7 @@ fn images_are_those_of_single_rays() {
         let most = if scene.name == "smooth" { 3e-4 } else { 1e-4 };
         assert!(rms < 1e-3 && mean < most, "{}: {rms:e} {mean:e}", scene.name);
     }
-    // the measure has power: one sample a pixel is another image
+    // the measure has power: one sample per pixel is another image
     let few = supersampled(&tetra(3), 16, 1);
     assert!(rmse(&few, &supersampled(&tetra(3), 16, 1024)) > 0.05);
 }
@@ -378,10 +378,10 @@ fn glass_bends_beams_as_rays_but_for_what_a_pixel_spans() {
 fn structures_and_threads_change_no_bit() {
     for scene in [tetra(4), mirror()] {
         let frame = frame(24, 4);
-        let bits = |shafts: &str, threads: usize| {
+        let bits = |frusta: &str, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let image = pool.install(|| {
-                over(&scene, shafts, |over| {
+                over(&scene, frusta, |over| {
                     draw(&scene, frame, &Settings::default(), over).unwrap()
                 })
             });
@@ -389,7 +389,7 @@ fn structures_and_threads_change_no_bit() {
             image.into_iter().flatten().map(f64::to_bits).collect::<Vec<u64>>()
         };
         let expected = bits("brute-force", 1);
-        for entry in gatherers::REGISTRY {
+        for entry in frustum_queries::REGISTRY {
             assert!(bits(entry.info.name, 1) == expected, "{} {}", scene.name, entry.info.name);
         }
         for threads in [2, 5] {

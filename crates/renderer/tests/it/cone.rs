@@ -3,10 +3,10 @@
 
 use std::ops::ControlFlow;
 
-use accel_core::query::region::{Gathered, Gatherer, Shaft};
-use accel_core::structure::Shape;
+use accel_core::query::region::{Candidates, Frustum, FrustumQueries};
+use accel_core::structure::StructureStats;
 use accel_core::structures::find;
-use accel_core::structures::gatherers;
+use accel_core::structures::frustum_queries;
 use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::cone::circular_cone::Cone;
@@ -24,16 +24,16 @@ use crate::common::{effect_scene, image, settings};
 /// The image by cones, the candidates from the structure of that name.
 fn cones(scene: &Scene, frame: Frame, settings: &Settings, structure: &str) -> Drawn {
     let geometry = Geometry::<f64>::of(scene).unwrap();
-    let shafts = gatherers::find(structure).unwrap();
-    let shafts = shafts.build(geometry.prims(), &shafts.params([]).unwrap()).unwrap();
-    through(scene, frame, settings, shafts.as_ref())
+    let frusta = frustum_queries::find(structure).unwrap();
+    let frusta = frusta.build(geometry.prims(), &frusta.params([]).unwrap()).unwrap();
+    through(scene, frame, settings, frusta.as_ref())
 }
 
-fn through(scene: &Scene, frame: Frame, settings: &Settings, shafts: &dyn Gatherer) -> Drawn {
+fn through(scene: &Scene, frame: Frame, settings: &Settings, frusta: &dyn FrustumQueries) -> Drawn {
     let geometry = Geometry::<f64>::of(scene).unwrap();
     let entry = find("kd-tree").unwrap();
     let rays = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-    draw(scene, frame, settings, Structures { rays: rays.as_ref(), shafts }).unwrap()
+    draw(scene, frame, settings, Structures { rays: rays.as_ref(), frusta }).unwrap()
 }
 
 fn frame(resolution: [u32; 2]) -> Frame {
@@ -91,7 +91,7 @@ fn without_width_every_cone_is_a_ray() {
         for (a, b) in drawn.image.pixels.as_flattened().iter().zip(whitted.pixels.as_flattened()) {
             assert!((a - b).abs() < 1e-12, "{name}: {a} {b}");
         }
-        assert_eq!(drawn.work.shafts, 0, "{name}");
+        assert_eq!(drawn.work.queries, 0, "{name}");
     }
 }
 
@@ -220,17 +220,17 @@ fn the_triangles_of_a_mesh_cover_a_cone_exactly_once() {
 }
 
 /// A structure that says too early that nothing nearer will come, or brings the far first.
-struct OutOfOrder(Box<dyn Gatherer>);
+struct OutOfOrder(Box<dyn FrustumQueries>);
 
-impl Gatherer for OutOfOrder {
-    fn gather_in_order(
+impl FrustumQueries for OutOfOrder {
+    fn query_in_order(
         &self,
-        shaft: &Shaft,
-        gathered: &mut Gathered,
+        frustum: &Frustum,
+        candidates: &mut Candidates,
         arrived: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
     ) {
-        self.0.gather(shaft, gathered);
-        let ids: Vec<u32> = gathered.ids.iter().rev().copied().collect();
+        self.0.query(frustum, candidates);
+        let ids: Vec<u32> = candidates.ids.iter().rev().copied().collect();
         for id in ids {
             if arrived(&[id], f64::MAX).is_break() {
                 return;
@@ -238,8 +238,8 @@ impl Gatherer for OutOfOrder {
         }
     }
 
-    fn shape(&self) -> Shape {
-        self.0.shape()
+    fn stats(&self) -> StructureStats {
+        self.0.stats()
     }
 }
 
@@ -250,15 +250,15 @@ fn the_image_does_not_depend_on_the_structure() {
         let small = Frame { resolution: [24, 20], max_depth: 3 };
         let settings = Settings { subdivisions: 1, ..Settings::default() };
         let expected = cones(&scene, small, &settings, "brute-force");
-        for entry in gatherers::REGISTRY {
+        for entry in frustum_queries::REGISTRY {
             let found = cones(&scene, small, &settings, entry.info.name);
             assert_eq!(bits(&found.image), bits(&expected.image), "{}", entry.info.name);
             assert_eq!(found.counts, expected.counts, "{}", entry.info.name);
         }
         let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let entry = gatherers::find("uniform-grid").unwrap();
-        let shafts = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-        let planted = through(&scene, small, &settings, &OutOfOrder(shafts));
+        let entry = frustum_queries::find("uniform-grid").unwrap();
+        let frusta = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
+        let planted = through(&scene, small, &settings, &OutOfOrder(frusta));
         assert!(rmse(&planted.image, &expected.image) > 1e-3, "{}", scene.name);
     }
 }

@@ -133,7 +133,7 @@ pub enum Command {
         after_help = "Examples:\n  rtbench scale tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
     )]
     Scale(ScaleArgs),
-    /// Measure a scene that moves, frame by frame: updates, rays, and which row has the most frames a second
+    /// Measure a scene that moves, frame by frame: updates, rays, and which row has the most frames per second
     #[command(
         after_help = "Examples:\n  rtbench animate marbles                                every structure, every way to update it\n  rtbench animate city -s wide-bvh:update=refit,uniform-grid:update=incremental -o out\n  rtbench animate 'frame%04d.obj' --frames 0..9 -j 2     a sequence of files, with one thread and with two"
     )]

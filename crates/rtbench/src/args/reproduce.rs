@@ -47,7 +47,7 @@ pub struct ZachmannArgs {
     /// Scenes [default: all seven of the lecture]
     #[arg(long, value_name = "SCENE", value_delimiter = ',')]
     pub scenes: Vec<String>,
-    /// How to measure; ratios are always taken to the lecture's uniform D=1.
+    /// How to measure; the reference is always uniform D=1.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
     /// Write one CSV row per scene and structure

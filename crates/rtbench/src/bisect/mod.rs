@@ -13,6 +13,6 @@ mod trees;
 
 pub use error::BisectError;
 pub use judge::{Judge, Judged, Verdict};
-pub use rows::{Chosen, Row};
+pub use rows::{BisectRow, Chosen};
 pub use search::{Found, search};
 pub use trees::{Recipe, Trees, between};

@@ -7,13 +7,13 @@ use crate::gate::contest::Key;
 
 /// A row of rtbench: `teapot/kd-tree`, `teapot/hug density=9/build`.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Row {
+pub struct BisectRow {
     scene: String,
     label: String,
     quantity: Option<String>,
 }
 
-impl Row {
+impl BisectRow {
     /// Reads it.
     ///
     /// # Errors
@@ -42,7 +42,7 @@ impl Row {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Chosen {
     /// rtbench: these rows.
-    Rows(Vec<Row>),
+    Rows(Vec<BisectRow>),
     /// Another program: all that it prints, called with these arguments.
     All(Vec<OsString>),
 }
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn rows_are_read_and_asked_for() {
-        let read = |text: &str| Row::parse(text).unwrap();
+        let read = |text: &str| BisectRow::parse(text).unwrap();
         let key = |row: &str, quantity| Key { scene: "teapot".into(), row: row.into(), quantity };
         let hug = read("teapot/hug:density=9/build");
         assert!(hug.is(&key("hug density=9", "build")) && !hug.is(&key("hug density=9", "trace")));
@@ -93,7 +93,7 @@ mod tests {
         let expected = "run teapot -s kd-tree -s hug density=9 --quick --quiet --export-json -";
         assert_eq!(arguments.join(" ".as_ref()), expected);
         for bad in ["teapot", "/kd-tree", "teapot/", "build", "teapot/build"] {
-            let error = Row::parse(bad).unwrap_err().to_string();
+            let error = BisectRow::parse(bad).unwrap_err().to_string();
             assert!(error.contains("SCENE/STRUCTURE"), "{error}");
         }
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::args::BisectArgs;
 use crate::bisect::{
-    BisectError, Chosen, Found, Judge, Judged, Recipe, Row, Trees, Verdict, between, search,
+    BisectError, BisectRow, Chosen, Found, Judge, Judged, Recipe, Trees, Verdict, between, search,
 };
 use crate::context::Context;
 use crate::error::Error;
@@ -89,7 +89,7 @@ fn chosen(args: &BisectArgs) -> Result<Chosen, BisectError> {
     if args.binary.is_some() {
         return Ok(Chosen::All(args.rows.clone()));
     }
-    let rows = args.rows.iter().map(|text| Row::parse(&text.to_string_lossy()));
+    let rows = args.rows.iter().map(|text| BisectRow::parse(&text.to_string_lossy()));
     Ok(Chosen::Rows(rows.collect::<Result<_, _>>()?))
 }
 

@@ -155,7 +155,7 @@ impl Check<'_> {
             plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
             plan.has_copy = false;
             let (again, _) = measured(context, &plan)?;
-            Ok((wall_clock::RUNG.judge)(&Evidence { now: &again, ..first }))
+            Ok((wall_clock::STAGE.judge)(&Evidence { now: &again, ..first }))
         })?;
         let against = format!("baseline {}", args.baseline.as_deref().unwrap_or_default());
         let pairs = Vec::new();
@@ -217,7 +217,7 @@ impl Check<'_> {
             let times = raced(context, &pace, |progress| {
                 contest.times(context.clock, progress).map_err(GateError::from)
             })?;
-            Ok((wall_clock::RUNG.judge)(&Evidence { times: Times::Paired(&times), ..first }))
+            Ok((wall_clock::STAGE.judge)(&Evidence { times: Times::Paired(&times), ..first }))
         })?;
         let against = format!("binary {}", old.display());
         Ok(self
@@ -336,7 +336,7 @@ fn raced(
     Ok(pairs?)
 }
 
-/// What all rungs say; scenes in which times regressed are measured `again` before that stands.
+/// What all stages say; scenes in which times regressed are measured `again` before that stands.
 fn confirmed(
     context: &mut Context<'_>,
     first: &Evidence<'_>,

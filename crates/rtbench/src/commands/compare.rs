@@ -44,7 +44,7 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
     }
     for comparison in &mut comparisons {
         warn_of(context, comparison);
-        comparison.cautions.extend(matched.iter().map(ToString::to_string));
+        comparison.notes.extend(matched.iter().map(ToString::to_string));
     }
     let json = || json::written(&comparisons);
     write_file(args.export_csv.as_deref(), || csv::to_string(&comparisons))?;
@@ -93,8 +93,8 @@ fn letter(place: usize) -> String {
 
 /// What must not be missed where the output goes to a file.
 fn warn_of(context: &mut Context<'_>, comparison: &Comparison) {
-    for caution in &comparison.cautions {
-        context.warn(caution);
+    for note in &comparison.notes {
+        context.warn(note);
     }
     for row in &comparison.answers_changed {
         context.warn(format_args!(

@@ -4,10 +4,10 @@
 use std::fs;
 use std::path::Path;
 
-use accel_core::query::region::Shaft;
+use accel_core::query::region::Frustum;
 use accel_core::query::tracer::Tracer;
 use accel_core::structure::BuildError;
-use accel_core::structures::gatherers;
+use accel_core::structures::frustum_queries;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
@@ -32,7 +32,7 @@ use measurement::system::pools::pool;
 use presentation::text::write_table;
 use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
-use studies::tracer_comparison::queries::{self, Rounds, pixel_shafts};
+use studies::tracer_comparison::queries::{self, Rounds, pixel_frusta};
 use studies::tracer_comparison::reference::{Sampled, converged};
 use studies::tracer_comparison::report::Report;
 use studies::tracer_comparison::{KINDS, Question, compare, without};
@@ -51,7 +51,7 @@ pub fn run(
     color: Color,
 ) -> Result<u8, Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
-    let shafts = Row::parse(gatherers::REGISTRY, &args.through)?;
+    let frusta = Row::parse(frustum_queries::REGISTRY, &args.through)?;
     let tracers = tracers(&args.tracers)?;
     let kinds = known(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
@@ -97,13 +97,13 @@ pub fn run(
     let (helpers, measured) = (pool(machine::threads())?, pool(threads)?);
     let sampler = row.entry.build(single.prims(), &row.params).map_err(build)?;
     let rays = row.entry.build(double.prims(), &row.params).map_err(build)?;
-    let gatherer = shafts.entry.build(double.prims(), &shafts.params).map_err(build)?;
+    let queries = frusta.entry.build(double.prims(), &frusta.params).map_err(build)?;
     context.say(format_args!("{}: reference of 2 x {reference_samples} samples", scene.name));
     let reference = helpers.install(|| converged(&scene, &*sampler, frame, reference_samples));
     let question = Question {
         scene: &scene,
         sampler: &*sampler,
-        structures: Structures { rays: &*rays, shafts: &*gatherer },
+        structures: Structures { rays: &*rays, frusta: &*queries },
         frame,
         samples: &samples,
         tracers: &tracers,
@@ -111,9 +111,9 @@ pub fn run(
     };
     let rows = measured.install(|| compare(&question, &reference, clock));
     let queries = if tracers.iter().any(|name| *name != whitted::INFO.name) {
-        let shafts = shafts_of(&scene, &*rays, frame.resolution);
+        let frusta = frusta_of(&scene, &*rays, frame.resolution);
         let rounds = Rounds { rounds, seed: frame.seed, primitives: scene.primitives.len() };
-        queries::measure(gatherers::REGISTRY, double.prims(), &shafts, rounds, clock)
+        queries::measure(frustum_queries::REGISTRY, double.prims(), &frusta, rounds, clock)
             .map_err(build)?
     } else {
         Vec::new()
@@ -122,7 +122,7 @@ pub fn run(
         scene: scene.name.clone(),
         primitives: scene.primitives.len(),
         resolution: frame.resolution,
-        through: [row.label(), shafts.label()],
+        through: [row.label(), frusta.label()],
         threads,
         seed: frame.seed,
         command_line: context.command_line.clone(),
@@ -179,11 +179,11 @@ fn unknown(what: &'static str, name: &str, valid: &[&'static str]) -> PlanError 
 }
 
 /// A pyramid a pixel, with what the ray through the pixel's centre hits.
-fn shafts_of(
+fn frusta_of(
     scene: &Scene,
     tracer: &dyn Tracer<f64>,
     resolution: [u32; 2],
-) -> Vec<(Shaft, Option<u32>)> {
+) -> Vec<(Frustum, Option<u32>)> {
     let eye = EyeRays::new(&scene.camera, resolution, Sampling::PixelCentres);
     let [w, h] = resolution;
     let centre = |(x, y)| {
@@ -194,9 +194,9 @@ fn shafts_of(
         (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(centre).collect();
     let mut hits = vec![Hit::NONE; rays.len()];
     tracer.closest_hits(&rays, &mut hits);
-    let shafts = pixel_shafts(&scene.camera, resolution, scene.bounds());
+    let frusta = pixel_frusta(&scene.camera, resolution, scene.bounds());
     let seen = hits.iter().map(|hit| hit.is_hit().then_some(hit.id));
-    shafts.into_iter().zip(seen).collect()
+    frusta.into_iter().zip(seen).collect()
 }
 
 fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {

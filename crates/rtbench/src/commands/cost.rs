@@ -20,8 +20,8 @@ use presentation::drawing::{HeatMap, heat_maps};
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
-use studies::cost::model::{Model, Work};
-use studies::cost::test_time::seconds_a_test;
+use studies::cost::model::{CountedWork, Model};
+use studies::cost::test_time::seconds_per_test;
 use studies::cost::{CostRow, Factor, Traced, counted, factors, is_near, measured, rows, worst};
 use studies::effect_plan::plan_of;
 
@@ -72,8 +72,8 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
             |source: BuildError| MeasureError::Build { scene: scene.name().to_owned(), source };
         let rows = pool.install(|| {
             let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
-            let seconds_a_test = seconds_a_test(geometry.prims(), clock);
-            let traced = Traced { tracer: &*tracer, seconds_a_test };
+            let seconds_per_test = seconds_per_test(geometry.prims(), clock);
+            let traced = Traced { tracer: &*tracer, seconds_per_test };
             let rows = rows(&loaded, traced, &settings, &model, clock);
             if args.heat_maps.is_some() {
                 let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
@@ -111,12 +111,12 @@ fn calibrate(
     scene: &Scene,
     settings: &RenderSettings,
     clock: &dyn Clock,
-) -> Result<Vec<(Work, f64)>, Error> {
+) -> Result<Vec<(CountedWork, f64)>, Error> {
     let geometry = Geometry::<f32>::of(scene)?;
     let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };
     let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
-    let seconds_a_test = seconds_a_test(geometry.prims(), clock);
-    let traced = Traced { tracer: &*tracer, seconds_a_test };
+    let seconds_per_test = seconds_per_test(geometry.prims(), clock);
+    let traced = Traced { tracer: &*tracer, seconds_per_test };
     let factors = factors(scene, settings);
     let seconds = measured(scene, &*tracer, &factors, clock);
     let work = |factor: &Factor| counted(scene, traced, &factor.plan);
@@ -153,7 +153,7 @@ fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration:
     }
     let nanoseconds = |seconds: f64| short(seconds * 1e9);
     let [ray, step] = model.terms().map(nanoseconds);
-    let test = nanoseconds(rows.first().map_or(0.0, |row| row.work.seconds_a_test));
+    let test = nanoseconds(rows.first().map_or(0.0, |row| row.work.seconds_per_test));
     table.notes.push(format!(
         "times from {}: {ray} ns per ray with its shading, {step} per step; {test} ns per test in this \
          scene; rays, tests and steps are counted on a small image",

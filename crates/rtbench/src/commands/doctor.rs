@@ -1,4 +1,4 @@
-//! `rtbench doctor`: what on this machine disturbs measurements.
+//! `rtbench doctor`: what may disturb measurements on this machine.
 
 use std::io::Write;
 

@@ -43,7 +43,7 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
             scene_pictures(context, &run.run, &mut run.pictures)?;
         }
     }
-    // two plots a scene, about
+    // two plots per scene, about
     let steps = runs.iter().map(|run| 2 * run.run.scenes.len() as u64).sum();
     let progress = Progress::new(context.shows_progress(), steps, None);
     progress.message("costs of rows");

@@ -88,7 +88,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
                 false => sections(&*tracer, &plane, args.depth).map(Seen::Sections),
             };
             let seen = seen.map_err(no_cells)?;
-            Ok::<_, Error>(Shown { label: row.label(), shape: tracer.shape(), seen, path })
+            Ok::<_, Error>(Shown { label: row.label(), stats: tracer.stats(), seen, path })
         };
         shown.push(pool.install(one)?);
     }

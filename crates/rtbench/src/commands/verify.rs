@@ -14,7 +14,7 @@ use measurement::system::pools::deep_pool;
 use measurement::system::progress::Progress;
 use presentation::outside::line;
 use presentation::text::write_table;
-use studies::verify::check::{PRECISIONS, Plan, Replayed, replay};
+use studies::verify::check::{CheckPlan, PRECISIONS, Replayed, replay};
 use studies::verify::registry::{Case, find, select};
 use studies::verify::replay::{Replay, precision_name};
 use studies::verify::report::Report;
@@ -33,7 +33,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     }
     let mut structures = args.structures.clone();
     context.plugins.add_rows(&mut structures);
-    let plan = Plan {
+    let plan = CheckPlan {
         cases: select(&args.cases)?,
         registry: context.registry,
         subjects: Subject::all(context.registry, &structures, args.also_tested)?,
@@ -67,7 +67,11 @@ fn signal_code(signal: usize) -> u8 {
 
 /// All cases of the plan, or those until it is cut short. The output files hold what is done after
 /// each.
-fn checked(context: &mut Context<'_>, args: &VerifyArgs, plan: &Plan<'_>) -> Result<Report, Error> {
+fn checked(
+    context: &mut Context<'_>,
+    args: &VerifyArgs,
+    plan: &CheckPlan<'_>,
+) -> Result<Report, Error> {
     let signal = interrupt::flag().map_err(Error::Signals)?;
     let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
     let start = context.clock.now();

@@ -1,4 +1,4 @@
-//! Comparisons as CSV: one row a scene, row and metric; geometric means have no scene, and what was
+//! Comparisons as CSV: one row per scene, row and metric; geometric means have no scene, and what was
 //! left out has no metric.
 
 use crate::comparison::Comparison;

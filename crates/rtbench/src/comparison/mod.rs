@@ -1,11 +1,11 @@
 //! Two runs side by side: scene by scene, row by row, metric by metric.
 
-pub mod cautions;
 pub mod choice;
 pub mod csv;
 pub mod differences;
 pub mod entry;
 pub mod means;
+pub mod notes;
 pub mod renamed;
 pub mod tables;
 
@@ -13,10 +13,10 @@ use serde::Serialize;
 
 pub use choice::{Choice, Named, Pair};
 
-use crate::comparison::cautions::cautions;
 use crate::comparison::differences::{Difference, differences, other_reference, scenes_of_both};
 use crate::comparison::entry::{Entry, Outcome};
 use crate::comparison::means::{Mean, means};
+use crate::comparison::notes::notes;
 use measurement::record::metrics::Concerns;
 use measurement::record::metrics::{METRICS, Metric};
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, label};
@@ -99,7 +99,7 @@ pub struct Comparison {
     pub new: Side,
     /// What makes the figures less than they seem: what is left out or forced, and why; what is
     /// not there.
-    pub cautions: Vec<String>,
+    pub notes: Vec<String>,
     /// Rows whose answers to the same rays changed, with their scenes.
     pub answers_changed: Vec<String>,
     /// By scene.
@@ -134,7 +134,7 @@ pub struct LeftOut {
     pub why: String,
 }
 
-/// Holds a run against another.
+/// Compares a run with another.
 ///
 /// # Errors
 /// [`CompareError`].
@@ -158,7 +158,7 @@ pub fn compare(
     let mut comparison = Comparison {
         old: side(old),
         new: side(new),
-        cautions: cautions(old, new, choice, &differing),
+        notes: notes(old, new, choice, &differing),
         answers_changed: Vec::new(),
         scenes: Vec::new(),
         means: Vec::new(),

@@ -73,7 +73,7 @@ fn facts(comparison: &Comparison) -> Vec<String> {
         format!("{letter}: {path} (rtbench at {revision:.12}, {cpu})")
     };
     let mut lines = vec![side(&comparison.old), side(&comparison.new)];
-    lines.extend(comparison.cautions.iter().cloned());
+    lines.extend(comparison.notes.iter().cloned());
     let (equal, below) = (comparison.equal, comparison.below_threshold);
     if equal > 0 {
         lines
@@ -91,7 +91,7 @@ fn facts(comparison: &Comparison) -> Vec<String> {
     lines
 }
 
-/// A table a scene, and that of the means.
+/// One table per scene, and that of the means.
 fn tables(comparison: &Comparison, indent: bool) -> Vec<Table> {
     let sides = format!("{} / {}", comparison.new.letter, comparison.old.letter);
     let mut tables: Vec<Table> = comparison

@@ -83,7 +83,7 @@ fn a_planted_slow_down_is_found_and_what_did_not_change_is_called_that() {
 fn counters_are_compared_exactly() {
     let (old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
     new.scenes[1].rows[1].work.as_mut().unwrap().intersection_tests += 1;
-    new.scenes[1].rows[1].shape.as_mut().unwrap().n_ev = 5;
+    new.scenes[1].rows[1].stats.as_mut().unwrap().n_ev = 5;
     let comparison = compared(&old, &new, &choice()).unwrap();
     assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_it"), Outcome::More);
     assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ev"), Outcome::More);
@@ -129,8 +129,8 @@ fn what_cannot_be_compared_is_refused_with_all_reasons_unless_forced() {
          scene tetra: sha256: cd, then ef; --force compares them all the same"
     );
     let forced = compared(&old, &new, &Choice { is_forced: true, ..choice() }).unwrap();
-    assert_eq!(forced.cautions[0], "threads: 1, then 2; compared by --force");
-    assert_eq!((forced.cautions.len(), forced.scenes[1].entries.len()), (3, 8));
+    assert_eq!(forced.notes[0], "threads: 1, then 2; compared by --force");
+    assert_eq!((forced.notes.len(), forced.scenes[1].entries.len()), (3, 8));
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn another_machine_leaves_ratios_and_counters() {
     let shown: Vec<String> = outcomes(&comparison).into_iter().map(|(line, _)| line).collect();
     assert!(shown.len() == 4 && shown.iter().all(|line| line.ends_with("/ratio")), "{shown:?}");
     assert_eq!(comparison.equal, 60);
-    assert!(comparison.cautions[0].starts_with("processor: Test CPU, then Other CPU; times in"));
+    assert!(comparison.notes[0].starts_with("processor: Test CPU, then Other CPU; times in"));
     let seconds =
         Choice { metrics: vec![measurement::record::metrics::named("trace").unwrap()], ..choice() };
     let error = compared(&old, &new, &seconds).unwrap_err().to_string();
@@ -152,7 +152,7 @@ fn another_machine_leaves_ratios_and_counters() {
     new.settings.reference = "kd-tree".into();
     let comparison = compared(&old, &new, &choice()).unwrap();
     assert!(outcomes(&comparison).iter().all(|(line, _)| !line.ends_with("/ratio")));
-    assert!(comparison.cautions[0].contains("ratios to the reference are not compared"));
+    assert!(comparison.notes[0].contains("ratios to the reference are not compared"));
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn nothing_is_lost_without_a_word() {
     assert!(forced.scenes[1].left_out[1].why.ends_with("over other rays, compared by --force"));
     assert_eq!(outcome(&forced, "tetra/kd-tree sah=0/trace"), Outcome::NoDifference);
     assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/build"), Outcome::NoDifference);
-    let said = &comparison.cautions;
+    let said = &comparison.notes;
     assert_eq!(said[0], "B is incomplete: 3 of 8 scenes");
     assert!(said[1].starts_with("B: noisy machine"));
     assert_eq!(said[2..], ["only in B: rings"]);

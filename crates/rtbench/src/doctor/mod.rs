@@ -1,4 +1,4 @@
-//! What on a machine disturbs measurements: one finding a line, with what it means and what to do.
+//! What may disturb measurements on a machine: one finding per line, with what it means and what to do.
 
 pub mod finding;
 pub mod memory;

@@ -1,14 +1,14 @@
-//! Rung: are the answers right, and still the same?
+//! Stage: are the answers right, and still the same?
 //!
 //! Wrong hits are judged by the run itself, against its oracle. Beyond that the hashes of all
 //! answers must be those of the baseline: ids and every bit of t.
 
-use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung};
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Stage};
 use measurement::record::Verdict;
 
 /// Registry line.
-pub const RUNG: Rung =
-    Rung { name: "answers", summary: "no wrong hits; all answers as in the baseline", judge };
+pub const STAGE: Stage =
+    Stage { name: "answers", summary: "no wrong hits; all answers as in the baseline", judge };
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     evidence.rows().iter().map(of_row).collect()
@@ -16,7 +16,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
 
 fn of_row(row: &MatchedRow<'_>) -> Finding {
     let (outcome, note) = outcome(row);
-    Finding::of(RUNG.name, row, "answers", outcome, note)
+    Finding::of(STAGE.name, row, "answers", outcome, note)
 }
 
 fn outcome(row: &MatchedRow<'_>) -> (Outcome, String) {

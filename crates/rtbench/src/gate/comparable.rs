@@ -6,7 +6,7 @@ use measurement::record::metrics::Concerns;
 use measurement::record::reference;
 
 /// What keeps `now` from being held against `base`, each in words: all that keeps two runs from being
-/// compared, but for seconds, which no rung looks at. Of `base`, scenes that `now` lacks do not
+/// compared, but for seconds, which no stage looks at. Of `base`, scenes that `now` lacks do not
 /// matter.
 pub fn refusals(base: &RunRecord, now: &RunRecord) -> Vec<String> {
     let refuses = |d: &Difference| matches!(d.concerns, Concerns::Everything | Concerns::Ratios);

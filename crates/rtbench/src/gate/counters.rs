@@ -1,16 +1,16 @@
-//! Rung: the exact counters, without any tolerance.
+//! Stage: the exact counters, without any tolerance.
 //!
 //! They are the same on every machine, so any difference is one of the code. More work or more
 //! memory is a regression; less is an improvement, to be kept by saving a new baseline. More empty cells,
 //! steps into them or saved tests alone are neither: what they cost is in the counters that they are shares of.
 
-use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung};
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Stage};
 use measurement::record::metrics::{METRICS, Metric};
 use statistics::estimate::Estimate;
 
 /// Registry line.
-pub const RUNG: Rung =
-    Rung { name: "counters", summary: "what was built and the work of the rays, exactly", judge };
+pub const STAGE: Stage =
+    Stage { name: "counters", summary: "what was built and the work of the rays, exactly", judge };
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let exact: Vec<&Metric> = METRICS.iter().filter(|m| m.is_exact()).collect();
@@ -24,7 +24,7 @@ fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
     let finding = |outcome, note: &str| Finding {
         baseline: was,
         now: is,
-        ..Finding::of(RUNG.name, row, metric.name, outcome, note)
+        ..Finding::of(STAGE.name, row, metric.name, outcome, note)
     };
     let (before, now) = match (was, is) {
         (Some(before), Some(now)) => (before, now),

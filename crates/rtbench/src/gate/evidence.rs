@@ -1,4 +1,4 @@
-//! What rungs look at, and what they say.
+//! What stages look at, and what they say.
 
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub enum Outcome {
     Unchanged,
     /// There is nothing to judge it by.
     NotJudged,
-    /// It cannot be told from a regression.
+    /// It is indistinguishable from a regression.
     Inconclusive,
     /// Worse by more than the threshold.
     Regression,
@@ -45,7 +45,7 @@ impl Outcome {
 pub struct Finding {
     /// The stage that judged it.
     #[serde(rename = "stage")]
-    pub rung: &'static str,
+    pub stage: &'static str,
     /// Scene.
     pub scene: String,
     /// Structure and settings.
@@ -69,18 +69,18 @@ pub struct Finding {
 impl Finding {
     /// A finding without figures.
     pub fn of(
-        rung: &'static str,
+        stage: &'static str,
         row: &MatchedRow<'_>,
         quantity: &'static str,
         outcome: Outcome,
         note: impl Into<String>,
     ) -> Self {
-        Self::named(rung, &row.scene.1.name, row.now.label(), quantity, outcome, note)
+        Self::named(stage, &row.scene.1.name, row.now.label(), quantity, outcome, note)
     }
 
     /// A finding of what has that name, without figures.
     pub fn named(
-        rung: &'static str,
+        stage: &'static str,
         scene: &str,
         row: String,
         quantity: &'static str,
@@ -88,7 +88,7 @@ impl Finding {
         note: impl Into<String>,
     ) -> Self {
         Self {
-            rung,
+            stage,
             scene: scene.to_owned(),
             row,
             quantity,
@@ -131,7 +131,7 @@ pub enum Times<'a> {
     Paired(&'a [PairedTimes]),
 }
 
-/// Everything that rungs look at.
+/// Everything that stages look at.
 #[derive(Debug, Clone, Copy)]
 pub struct Evidence<'a> {
     /// What counts as a regression.
@@ -190,7 +190,7 @@ impl<'a> Evidence<'a> {
 }
 
 /// A way to judge.
-pub struct Rung {
+pub struct Stage {
     /// As in tables and files.
     pub name: &'static str,
     /// One line.

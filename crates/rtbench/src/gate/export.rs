@@ -56,7 +56,7 @@ pub fn csv(report: &Report) -> Result<String, FormatError> {
         writer.write_record(COLUMNS)?;
         for f in &report.findings {
             writer.write_record([
-                f.rung.to_owned(),
+                f.stage.to_owned(),
                 f.scene.clone(),
                 f.row.clone(),
                 f.quantity.to_owned(),

@@ -1,14 +1,14 @@
-//! Rung: instruction counts of the build and of the walk, by callgrind.
+//! Stage: instruction counts of the build and of the traversal, by callgrind.
 //!
 //! They repeat to within a few of a million, whatever else the machine does, so a threshold of 1%
 //! needs no test. What they do not see are cache misses and mispredicted branches.
 
-use crate::gate::evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung};
+use crate::gate::evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Stage};
 use measurement::callgrind::CountedRow;
 use statistics::estimate::Estimate;
 
 /// Registry line.
-pub const RUNG: Rung = Rung {
+pub const STAGE: Stage = Stage {
     name: "instructions",
     summary: "instructions of build and traversal, by callgrind",
     judge,
@@ -20,7 +20,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
         Instructions::NotAsked => Vec::new(),
         Instructions::Missing(why) => rows
             .iter()
-            .map(|row| Finding::of(RUNG.name, row, "trace", Outcome::Inconclusive, why))
+            .map(|row| Finding::of(STAGE.name, row, "trace", Outcome::Inconclusive, why))
             .collect(),
         Instructions::Counted { base, now } => rows
             .iter()
@@ -51,7 +51,7 @@ fn of_row(
         (None, _) => "the baseline has no count of it",
         (_, None) => "it was not counted now",
     };
-    vec![Finding::of(RUNG.name, row, "trace", Outcome::NotJudged, note)]
+    vec![Finding::of(STAGE.name, row, "trace", Outcome::NotJudged, note)]
 }
 
 fn compared(
@@ -71,6 +71,6 @@ fn compared(
         baseline: Some(before),
         now: Some(now),
         change: Some(Estimate { median: ratio, low: ratio, high: ratio }),
-        ..Finding::of(RUNG.name, row, what, outcome, "")
+        ..Finding::of(STAGE.name, row, what, outcome, "")
     }
 }

@@ -1,7 +1,7 @@
-//! Holding a run against a baseline, in rungs: what is exact first, what is noisy last.
+//! Comparison of a run with a baseline, in stages: what is exact first, what is noisy last.
 //!
-//! A rung looks at the evidence and says of each thing it can judge what became of it. Adding one
-//! takes a file and a line in [`RUNGS`].
+//! A stage looks at the evidence and says of each thing it can judge what became of it. Adding one
+//! takes a file and a line in [`STAGES`].
 
 pub mod against;
 pub mod annotations;
@@ -20,12 +20,13 @@ pub mod wall_clock;
 
 pub use contest::ROUNDS;
 pub use error::GateError;
-pub use evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Rung, Times};
+pub use evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Stage, Times};
 
-/// All rungs, in the order in which they are printed: the surest first.
-pub static RUNGS: &[Rung] = &[answers::RUNG, counters::RUNG, instructions::RUNG, wall_clock::RUNG];
+/// All stages, in the order in which they are printed: the surest first.
+pub static STAGES: &[Stage] =
+    &[answers::STAGE, counters::STAGE, instructions::STAGE, wall_clock::STAGE];
 
-/// What all rungs say.
+/// What all stages say.
 pub fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
-    RUNGS.iter().flat_map(|rung| (rung.judge)(evidence)).collect()
+    STAGES.iter().flat_map(|stage| (stage.judge)(evidence)).collect()
 }

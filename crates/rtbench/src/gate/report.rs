@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use crate::exit_code::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
 use crate::gate::contest::PairedTimes;
-use crate::gate::evidence::{Finding, Outcome, Rung};
+use crate::gate::evidence::{Finding, Outcome, Stage};
 use crate::gate::thresholds::Thresholds;
-use crate::gate::{RUNGS, wall_clock};
+use crate::gate::{STAGES, wall_clock};
 use measurement::record::{FloorRecord, Machine, Tool};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
@@ -108,7 +108,7 @@ impl Report {
         let line = |f: &&Finding| {
             let cells = cells(f);
             let [row, what, _, _, change, ..] = &cells[..] else { return String::new() };
-            let word = if f.rung == wall_clock::RUNG.name { "faster" } else { "less" };
+            let word = if f.stage == wall_clock::STAGE.name { "faster" } else { "less" };
             format!("{word}: {}, {}: {}", row.text, what.text, change.text)
         };
         let mut lines: Vec<String> = better.iter().take(MOST_IMPROVEMENTS).map(line).collect();
@@ -118,13 +118,13 @@ impl Report {
         lines
     }
 
-    /// A table a rung: what changed or could not be told, and with `all` the rest.
+    /// One table per stage: what changed or could not be told, and with `all` the rest.
     pub fn tables(&self, all: bool) -> Vec<Table> {
-        RUNGS.iter().filter_map(|rung| self.table(rung, all)).collect()
+        STAGES.iter().filter_map(|stage| self.table(stage, all)).collect()
     }
 
-    fn table(&self, rung: &Rung, all: bool) -> Option<Table> {
-        let own: Vec<&Finding> = self.findings.iter().filter(|f| f.rung == rung.name).collect();
+    fn table(&self, stage: &Stage, all: bool) -> Option<Table> {
+        let own: Vec<&Finding> = self.findings.iter().filter(|f| f.stage == stage.name).collect();
         if own.is_empty() {
             return None;
         }
@@ -135,12 +135,12 @@ impl Report {
         let (unchanged, all_of_them) = (count(Outcome::Unchanged), own.len());
         let mut notes = vec![format!("{unchanged} of {all_of_them} unchanged.")];
         notes.extend(self.reasons(&own).filter(|_| !all));
-        if rung.name == wall_clock::RUNG.name {
+        if stage.name == wall_clock::STAGE.name {
             notes.push(format!("baseline, now: {}.", self.times));
             notes.extend(self.floor.as_ref().map(FloorRecord::in_words));
         }
         Some(Table {
-            title: format!("{}: {}", rung.name, rung.summary),
+            title: format!("{}: {}", stage.name, stage.summary),
             header: vec!["row", "what", "baseline", "now", "change", "p", "outcome"],
             rows,
             notes,

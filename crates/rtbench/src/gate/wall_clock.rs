@@ -1,4 +1,4 @@
-//! Rung: times, by ratios that were measured side by side.
+//! Stage: times, by ratios that were measured side by side.
 //!
 //! Against a record these are ratios to the reference row within each run, so that it does not
 //! matter how fast the machines are. It does matter how busy they are: a build of 40 ms is
@@ -13,7 +13,7 @@
 
 use crate::comparison::differences::other_reference;
 use crate::gate::contest::{self, PairedTimes};
-use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Rung, Times};
+use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Stage, Times};
 use crate::gate::thresholds::Thresholds;
 use measurement::record::metrics::METRICS;
 use measurement::record::{FloorRecord, SceneRecord};
@@ -22,8 +22,8 @@ use statistics::series::{Series, p_value, ratio_of};
 use statistics::{holm, sign_test};
 
 /// Registry line.
-pub const RUNG: Rung =
-    Rung { name: "times", summary: "build and trace times, as ratios measured together", judge };
+pub const STAGE: Stage =
+    Stage { name: "times", summary: "build and trace times, as ratios measured together", judge };
 
 /// The quantities of a row: as printed, the metric of its ratio, that of its time.
 const QUANTITIES: [(&str, &str, &str); 2] =
@@ -106,12 +106,12 @@ impl Bar<'_> {
                     now: Some(tested.now),
                     change: Some(tested.change),
                     p: Some(p),
-                    ..Finding::named(RUNG.name, scene, row, what, outcome, note)
+                    ..Finding::named(STAGE.name, scene, row, what, outcome, note)
                 })
             }
             Err(Untested::Reference) => None,
             Err(Untested::Because(why)) => {
-                Some(Finding::named(RUNG.name, scene, row, what, Outcome::NotJudged, why))
+                Some(Finding::named(STAGE.name, scene, row, what, Outcome::NotJudged, why))
             }
         });
         findings.collect()
@@ -229,7 +229,7 @@ fn if_busy(outcome: Outcome) -> Outcome {
 
 /// True where times say that something is a regression: that is measured a second time.
 pub fn is_suspect(finding: &Finding) -> bool {
-    finding.rung == RUNG.name && finding.outcome == Outcome::Regression
+    finding.stage == STAGE.name && finding.outcome == Outcome::Regression
 }
 
 /// A regression of times stands where a second measurement finds it again; otherwise nothing is
@@ -238,7 +238,7 @@ pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
     for finding in findings.iter_mut().filter(|f| is_suspect(f)) {
         let again = second.iter().find(|s| {
             let same = s.scene == finding.scene && s.row == finding.row;
-            s.rung == finding.rung && same && s.quantity == finding.quantity
+            s.stage == finding.stage && same && s.quantity == finding.quantity
         });
         let seen = again.and_then(|s| s.change);
         let seen = seen.map_or_else(|| "no time".to_owned(), |e| presentation::numbers::ratio(&e));

@@ -1,4 +1,4 @@
-//! A page a scene, a structure and a kind of ray: each of its settings with its line, changes and points.
+//! One page per scene, a structure and a kind of ray: each of its settings with its line, changes and points.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use presentation::html::Html;
 use presentation::numbers::{ratio, short};
 use presentation::page::tables::{self, Look};
 use presentation::page::{figure, finished};
-use presentation::svg_plot::{Axis, Mark, Plot, Point as Place, Ring, Scale, Series};
+use presentation::svg_plot::{Axis, Mark, Plot, Point as PlotPoint, Ring, Scale, Series};
 use presentation::table::{Cell, Style, Table};
 
 /// The page.
@@ -84,7 +84,7 @@ fn shown(lines: &[Line]) -> Vec<usize> {
 fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
     let shown = shown(lines);
     let across = |visit: usize| shown.binary_search(&visit).unwrap_or(0) as f64;
-    let place = |point: &crate::history::lines::Point| Place {
+    let place = |point: &crate::history::lines::Point| PlotPoint {
         x: across(point.visit),
         y: point.ratio.median,
         low: point.ratio.low,

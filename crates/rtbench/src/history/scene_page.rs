@@ -1,4 +1,4 @@
-//! A page a scene: every row with its latest ratios, and what changed last.
+//! One page per scene: every row with its latest ratios, and what changed last.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,4 @@
-//! The results in a folder, or in several, as one page to read: no network, no font of others.
+//! The results in a folder, or in several, as an HTML report: no network, no font of others.
 //!
 //! A section is a file and a line in [`SECTIONS`]. One that the folder has nothing for is left out; the end
 //! of the page names the command that makes it.

@@ -66,18 +66,18 @@ pub(super) struct Reference {
 
 #[derive(Debug, Clone, Deserialize)]
 pub(super) struct Image {
-    pub(super) row: Row,
+    pub(super) row: RecordedRow,
     pub(super) outcome: Outcome,
 }
 
 #[derive(Debug, Clone, Deserialize)]
-pub(super) struct Row {
+pub(super) struct RecordedRow {
     pub(super) tracer: String,
     pub(super) settings: String,
     pub(super) samples: Option<u32>,
 }
 
-impl Row {
+impl RecordedRow {
     pub(super) fn label(&self) -> String {
         let samples = self
             .samples

@@ -9,7 +9,7 @@ use crate::common::{Ended, planted, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Ray, Scalar};
 use measurement::scenes::Installed;
@@ -190,14 +190,14 @@ fn right_answers_have_a_price_step_by_step() {
     }
 }
 
-/// A list that answers every so many-th ray with a miss, whichever that is: its answers while it is
+/// A list that answers every k-th ray with a miss, whichever that is: its answers while it is
 /// timed are not those that were judged.
 pub struct Fickle<S> {
     ids: Vec<u32>,
     scalar: std::marker::PhantomData<S>,
 }
 
-static WALKS: AtomicU32 = AtomicU32::new(0);
+static TRAVERSALS: AtomicU32 = AtomicU32::new(0);
 
 impl<S: Scalar> Structure<S> for Fickle<S> {
     fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
@@ -205,15 +205,15 @@ impl<S: Scalar> Structure<S> for Fickle<S> {
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         // a prime: no number of rays makes it the same one in each pass
-        if !WALKS.fetch_add(1, Ordering::Relaxed).is_multiple_of(101) {
+        if !TRAVERSALS.fetch_add(1, Ordering::Relaxed).is_multiple_of(101) {
             let _ = sink.test(&self.ids);
         }
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 

@@ -44,7 +44,7 @@ fn rows_are_updated_from_frame_to_frame_and_right_in_each() {
         // quality and counters are the same for any number of threads
         assert_eq!(row["n_it"].is_empty(), row["threads"] == "2");
     }
-    assert!(ended.out.contains("has the most frames a second"), "{}", ended.out);
+    assert!(ended.out.contains("has the most frames per second"), "{}", ended.out);
     assert!(ended.out.contains("anew and refitting (wide-bvh update=refit)"), "{}", ended.out);
     let svg = folder.text("animate.svg");
     assert!(roxmltree::Document::parse(&svg).is_ok() && svg.contains("city:1: update"));
@@ -99,7 +99,7 @@ fn a_wrong_row_is_wrong_and_never_fast() {
         assert_eq!(row["mismatches_of_all_frames"] == "0", !is_planted);
     }
     assert!(ended.out.contains("dropper: frame 0: "), "{}", ended.out);
-    assert!(ended.out.contains("obvhs-cwbvh has the most frames a second"), "{}", ended.out);
+    assert!(ended.out.contains("obvhs-cwbvh has the most frames per second"), "{}", ended.out);
 }
 
 #[test]

@@ -3,12 +3,12 @@
 
 use std::time::Duration;
 
-use accel_core::geometry::far_ray::{Parameters, Place, place};
+use accel_core::geometry::far_ray::{Parameters, PlacedRay, place};
 use accel_core::occluders;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, brute_force, obvhs, uniform_grid};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
@@ -37,13 +37,13 @@ impl<S: Scalar> Structure<S> for Dropper<S> {
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         sink.elementary_step(false);
         let _ = sink.test(&self.ids);
     }
 
-    fn shape(&self) -> Shape {
-        Shape { cells: 1, references: self.ids.len() as u64, ..Shape::default() }
+    fn stats(&self) -> StructureStats {
+        StructureStats { cells: 1, references: self.ids.len() as u64, ..StructureStats::default() }
     }
 }
 
@@ -57,9 +57,9 @@ pub fn by_brute_force<S: Scalar, P: PrimSet<S>>(
     for (ray, hit) in rays.iter().zip(hits) {
         let miss = Hit { t: ray.t_max, ..Hit::NONE };
         let (near, parameters) = match place(ray, reach) {
-            Place::Near => (*ray, Parameters::SAME),
-            Place::Moved(near, parameters) => (near, parameters),
-            Place::Nowhere => {
+            PlacedRay::Near => (*ray, Parameters::SAME),
+            PlacedRay::Moved(near, parameters) => (near, parameters),
+            PlacedRay::Nowhere => {
                 *hit = miss;
                 continue;
             }
@@ -112,7 +112,7 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         let _ = sink.test(&self.ids);
     }
 
@@ -132,8 +132,8 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
         }
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 

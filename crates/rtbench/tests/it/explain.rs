@@ -7,7 +7,7 @@ use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::kernel;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, brute_force, obvhs};
 use accel_core::{Ray, Scalar};
 use measurement::record::Verdict;
@@ -178,12 +178,12 @@ impl<S: Scalar> Structure<S> for WrongBlocks<S> {
         Ok(Self(if is_wrong { Dropper::build(prims, params)? } else { Dropper::of_all(prims) }))
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        self.0.walk(ray, sink);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.0.traverse(ray, sink);
     }
 
-    fn shape(&self) -> Shape {
-        self.0.shape()
+    fn stats(&self) -> StructureStats {
+        self.0.stats()
     }
 }
 

@@ -14,7 +14,7 @@ use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show, u
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, brute_force};
 use accel_core::{Ray, Scalar};
 use measurement::journal::lines::{Line, read};
@@ -228,7 +228,7 @@ fn k1_one_thread_or_many() {
         assert_eq!(code, 0, "{err}");
         let rows = record(&out).scenes.remove(0).rows;
         counted
-            .push(rows.into_iter().map(|r| (r.work, r.shape, r.checked_rays)).collect::<Vec<_>>());
+            .push(rows.into_iter().map(|r| (r.work, r.stats, r.checked_rays)).collect::<Vec<_>>());
     }
     assert!(images.iter().all(|image| *image == images[0]));
     assert!(counted.iter().all(|rows| *rows == counted[0]), "{counted:?}");
@@ -253,7 +253,7 @@ impl<S: Scalar, const LATER: bool> Structure<S> for Panicking<S, LATER> {
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         if !LATER && RAYS.fetch_add(1, Ordering::SeqCst) >= 1000 {
             panic!("planted in a tile");
         }
@@ -261,8 +261,8 @@ impl<S: Scalar, const LATER: bool> Structure<S> for Panicking<S, LATER> {
         let _ = sink.test(&self.ids);
     }
 
-    fn shape(&self) -> Shape {
-        Shape { cells: 1, references: self.ids.len() as u64, ..Shape::default() }
+    fn stats(&self) -> StructureStats {
+        StructureStats { cells: 1, references: self.ids.len() as u64, ..StructureStats::default() }
     }
 }
 

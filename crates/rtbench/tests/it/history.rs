@@ -103,7 +103,7 @@ fn a_planted_step_is_found_at_its_commit_and_every_link_leads_somewhere() {
         "{index}"
     );
     assert!(index.contains("20 runs of 20 commits on 1 machine(s), 2026-11-18 to 2026-12-07"));
-    // a page a scene, a structure and a quantity; of two scenes: all rays, build, primary rays
+    // one page per scene, a structure and a quantity; of two scenes: all rays, build, primary rays
     assert_eq!(pages.len(), 1 + 2 + 2 * 3, "{:?}", pages.keys());
     let page = text(&pages[Path::new("tetra/grid-primary.html")]);
     let command = format!("rtbench bisect {before} {said} -- 'tetra/grid'");

@@ -5,7 +5,7 @@ use accel_core::occluders::{self, BoxedOccluder, Occluder, light_buffer};
 use accel_core::params::Params;
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
-use accel_core::structure::{BuildError, Shape, StructureInfo};
+use accel_core::structure::{BuildError, StructureInfo, StructureStats};
 use accel_core::{Ray, Scalar};
 use glam::DVec3;
 use measurement::record::{Answered, Verdict};
@@ -25,8 +25,8 @@ impl<S: Scalar> Occluder<S> for Bright {
         WorkCounters::default()
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 
@@ -84,8 +84,8 @@ fn the_light_buffer_is_right_in_every_scene_and_is_timed_on_shadow_rays_alone() 
             let (sample, of_other) = (&own.samples[0], &other.samples[0]);
             assert_eq!(sample.reference_trace_s, of_other.trace_s.get("shadow").copied());
             assert_eq!(other.answers, Answered::AllRays);
-            let shape = own.shape.as_ref().unwrap();
-            assert!(own.build_s.is_some() && shape.memory_bytes > 0 && own.render_s.is_none());
+            let stats = own.stats.as_ref().unwrap();
+            assert!(own.build_s.is_some() && stats.memory_bytes > 0 && own.render_s.is_none());
         }
     }
 }

@@ -103,7 +103,7 @@ pub fn outputs(folder: &Path) -> BTreeMap<(String, String), String> {
     let mut rows = BTreeMap::new();
     for scene in record.scenes {
         for row in scene.rows {
-            let said = format!("{:?} {:?} {:?}", row.verdict, row.work, row.shape);
+            let said = format!("{:?} {:?} {:?}", row.verdict, row.work, row.stats);
             let before = rows.insert((scene.name.clone(), row.label()), said);
             assert!(before.is_none(), "a row is there twice");
         }

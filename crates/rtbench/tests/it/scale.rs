@@ -10,7 +10,7 @@ use crate::resuming::unsealed;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{Entry, obvhs};
 use accel_core::{Ray, Scalar, occluders};
@@ -99,12 +99,12 @@ impl<S: Scalar> Structure<S> for Quadratic<S> {
         <BruteForce<S> as Structure<S>>::build(prims, params).map(Self)
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        self.0.walk(ray, sink);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.0.traverse(ray, sink);
     }
 
-    fn shape(&self) -> Shape {
-        Structure::<S>::shape(&self.0)
+    fn stats(&self) -> StructureStats {
+        Structure::<S>::stats(&self.0)
     }
 }
 
@@ -270,7 +270,7 @@ fn processes_measure_the_peak_and_keep_the_limits() {
     let record = process("scale hare --sizes 20k -s uniform-grid,light-buffer,obvhs-cwbvh");
     for row in &record.scenes[0].rows {
         let (peak, bytes) =
-            (row.peak_build_bytes.unwrap(), row.shape.as_ref().unwrap().memory_bytes);
+            (row.peak_build_bytes.unwrap(), row.stats.as_ref().unwrap().memory_bytes);
         assert!(row.verdict == Verdict::Ok && peak > bytes / 2, "{}: {peak}, {bytes}", row.label());
     }
     let of = |record: &RunRecord| {

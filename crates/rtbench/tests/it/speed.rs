@@ -9,7 +9,7 @@ use crate::common::{
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Hit, Ray, Scalar, Vector};
 use measurement::record::query::Query;
@@ -181,7 +181,7 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         sink.elementary_step(false);
         let _ = sink.test(&self.ids);
     }
@@ -225,8 +225,8 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
         occluded_by_brute_force(prims, rays, reach, blocked);
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 

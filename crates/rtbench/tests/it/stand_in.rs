@@ -6,7 +6,7 @@ use std::time::Duration;
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, obvhs, uniform_grid};
 use accel_core::{Ray, Scalar};
 use measurement::record::{RunRecord, SceneRecord, Verdict, Warning};
@@ -27,12 +27,12 @@ impl<S: Scalar> Structure<S> for Small<S> {
         if needed > 8 { Err(refused) } else { Ok(Self(ids, std::marker::PhantomData)) }
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         let _ = sink.test(&self.0);
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 

@@ -183,12 +183,16 @@ impl<S: accel_core::Scalar> accel_core::structure::Structure<S> for Planted<S> {
         ))
     }
 
-    fn walk<K: accel_core::query::sink::Sink<S>>(&self, ray: &accel_core::Ray<S>, sink: &mut K) {
-        if self.2 { self.0.walk(ray, sink) } else { self.1.walk(ray, sink) }
+    fn traverse<K: accel_core::query::sink::Sink<S>>(
+        &self,
+        ray: &accel_core::Ray<S>,
+        sink: &mut K,
+    ) {
+        if self.2 { self.0.traverse(ray, sink) } else { self.1.traverse(ray, sink) }
     }
 
-    fn shape(&self) -> accel_core::structure::Shape {
-        accel_core::structure::Structure::<S>::shape(&self.1)
+    fn stats(&self) -> accel_core::structure::StructureStats {
+        accel_core::structure::Structure::<S>::stats(&self.1)
     }
 }
 

@@ -3,7 +3,7 @@
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Ray, Scalar};
 use measurement::record::{Verdict, Warning};
@@ -113,10 +113,10 @@ impl<S: Scalar> Structure<S> for Refuses<S> {
         Err(BuildError::TooLarge { structure, what: "anything", needed: 1, limit: 0 })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, _: &mut K) {}
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, _: &mut K) {}
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 

@@ -6,7 +6,7 @@ use crate::common::{Ended, Folder, PLANTED, planted, run_with};
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY};
 use accel_core::{Ray, Scalar, Vector};
 use measurement::scenes::Installed;
@@ -62,14 +62,14 @@ impl<S: Scalar, F: Fault> Structure<S> for Faulty<S, F> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), kind: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         if !F::loses(ray.direction.to_array().map(S::to_f64)) {
             let _ = sink.test(&self.ids);
         }
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 
@@ -171,7 +171,7 @@ fn a_dropped_reference_is_caught_and_its_line_replays() {
 }
 
 #[test]
-fn twins_catch_what_agreement_alone_cannot() {
+fn metamorphic_pairs_catch_what_agreement_alone_cannot() {
     let wrong = |case: &str, structure: &str| {
         let ended = verify(FAULTS, &format!("--cases {case} -s {structure} --rays 200"));
         assert_eq!(ended.code, 4, "{}", ended.out);

@@ -1,9 +1,9 @@
 //! The oracles of `rtbench verify` refute what is wrong: each is shown a planted fault, and the
 //! right answer beside it.
 
-use accel_core::grid::cell_walk::{CellPosition, CellWalk};
+use accel_core::grid::cell_traversal::{CellPosition, CellTraversal};
 use accel_core::grid::distance_field::{Metric, distances};
-use accel_core::grid::voxel_walk::GridFrame;
+use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::mailbox::{Mailbox, MailboxSource, Stamps};
 use accel_core::{Hit, Ray, Vector};
@@ -11,7 +11,7 @@ use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
 use studies::verify::cases::shells::shells_under;
 use studies::verify::model::Model;
-use studies::verify::parts::{clouds, kernels, mailboxes, walks};
+use studies::verify::parts::{clouds, kernels, mailboxes, traversals};
 use studies::verify::registry::{Ask, find};
 use studies::verify::round::Round;
 
@@ -241,7 +241,7 @@ fn a_kernel_that_differs_by_instruction_set_is_refuted() {
     assert!(wrong.len() > 100, "{}", wrong.len());
 }
 
-/// A walk that adds up parameters, as the paper does.
+/// A traversal that adds up parameters, as the paper does.
 struct Accumulating {
     cell: [i32; 3],
     n: i32,
@@ -252,7 +252,7 @@ struct Accumulating {
 
 impl Accumulating {
     fn start(frame: &GridFrame<f32>, ray: &Ray<f32>) -> Option<Self> {
-        let cell = frame.walk(ray)?.coords();
+        let cell = frame.traversal(ray)?.coords();
         let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
         let step = d.map(|x| if x == 0.0 { 0 } else { x.signum() as i32 });
         let plane = |k: usize| (cell[k] + i32::from(step[k] > 0)) as f32;
@@ -284,7 +284,7 @@ impl CellPosition for Accumulating {
     }
 }
 
-impl CellWalk<f32> for Accumulating {
+impl CellTraversal<f32> for Accumulating {
     fn t_exit(&self) -> f32 {
         self.next[self.axis()]
     }
@@ -300,7 +300,7 @@ impl CellWalk<f32> for Accumulating {
     }
 }
 
-/// The real walk, but for one of its cells.
+/// The real traversal, but for one of its cells.
 struct Hasty<W>(W, u32);
 
 impl<W: CellPosition> CellPosition for Hasty<W> {
@@ -312,7 +312,7 @@ impl<W: CellPosition> CellPosition for Hasty<W> {
     }
 }
 
-impl<W: CellWalk<f32>> CellWalk<f32> for Hasty<W> {
+impl<W: CellTraversal<f32>> CellTraversal<f32> for Hasty<W> {
     fn t_exit(&self) -> f32 {
         self.0.t_exit()
     }
@@ -323,17 +323,17 @@ impl<W: CellWalk<f32>> CellWalk<f32> for Hasty<W> {
 }
 
 #[test]
-fn walks_that_drift_or_skip_are_refuted() {
+fn traversals_that_drift_or_skip_are_refuted() {
     let random = || Random::new(1, "walks");
-    let drawn = walks::lattice_rays;
-    let right = walks::examine::<f32, _>(&mut random(), 150, drawn, |f, r| f.walk(r));
+    let drawn = traversals::lattice_rays;
+    let right = traversals::examine::<f32, _>(&mut random(), 150, drawn, |f, r| f.traversal(r));
     assert!(right.wrong.is_empty() && right.trials == 7 * 150, "{:?}", right.wrong.first());
-    let drifts = walks::examine::<f32, _>(&mut random(), 150, drawn, Accumulating::start);
+    let drifts = traversals::examine::<f32, _>(&mut random(), 150, drawn, Accumulating::start);
     let missed =
         drifts.wrong.iter().filter(|m| m.what.contains("missed") || m.what.contains("not within"));
     assert!(missed.count() > 0 && drifts.wrong.len() < 7 * 150);
-    let skips = |f: &GridFrame<f32>, r: &Ray<f32>| f.walk(r).map(|w| Hasty(w, 0));
-    let skips = walks::examine::<f32, _>(&mut random(), 50, drawn, skips);
+    let skips = |f: &GridFrame<f32>, r: &Ray<f32>| f.traversal(r).map(|w| Hasty(w, 0));
+    let skips = traversals::examine::<f32, _>(&mut random(), 50, drawn, skips);
     assert!(skips.wrong.iter().any(|m| m.what.contains("a step from")));
 }
 

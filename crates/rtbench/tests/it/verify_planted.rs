@@ -10,7 +10,7 @@ use crate::common::{
 use accel_core::params::Params;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
+use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
 use measurement::scenes::Installed;
@@ -34,7 +34,7 @@ impl<S: Scalar, F: Lapse> Structure<S> for Boxes<S, F> {
         Ok(Self { boxes, kind: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         for (id, own) in (0..).zip(&self.boxes) {
             if !F::skips(ray, own, sink.t_max()) && sink.test(&[id]).is_break() {
                 return;
@@ -42,8 +42,8 @@ impl<S: Scalar, F: Lapse> Structure<S> for Boxes<S, F> {
         }
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 
@@ -120,7 +120,7 @@ impl<S: Scalar, F: Choice> Structure<S> for Own<S, F> {
         Ok(Self { set, kind: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let setup = self.set.setup(ray);
         let hit = |id| self.set.intersect(id, ray, &setup, ray.t_max).map(|t| Hit { t, id });
         let mut hits: Vec<Hit<S>> = (0..self.set.len() as u32).filter_map(hit).collect();
@@ -130,8 +130,8 @@ impl<S: Scalar, F: Choice> Structure<S> for Own<S, F> {
         }
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 
@@ -165,7 +165,7 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }
 
-    fn walk<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
         let _ = sink.test(&self.ids);
     }
 
@@ -197,8 +197,8 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
         occluded_by_brute_force(prims, rays, reach, blocked);
     }
 
-    fn shape(&self) -> Shape {
-        Shape::default()
+    fn stats(&self) -> StructureStats {
+        StructureStats::default()
     }
 }
 

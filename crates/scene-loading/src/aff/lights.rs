@@ -1,13 +1,13 @@
 //! Lights and current materials of AFF files.
 
 use crate::aff::read::Reader;
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::limits::{self, MAX_LIGHTS, MAX_MATERIALS};
 use crate::nff::tokens::Words;
 use crate::scene::{Light, Material};
 
 impl Reader<'_> {
-    pub fn light(&mut self, words: &mut Words<'_>, place: Place) -> Result<(), LoadError> {
+    pub fn light(&mut self, words: &mut Words<'_>, place: FilePlace) -> Result<(), LoadError> {
         let position = words.vector("light position")?;
         let color = match words.peek().is_some_and(|word| word.looks_numeric()) {
             true => Some(words.vector("light colour")?.to_array()),
@@ -17,7 +17,7 @@ impl Reader<'_> {
         limits::check(self.world.lights.len(), MAX_LIGHTS, "the number of lights", || place)
     }
 
-    pub fn material(&mut self, material: Material, place: Place) -> Result<(), LoadError> {
+    pub fn material(&mut self, material: Material, place: FilePlace) -> Result<(), LoadError> {
         self.material = Some(self.world.rest.push_material(material));
         let count = self.world.rest.materials.len();
         limits::check(count, MAX_MATERIALS, "the number of materials", || place)

@@ -28,7 +28,7 @@ use std::path::Path;
 use crate::aff::read::read_world;
 use crate::aff::world::World;
 use crate::animation::frames::{Animation, check_frame};
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::scene_name;
 use crate::scene::{Camera, Scene};
 use crate::view_options::light_if_dark;
@@ -51,7 +51,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, L
     let world = read_world(path, bytes)?;
     let clip = world.clip.ok_or_else(|| {
         let expected = "an entity `a` with start, end and number of frames";
-        LoadError::UnexpectedEnd { place: Place::file(path), expected: expected.into() }
+        LoadError::UnexpectedEnd { place: FilePlace::file(path), expected: expected.into() }
     })?;
     let mut animated = Animated { name: scene_name(path), world, clip, camera: None };
     if !animated.world.has_view {

@@ -8,7 +8,7 @@ use glam::DAffine3;
 use crate::aff::looks;
 use crate::aff::motion::{Motion, Motions, brace, rotation};
 use crate::aff::world::{Branch, Part, Step, World};
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::read::{confined, lossy_text, read_at_most};
 use crate::limits::{self, MAX_BYTES, MAX_NAME};
 use crate::mesh::{FaceCounts, Tally};
@@ -101,7 +101,7 @@ pub(super) struct Reader<'a> {
 
 impl Reader<'_> {
     fn file(&mut self, path: &Path, bytes: Vec<u8>, depth: usize) -> Result<(), LoadError> {
-        let too_large = || LoadError::TooLarge { place: Place::file(path), limit: MAX_BYTES };
+        let too_large = || LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_BYTES };
         self.budget = self.budget.checked_sub(bytes.len() as u64).ok_or_else(too_large)?;
         // braces are words of their own wherever they stand
         let text = lossy_text(bytes).replace('{', " { ").replace('}', " } ");
@@ -114,7 +114,7 @@ impl Reader<'_> {
             self.entity(word, &mut opened, base, depth)?;
         }
         if self.branch != base {
-            let place = Place::file(path);
+            let place = FilePlace::file(path);
             return Err(LoadError::UnexpectedEnd { place, expected: "}".into() });
         }
         Ok(())
@@ -199,7 +199,12 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn enter(&mut self, step: Step, words: &mut Words<'_>, place: Place) -> Result<(), LoadError> {
+    fn enter(
+        &mut self,
+        step: Step,
+        words: &mut Words<'_>,
+        place: FilePlace,
+    ) -> Result<(), LoadError> {
         brace(words)?;
         self.world.branches.push(Branch { parent: self.branch, step });
         self.branch = self.world.branches.len() - 1;
@@ -209,7 +214,7 @@ impl Reader<'_> {
     fn include(
         &mut self,
         words: &mut Words<'_>,
-        place: Place,
+        place: FilePlace,
         depth: usize,
     ) -> Result<(), LoadError> {
         let level = words.integer("a level of detail", 0, u64::MAX)?;
@@ -227,7 +232,7 @@ impl Reader<'_> {
     }
 
     /// Has primitives that follow belong to a part: that of those before, if nothing is between.
-    fn begin(&mut self, is_soft: bool, opened: &mut Opened<'_>, place: Place) {
+    fn begin(&mut self, is_soft: bool, opened: &mut Opened<'_>, place: FilePlace) {
         let scene = &self.world.rest;
         let last = self.world.parts.last();
         let goes_on = last
@@ -268,7 +273,7 @@ impl Reader<'_> {
         let scene = &mut self.world.rest;
         if scene.primitives.is_empty() {
             let expected = "primitive (s, c, p, pp, m, tt, ttp, tpa)";
-            return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+            return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
         }
         self.counts.warn(scene);
         self.textured.warn("textured shapes or meshes: their images are not read", scene);

@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 use crate::aff::motion::Motions;
 use crate::aff::tracks::AnimatedPatch;
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::gltf::vectors::cofactor;
 use crate::pbrt::state::uniform_scale;
 use crate::scene::{Camera, Instance, Light, Scene, Shape};
@@ -57,7 +57,7 @@ pub(super) struct Part {
     pub spheres: Range<usize>,
     pub cones: Range<usize>,
     /// Where it begins.
-    pub place: Place,
+    pub place: FilePlace,
 }
 
 /// Where a branch is.
@@ -83,7 +83,7 @@ impl World {
             let to_world = placement(&placements, *branch).to_world;
             let position = to_world.transform_point3(light.position());
             if !position.is_finite() {
-                return Err(not_finite(Place::file(&self.path), "the place of a light"));
+                return Err(not_finite(FilePlace::file(&self.path), "the place of a light"));
             }
             scene.lights.push(Light::Point { position, color: light.color() });
         }
@@ -132,12 +132,12 @@ impl World {
             camera.at = camera.from - turn * DVec3::Z * ahead.length();
             camera.up = turn * DVec3::Y;
         }
-        camera.check(|| Place::file(&self.path))?;
+        camera.check(|| FilePlace::file(&self.path))?;
         Ok(camera)
     }
 }
 
-fn not_finite(place: Place, what: &str) -> LoadError {
+fn not_finite(place: FilePlace, what: &str) -> LoadError {
     LoadError::NotFinite { place, what: what.into(), found: "NaN or infinite".into() }
 }
 

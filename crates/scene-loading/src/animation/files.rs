@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::animation::frames::{Animation, check_frame};
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::{extension, read_file, scene_name};
 use crate::limits;
 use crate::scene::{Camera, Scene};
@@ -72,25 +72,25 @@ fn name_of(path: &Path) -> Option<&str> {
 
 /// Opens the sequence of a path with a pattern; reads no file yet.
 pub(super) fn open(path: &Path) -> Result<Box<dyn Animation>, LoadError> {
-    let no_frames = || LoadError::NoFrames { place: Place::file(path) };
+    let no_frames = || LoadError::NoFrames { place: FilePlace::file(path) };
     let pattern = name_of(path).and_then(Pattern::of).ok_or_else(no_frames)?;
     if !is_scene_path(path) {
         let valid = ENDINGS.join(", ");
-        return Err(LoadError::UnknownFormat { place: Place::file(path), valid });
+        return Err(LoadError::UnknownFormat { place: FilePlace::file(path), valid });
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     let entries = std::fs::read_dir(folder).map_err(|e| LoadError::io(folder, e))?;
     let number = |entry: std::fs::DirEntry| pattern.number(entry.file_name().to_str()?);
     let mut numbers: Vec<u32> = entries.flatten().filter_map(number).collect();
-    limits::check(numbers.len(), MAX_FRAMES, "the number of frames", || Place::file(path))?;
+    limits::check(numbers.len(), MAX_FRAMES, "the number of frames", || FilePlace::file(path))?;
     numbers.sort_unstable();
     let first = *numbers.first().ok_or_else(no_frames)?;
     let file = |number| path.with_file_name(pattern.name(number));
     if let Some((missing, found)) = (first..).zip(&numbers).find(|(due, found)| due != *found) {
         let (missing, later) = (file(missing), file(*found));
         let files = Box::new((missing, later));
-        return Err(LoadError::MissingFrame { place: Place::file(path), files });
+        return Err(LoadError::MissingFrame { place: FilePlace::file(path), files });
     }
     let paths = numbers.into_iter().map(file).collect();
     Ok(Box::new(Files { name: scene_name(path), paths, camera: None }))

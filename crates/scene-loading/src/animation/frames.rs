@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::scene::Scene;
 
 /// A scene that moves, frame by frame.
@@ -30,7 +30,7 @@ pub(crate) fn check_frame(name: &str, index: u32, frames: u32) -> Result<(), Loa
         return Ok(());
     }
     Err(LoadError::IndexOutOfRange {
-        place: Place::file(Path::new(name)),
+        place: FilePlace::file(Path::new(name)),
         what: "frame".into(),
         index: index.to_string(),
         valid: format!("there are {frames}, counted from 0"),

@@ -12,7 +12,7 @@ use std::path::Path;
 
 pub use crate::animation::frames::Animation;
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::gltf;
 use crate::input::read::{extension, read_file};
 use crate::source::names::path_of_name;
@@ -54,7 +54,7 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, LoadErro
         "gltf" | "glb" => gltf::animated::parse(path, &bytes),
         "aff" => aff::parse(path, bytes),
         _ => Err(LoadError::UnknownFormat {
-            place: Place::file(path),
+            place: FilePlace::file(path),
             valid: ".gltf, .glb, .aff".into(),
         }),
     }

@@ -8,7 +8,7 @@ use ::gltf::{Accessor, Document};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::error::{LoadError, Place, quote};
+use crate::error::{FilePlace, LoadError, quote};
 use crate::input::read::{confined, read_file};
 use crate::limits::MAX_BYTES;
 
@@ -44,7 +44,7 @@ impl Buffers {
             buffers.fits(&object, buffer.length() as u64, bytes.len())?;
             total += bytes.len() as u64;
             if total > MAX_BYTES {
-                return Err(LoadError::TooLarge { place: Place::file(path), limit: MAX_BYTES });
+                return Err(LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_BYTES });
             }
             buffers.data.push(bytes);
         }
@@ -70,7 +70,7 @@ impl Buffers {
     /// The file, below the folder, that a URI other than a data URI names.
     pub fn file_of(&self, object: &str, uri: &str) -> Result<PathBuf, LoadError> {
         let outside = || LoadError::OutsideFolder {
-            place: Place::file(&self.path),
+            place: FilePlace::file(&self.path),
             uri: uri.chars().take(80).collect(),
         };
         let decoded = percent_decode(uri).ok_or_else(|| {
@@ -90,7 +90,7 @@ impl Buffers {
         for (i, vector) in vectors.iter().enumerate() {
             if let Some(found) = vector.iter().find(|x| !x.is_finite()) {
                 return Err(LoadError::NotFinite {
-                    place: Place::file(&self.path),
+                    place: FilePlace::file(&self.path),
                     what: format!("{object}, element {i}"),
                     found: found.to_string(),
                 });
@@ -131,7 +131,7 @@ impl Buffers {
         match texcoords.as_flattened().iter().position(|x| !x.is_finite()) {
             None => Ok(texcoords),
             Some(i) => Err(LoadError::NotFinite {
-                place: Place::file(&self.path),
+                place: FilePlace::file(&self.path),
                 what: format!("{object}, element {}", i / 2),
                 found: "NaN or infinite".into(),
             }),
@@ -174,7 +174,7 @@ impl Buffers {
         match numbers.iter().position(|x| !x.is_finite()) {
             None => Ok(numbers),
             Some(i) => Err(LoadError::NotFinite {
-                place: Place::file(&self.path),
+                place: FilePlace::file(&self.path),
                 what: format!("{object}, element {}", i / width),
                 found: numbers.get(i).map(f64::to_string).unwrap_or_default(),
             }),
@@ -249,7 +249,7 @@ impl Buffers {
         match indices.iter().position(|&i| i as usize >= vertices) {
             None => Ok(indices),
             Some(i) => Err(LoadError::IndexOutOfRange {
-                place: Place::file(&self.path),
+                place: FilePlace::file(&self.path),
                 what: format!("{object}, element {i}: vertex"),
                 index: indices.get(i).map(u32::to_string).unwrap_or_default(),
                 valid: format!("there are {vertices} vertices, counted from 0"),
@@ -281,7 +281,7 @@ impl Buffers {
         let limit = if accessor.view().is_some() { MAX_ELEMENTS } else { MAX_ZEROS };
         if count > limit {
             return Err(LoadError::CountTooLarge {
-                place: Place::file(&self.path),
+                place: FilePlace::file(&self.path),
                 what: object.to_string(),
                 count,
                 limit,
@@ -356,14 +356,14 @@ impl Buffers {
         if needed <= available {
             return Ok(());
         }
-        let place = Place::file(&self.path);
+        let place = FilePlace::file(&self.path);
         Err(LoadError::PastBuffer { place, object: object.to_string(), needed, available })
     }
 
     /// The error for what breaks a rule of the format.
     pub fn invalid(&self, object: &str, found: &str, expected: &str) -> LoadError {
         LoadError::Gltf {
-            place: Place::file(&self.path),
+            place: FilePlace::file(&self.path),
             object: object.to_string(),
             found: found.to_string(),
             expected: expected.to_string(),

@@ -8,7 +8,7 @@ use ::gltf::json::validation::Checked;
 use ::gltf::{Accessor, Document};
 use glam::{DQuat, DVec3};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::keys::Keys;
 use crate::gltf::pose::Pose;
@@ -31,7 +31,7 @@ impl Clip {
     /// Reads the first animation.
     pub fn read(path: &Path, document: &Document, buffers: &Buffers) -> Result<Self, LoadError> {
         let invalid = |object: &str, found: String, expected: &str| LoadError::Gltf {
-            place: Place::file(path),
+            place: FilePlace::file(path),
             object: object.into(),
             found,
             expected: expected.into(),
@@ -75,7 +75,7 @@ impl Clip {
                 None => {
                     let keys = read_keys(path, document, buffers, s, property, width)?;
                     numbers += keys.values.len();
-                    let place = || Place::file(path);
+                    let place = || FilePlace::file(path);
                     limits::check(numbers, MAX_ELEMENTS, "the numbers of all keys", place)?;
                     slot.insert(keys)
                 }
@@ -140,7 +140,7 @@ fn read_keys(
 ) -> Result<Keys, LoadError> {
     let object = format!("animation 0 sampler {sampler}");
     let invalid = |found: String, expected: String| LoadError::Gltf {
-        place: Place::file(path),
+        place: FilePlace::file(path),
         object: object.clone(),
         found,
         expected,

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 
 use ::gltf::Document;
 
-use crate::error::{LoadError, Place, quote};
+use crate::error::{FilePlace, LoadError, quote};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::nodes::Walker;
 use crate::input::read::{read_file, scene_name};
@@ -68,7 +68,7 @@ fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, LoadError>) -> Resul
 }
 
 fn parser_error(path: &Path, message: String) -> LoadError {
-    LoadError::Parser { place: Place::file(path), parser: "gltf", message }
+    LoadError::Parser { place: FilePlace::file(path), parser: "gltf", message }
 }
 
 /// A file, its parts checked as far as the crate does not.
@@ -96,7 +96,7 @@ impl Opened {
     fn scene(&self) -> Result<::gltf::Scene<'_>, LoadError> {
         let scene = self.document.default_scene().or_else(|| self.document.scenes().next());
         scene.ok_or_else(|| LoadError::Gltf {
-            place: Place::file(&self.path),
+            place: FilePlace::file(&self.path),
             object: "document".into(),
             found: "no scene".into(),
             expected: "at least one".into(),
@@ -127,7 +127,7 @@ fn check_objects(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
         return Ok(());
     }
     Err(LoadError::CountTooLarge {
-        place: Place::file(path),
+        place: FilePlace::file(path),
         what: "the number of JSON objects".into(),
         count: count as u64,
         limit: MAX_OBJECTS as u64,
@@ -149,7 +149,7 @@ fn first_version(path: &Path, bytes: &[u8]) -> Option<LoadError> {
     let version = document.asset.and_then(|asset| asset.version).unwrap_or_default();
     let version = version.as_str().map_or_else(|| version.to_string(), str::to_owned);
     (version.starts_with('1') || version == "null").then(|| LoadError::Gltf {
-        place: Place::file(path),
+        place: FilePlace::file(path),
         object: "asset".into(),
         found: format!("version `{version}`"),
         expected: "version 2.0".into(),
@@ -168,7 +168,7 @@ fn check_extensions(path: &Path, json: &::gltf::json::Root) -> Result<(), LoadEr
         return Ok(());
     }
     Err(LoadError::Gltf {
-        place: Place::file(path),
+        place: FilePlace::file(path),
         object: "extensionsRequired".into(),
         found: missing.iter().map(|name| quote(name)).collect::<Vec<_>>().join(", "),
         expected: format!("none but {}", EXTENSIONS.join(", ")),
@@ -180,7 +180,7 @@ fn check_before_validation(path: &Path, json: &::gltf::json::Root) -> Result<(),
     use ::gltf::json::camera::Type;
     use ::gltf::json::validation::Checked;
     let invalid = |object: String, found: &str, expected: &str| LoadError::Gltf {
-        place: Place::file(path),
+        place: FilePlace::file(path),
         object,
         found: found.into(),
         expected: expected.into(),
@@ -191,7 +191,7 @@ fn check_before_validation(path: &Path, json: &::gltf::json::Root) -> Result<(),
             let accessor = primitive.attributes.values().find(|i| i.value() >= accessors);
             if let Some(index) = accessor {
                 return Err(LoadError::IndexOutOfRange {
-                    place: Place::file(path),
+                    place: FilePlace::file(path),
                     what: format!("mesh {m} primitive {p}: accessor"),
                     index: index.value().to_string(),
                     valid: format!("there are {accessors}, counted from 0"),
@@ -219,11 +219,11 @@ fn check_glb_header(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
     let actual = bytes.len() as u64;
     let Some(&[_, _, _, _, a, b, c, d]) = rest.first_chunk::<8>() else {
         let expected = "a GLB header of 12 bytes".to_string();
-        return Err(LoadError::UnexpectedEnd { place: Place::file(path), expected });
+        return Err(LoadError::UnexpectedEnd { place: FilePlace::file(path), expected });
     };
     if let Some(version @ [1, 0, 0, 0]) = rest.first_chunk::<4>() {
         return Err(LoadError::Gltf {
-            place: Place::file(path),
+            place: FilePlace::file(path),
             object: "GLB header".into(),
             found: format!("version {}", u32::from_le_bytes(*version)),
             expected: "version 2".into(),
@@ -231,7 +231,7 @@ fn check_glb_header(path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
     }
     let declared = u64::from(u32::from_le_bytes([a, b, c, d]));
     if declared != actual || declared < 20 {
-        return Err(LoadError::GlbLength { place: Place::file(path), declared, actual });
+        return Err(LoadError::GlbLength { place: FilePlace::file(path), declared, actual });
     }
     Ok(())
 }

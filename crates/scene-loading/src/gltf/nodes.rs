@@ -9,7 +9,7 @@ use ::gltf::mesh::Mode;
 use ::gltf::{Document, Node, Semantic};
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::deform::{self, Deformed, Deformer};
 use crate::gltf::materials::material_of;
@@ -96,7 +96,7 @@ impl<'a> Walker<'a> {
     pub fn finish(mut self, camera: Option<Camera>) -> Result<Scene, LoadError> {
         if self.scene.primitives.is_empty() {
             let expected = "triangle with an area";
-            return Err(LoadError::NoPrimitives { place: Place::file(self.path), expected });
+            return Err(LoadError::NoPrimitives { place: FilePlace::file(self.path), expected });
         }
         let strongest = self.lights.iter().map(|light| light.2).fold(0.0, f64::max);
         for (position, color, intensity) in &self.lights {
@@ -133,12 +133,12 @@ impl<'a> Walker<'a> {
 
     fn not_finite(&self, what: String) -> LoadError {
         let found = "NaN or infinite".to_string();
-        LoadError::NotFinite { place: Place::file(self.path), what, found }
+        LoadError::NotFinite { place: FilePlace::file(self.path), what, found }
     }
 
     fn invalid(&self, object: String, found: String, expected: &str) -> LoadError {
         let expected = expected.to_string();
-        LoadError::Gltf { place: Place::file(self.path), object, found, expected }
+        LoadError::Gltf { place: FilePlace::file(self.path), object, found, expected }
     }
 
     fn visit(&mut self, placed: &Placed<'_>) -> Result<(), LoadError> {
@@ -149,7 +149,9 @@ impl<'a> Walker<'a> {
         }
         if let Some(light) = node.light() {
             let count = self.lights.len() + 1;
-            limits::check(count, MAX_LIGHTS, "the number of lights", || Place::file(self.path))?;
+            limits::check(count, MAX_LIGHTS, "the number of lights", || {
+                FilePlace::file(self.path)
+            })?;
             let color = light.color().map(f64::from);
             let intensity = f64::from(light.intensity());
             if !(intensity.is_finite() && intensity >= 0.0 && color.iter().all(|c| c.is_finite())) {
@@ -202,7 +204,7 @@ impl<'a> Walker<'a> {
             resolution: [(aspect * f64::from(HEIGHT)).round().max(1.0) as u32, HEIGHT],
             ..Camera::default()
         };
-        converted.check(|| Place::file(self.path))?;
+        converted.check(|| FilePlace::file(self.path))?;
         self.scene.camera = converted;
         self.has_camera = true;
         Ok(())
@@ -320,7 +322,7 @@ impl<'a> Walker<'a> {
         let vertices = self.scene.vertices.len() + vertices;
         let triangles = self.scene.primitives.len() + triangles;
         let what = "the number of vertices or triangles of all instances";
-        limits::check(vertices.max(triangles), MAX_ELEMENTS, what, || Place::file(self.path))
+        limits::check(vertices.max(triangles), MAX_ELEMENTS, what, || FilePlace::file(self.path))
     }
 
     fn default_material(&mut self) -> u32 {

@@ -6,7 +6,7 @@ use ::gltf::scene::Transform;
 use ::gltf::{Document, Node};
 use glam::{DMat3, DMat4, DQuat, DVec3};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::gltf::pose::Pose;
 
 /// A node and where it is.
@@ -36,7 +36,10 @@ pub(crate) fn placed<'a>(
         match visited.get_mut(index) {
             Some(seen) if !*seen => *seen = true,
             _ => {
-                return Err(LoadError::NodeReachedTwice { place: Place::file(path), node: index });
+                return Err(LoadError::NodeReachedTwice {
+                    place: FilePlace::file(path),
+                    node: index,
+                });
             }
         }
         let world = parent * transform(path, &node, pose)?;
@@ -58,7 +61,7 @@ pub(crate) fn placed<'a>(
 fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4, LoadError> {
     let object = format!("node {}", node.index());
     let invalid = |found: String, expected: &str| LoadError::Gltf {
-        place: Place::file(path),
+        place: FilePlace::file(path),
         object: object.clone(),
         found,
         expected: expected.into(),
@@ -104,5 +107,5 @@ fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4,
 }
 
 fn not_finite(path: &Path, what: String) -> LoadError {
-    LoadError::NotFinite { place: Place::file(path), what, found: "NaN or infinite".into() }
+    LoadError::NotFinite { place: FilePlace::file(path), what, found: "NaN or infinite".into() }
 }

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::extension;
 use crate::limits::MAX_BYTES;
 
@@ -30,9 +30,9 @@ pub(crate) fn decompress(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, LoadErr
     match unpacked.len() as u64 {
         length if length <= budget => Ok(unpacked),
         _ if budget == MAX_BYTES => {
-            Err(LoadError::TooLarge { place: Place::file(path), limit: budget })
+            Err(LoadError::TooLarge { place: FilePlace::file(path), limit: budget })
         }
-        _ => Err(LoadError::Inflated { place: Place::file(path), packed, limit: budget }),
+        _ => Err(LoadError::Inflated { place: FilePlace::file(path), packed, limit: budget }),
     }
 }
 
@@ -76,7 +76,7 @@ fn unzstd(path: &Path, bytes: &[u8], budget: u64) -> Result<Vec<u8>, LoadError> 
 }
 
 fn damaged(path: &Path, format: &'static str, error: &dyn std::fmt::Display) -> LoadError {
-    LoadError::Decompress { place: Place::file(path), format, message: error.to_string() }
+    LoadError::Decompress { place: FilePlace::file(path), format, message: error.to_string() }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::limits::MAX_BYTES;
 
 /// Reads a regular file of at most [`MAX_BYTES`].
@@ -19,7 +19,7 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, LoadError> {
 /// [`read_file`] with a lower cap.
 pub(crate) fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
     let fail = |source| LoadError::io(path, source);
-    let too_large = || LoadError::TooLarge { place: Place::file(path), limit };
+    let too_large = || LoadError::TooLarge { place: FilePlace::file(path), limit };
     let info = std::fs::metadata(path).map_err(fail)?;
     if !info.is_file() {
         return Err(fail(std::io::Error::other("not a regular file")));

@@ -15,7 +15,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
 use crate::input::read::{lossy_text, read_file, scene_name};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
@@ -71,7 +71,7 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     }
     let mut scene = reader.scene;
     if let Some((line, count)) = reader.first_fanned {
-        let place = Place::line(path, line);
+        let place = FilePlace::line(path, line);
         let text = match reader.fanned {
             1 => format!("{place}: a patch of {count} vertices was fanned into triangles"),
             n => format!("{place}: {n} patches of more than 3 vertices were fanned into triangles"),
@@ -80,7 +80,7 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     }
     if scene.primitives.is_empty() {
         let expected = "sphere, cone, polygon or patch (s, c, p, pp)";
-        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
     }
     if !has_view {
         scene.frame_camera();

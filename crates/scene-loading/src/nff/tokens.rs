@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 
 /// A word and the line it stands on.
 #[derive(Debug, Clone, Copy)]
@@ -44,8 +44,8 @@ impl<'a> Words<'a> {
         self.rest.len()
     }
 
-    pub fn place(&self, line: usize) -> Place {
-        Place::line(self.path, line)
+    pub fn place(&self, line: usize) -> FilePlace {
+        FilePlace::line(self.path, line)
     }
 
     /// The next word, left in place.

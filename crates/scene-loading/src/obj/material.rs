@@ -13,7 +13,7 @@
 
 use std::path::Path;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::lossy_text;
 use crate::limits::{self, MAX_MATERIALS, MAX_NAME};
 use crate::obj::scan::number;
@@ -48,7 +48,7 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Vec<MtlEntry>, Lo
     let mut entries = Vec::new();
     let mut stated: Option<Stated> = None;
     for (i, row) in lossy_text(bytes).lines().enumerate() {
-        let place = || Place::line(path, i + 1);
+        let place = || FilePlace::line(path, i + 1);
         limits::check(row.len(), MAX_LINE, "the length of a line", place)?;
         let row = row.trim();
         let (keyword, rest) = row.split_once(char::is_whitespace).unwrap_or((row, ""));
@@ -101,7 +101,7 @@ impl Stated {
         row: &str,
         keyword: &str,
         rest: &str,
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FilePlace,
     ) -> Result<(), LoadError> {
         let words: Vec<&str> =
             rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();

@@ -22,7 +22,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
 use crate::input::read::{confined, is_missing, read_at_most, read_file, scene_name};
 use crate::limits::{self, MAX_ELEMENTS, MAX_MATERIALS};
@@ -99,7 +99,7 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     let Builder { mut scene, counts, .. } = builder;
     if scene.primitives.is_empty() {
         let expected = "face (f) with an area";
-        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
     }
     report(path, &scan, &counts, &mut scene);
     scene.frame_camera();
@@ -123,7 +123,7 @@ fn materials(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Vec<u32>,
     let mut ids: HashMap<String, u32> = HashMap::new();
     let mut left = MAX_LIBRARY_BYTES;
     for (line, library) in &scan.libraries {
-        let place = || Place::line(path, *line);
+        let place = || FilePlace::line(path, *line);
         let Some(file) = confined(folder, library) else {
             let text = format!("{}: mtllib `{library}` leads out of the folder; not read", place());
             scene.warnings.push(Warning(text));
@@ -162,7 +162,7 @@ fn materials(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Vec<u32>,
             found.push(id);
             continue;
         }
-        let id = new_id(scene, || Place::line(path, *line))?;
+        let id = new_id(scene, || FilePlace::line(path, *line))?;
         ids.insert(name.clone(), id);
         scene.materials.push(Material { name: name.clone(), ..Material::default() });
         found.push(id);
@@ -184,14 +184,14 @@ fn materials(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Vec<u32>,
 }
 
 /// The index of the scene's next material.
-fn new_id(scene: &Scene, place: impl FnOnce() -> Place) -> Result<u32, LoadError> {
+fn new_id(scene: &Scene, place: impl FnOnce() -> FilePlace) -> Result<u32, LoadError> {
     let id = scene.materials.len();
     limits::check(id + 1, MAX_MATERIALS, "the number of materials", place)?;
     Ok(u32::try_from(id).unwrap_or(u32::MAX))
 }
 
 fn too_many(path: &Path, what: &str, count: usize) -> LoadError {
-    let (place, what) = (Place::file(path), what.to_string());
+    let (place, what) = (FilePlace::file(path), what.to_string());
     LoadError::CountTooLarge { place, what, count: count as u64, limit: u32::MAX.into() }
 }
 
@@ -280,7 +280,7 @@ impl Builder<'_> {
         // a face makes at most as many vertices and primitives as it has corners
         let size = self.scene.vertices.len().max(self.scene.primitives.len()) + corners.len();
         if size > MAX_ELEMENTS {
-            let place = || Place::line(self.path, face.line as usize);
+            let place = || FilePlace::line(self.path, face.line as usize);
             limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
         }
         self.texcoords.next_face(corners.len());
@@ -347,7 +347,7 @@ impl Builder<'_> {
         }
         let pieces = if flat { triangulate(points) } else { triangulate_bent(points, area) };
         let pieces = pieces.map_err(|source| LoadError::Entangled {
-            place: Place::line(self.path, face.line as usize),
+            place: FilePlace::line(self.path, face.line as usize),
             source,
         })?;
         for piece in pieces {

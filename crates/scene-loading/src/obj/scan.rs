@@ -10,7 +10,7 @@ use std::path::Path;
 use glam::DVec3;
 use memchr::{memchr, memmem};
 
-use crate::error::{LoadError, Place, quote, shortened};
+use crate::error::{FilePlace, LoadError, quote, shortened};
 use crate::limits::{self, MAX_ELEMENTS, MAX_MATERIALS, MAX_NAME};
 use crate::polygon::ear_clipping::MAX_CORNERS;
 use crate::progress;
@@ -81,7 +81,7 @@ struct Wanted {
 pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError> {
     if text.starts_with(b"\xff\xfe") || text.starts_with(b"\xfe\xff") {
         let expected = "UTF-8, or any text whose first 128 characters are ASCII's";
-        return Err(LoadError::syntax(Place::line(path, 1), "UTF-16 text", expected));
+        return Err(LoadError::syntax(FilePlace::line(path, 1), "UTF-16 text", expected));
     }
     let mut scan = ObjScan::default();
     let mut names: HashMap<Vec<u8>, usize> = HashMap::new();
@@ -101,10 +101,10 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
         if start >= told {
             progress::at(start);
             told = start + TOLD_EVERY;
-            scan.check_size(|| Place::line(path, line))?;
+            scan.check_size(|| FilePlace::line(path, line))?;
         }
         let (end, newlines) = logical_line(&mut text, start);
-        let place = || Place::line(path, line);
+        let place = || FilePlace::line(path, line);
         let row = text.get(start..end).unwrap_or_default().trim_ascii_start();
         let length = row.iter().take_while(|b| !b.is_ascii_whitespace()).count();
         let (keyword, rest) = row.split_at(length);
@@ -170,13 +170,13 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
         line += newlines;
     }
     progress::end();
-    scan.check_size(|| Place::line(path, line))?;
+    scan.check_size(|| FilePlace::line(path, line))?;
     Ok(scan)
 }
 
 impl ObjScan {
     /// Refuses what is larger than any scene may be.
-    fn check_size(&self, place: impl Fn() -> Place) -> Result<(), LoadError> {
+    fn check_size(&self, place: impl Fn() -> FilePlace) -> Result<(), LoadError> {
         for (count, what) in [
             (self.positions.len(), "the number of vertices"),
             (self.normals.len(), "the number of normals"),
@@ -191,7 +191,7 @@ impl ObjScan {
     }
 }
 
-fn check_name(name: &[u8], place: impl Fn() -> Place) -> Result<(), LoadError> {
+fn check_name(name: &[u8], place: impl Fn() -> FilePlace) -> Result<(), LoadError> {
     limits::check(name.len(), MAX_NAME, "the length of a name", place)
 }
 
@@ -231,7 +231,11 @@ fn words(row: &[u8]) -> impl Iterator<Item = &str> {
 }
 
 /// A finite number, or an error that names what it should be and where.
-pub(crate) fn number(word: &str, what: &str, place: impl Fn() -> Place) -> Result<f64, LoadError> {
+pub(crate) fn number(
+    word: &str,
+    what: &str,
+    place: impl Fn() -> FilePlace,
+) -> Result<f64, LoadError> {
     let value: f64 =
         word.parse().map_err(|_| LoadError::syntax(place(), word, format!("a number ({what})")))?;
     if !value.is_finite() {
@@ -245,7 +249,7 @@ pub(crate) fn number(word: &str, what: &str, place: impl Fn() -> Place) -> Resul
 fn numbers<const N: usize>(
     row: &[u8],
     what: &str,
-    place: impl Fn() -> Place,
+    place: impl Fn() -> FilePlace,
 ) -> Result<[f64; N], LoadError> {
     let mut words = words(row);
     let mut values = [0.0; N];
@@ -268,7 +272,7 @@ fn numbers<const N: usize>(
 }
 
 /// A `v` line: x y z, then nothing, or w (by which they are divided), or a colour (dropped).
-fn position(row: &[u8], place: impl Fn() -> Place) -> Result<DVec3, LoadError> {
+fn position(row: &[u8], place: impl Fn() -> FilePlace) -> Result<DVec3, LoadError> {
     let what = "vertex position";
     let xyz = DVec3::from_array(numbers(row, what, &place)?);
     let mut extra = words(row).skip(3);
@@ -286,7 +290,7 @@ fn position(row: &[u8], place: impl Fn() -> Place) -> Result<DVec3, LoadError> {
 }
 
 /// A `vt` line: u, and v where it is there, else 0; w is dropped.
-fn texture_coordinate(row: &[u8], place: impl Fn() -> Place) -> Result<[f32; 2], LoadError> {
+fn texture_coordinate(row: &[u8], place: impl Fn() -> FilePlace) -> Result<[f32; 2], LoadError> {
     numbers::<1>(row, "texture coordinate", &place)?;
     let mut values = [0.0; 2];
     for (value, word) in values.iter_mut().zip(words(row)) {
@@ -304,7 +308,7 @@ fn face(
     scan: &mut ObjScan,
     texcoords: usize,
     wanted: Wanted,
-    place: impl Fn() -> Place,
+    place: impl Fn() -> FilePlace,
 ) -> Result<(u32, bool), LoadError> {
     let (positions, normals) = (scan.positions.len(), scan.normals.len());
     let (mut corners, mut smooth) = (0, true);
@@ -354,7 +358,7 @@ fn check_index(
     text: &str,
     what: &str,
     count: usize,
-    place: impl Fn() -> Place,
+    place: impl Fn() -> FilePlace,
 ) -> Result<usize, LoadError> {
     let is_number =
         text.strip_prefix(['-', '+']).unwrap_or(text).bytes().all(|b| b.is_ascii_digit());

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::error::{Place, shortened};
+use crate::error::{FilePlace, shortened};
 use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::read::{confined, read_at_most};
 use crate::limits::MAX_WARNINGS;
@@ -53,7 +53,7 @@ impl ColorMaps {
                 Err(error) => {
                     failed += 1;
                     if failed <= MAX_WARNINGS {
-                        let place = Place::line(file, map.line);
+                        let place = FilePlace::line(file, map.line);
                         scene.warnings.push(warning(&place, &material.name, &map.text, &error));
                     }
                 }

@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DMat4;
 
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::decompress::decompress;
 use crate::input::read::{confined, lossy_text, read_at_most, scene_name};
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
@@ -76,12 +76,12 @@ pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scen
     progress::end();
     if loader.state.depth() > 0 || loader.object.is_some() {
         let expected = "AttributeEnd or ObjectEnd for each beginning".to_owned();
-        return Err(LoadError::UnexpectedEnd { place: Place::file(path), expected });
+        return Err(LoadError::UnexpectedEnd { place: FilePlace::file(path), expected });
     }
     let Loader { mut scene, camera, lights, counts, left_out, .. } = loader;
     if scene.primitives.is_empty() {
         let expected = "Shape trianglemesh, plymesh, bilinearmesh or sphere";
-        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
     }
     counts.warn(&mut scene);
     left_out.iter().for_each(|(what, tally)| tally.warn(what, &mut scene));
@@ -142,7 +142,7 @@ impl Loader<'_> {
         depth: usize,
     ) -> Result<(), LoadError> {
         let (path, line) = (tokens.path, token.line);
-        let place = || Place::line(path, line);
+        let place = || FilePlace::line(path, line);
         if self.state.statement(token, tokens)? {
             return Ok(());
         }
@@ -248,7 +248,7 @@ impl Loader<'_> {
     }
 
     /// Counts what is not as the file says.
-    fn leave_out(&mut self, what: String, place: impl FnOnce() -> Place) {
+    fn leave_out(&mut self, what: String, place: impl FnOnce() -> FilePlace) {
         let is_new = !self.left_out.contains_key(&what);
         let what = if is_new && self.left_out.len() >= MAX_WARNINGS {
             "more of other kinds".into()
@@ -358,17 +358,25 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn named_file(&self, name: &str, place: impl FnOnce() -> Place) -> Result<PathBuf, LoadError> {
+    fn named_file(
+        &self,
+        name: &str,
+        place: impl FnOnce() -> FilePlace,
+    ) -> Result<PathBuf, LoadError> {
         confined(self.folder, name)
             .ok_or_else(|| LoadError::OutsideFolder { place: place(), uri: shortened(name) })
     }
 
     /// A file's bytes, unpacked; all files together stay within the limit of one.
-    fn read(&mut self, path: &Path, place: impl FnOnce() -> Place) -> Result<Vec<u8>, LoadError> {
+    fn read(
+        &mut self,
+        path: &Path,
+        place: impl FnOnce() -> FilePlace,
+    ) -> Result<Vec<u8>, LoadError> {
         self.files += 1;
         limits::check(self.files, MAX_FILES, "the number of files", place)?;
         let bytes = decompress(path, read_at_most(path, self.budget)?)?;
-        let too_large = || LoadError::TooLarge { place: Place::file(path), limit: MAX_BYTES };
+        let too_large = || LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_BYTES };
         self.budget = self.budget.checked_sub(bytes.len() as u64).ok_or_else(too_large)?;
         Ok(bytes)
     }

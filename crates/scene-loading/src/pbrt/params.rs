@@ -1,6 +1,6 @@
 //! Parameter lists: `"float radius" 2 "point3 P" [0 0 0 1 0 0]`.
 
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits::{self, MAX_ELEMENTS, MAX_NAME};
 use crate::mesh::coordinate;
 use crate::pbrt::tokens::{Kind, Token, Tokens};
@@ -42,7 +42,7 @@ impl Params {
             if token.is_directive() {
                 break;
             }
-            let place = || Place::line(tokens.path, token.line);
+            let place = || FilePlace::line(tokens.path, token.line);
             limits::check(all.len() + 1, MAX_PARAMS, "the number of parameters", place)?;
             let declared = tokens.quoted("type name")?;
             limits::check(declared.text.len(), MAX_NAME, "the length of a name", || {
@@ -72,8 +72,8 @@ impl Params {
         Ok(Self { file: tokens.path.to_owned(), line, all })
     }
 
-    pub fn place(&self) -> Place {
-        Place::line(&self.file, self.line)
+    pub fn place(&self) -> FilePlace {
+        FilePlace::line(&self.file, self.line)
     }
 
     fn find(&self, name: &str) -> Option<&Param> {
@@ -86,7 +86,7 @@ impl Params {
     /// [`LoadError::Syntax`] for strings, [`LoadError::OutOfRange`].
     pub fn numbers(&self, name: &str) -> Result<&[f64], LoadError> {
         let Some(param) = self.find(name) else { return Ok(&[]) };
-        let place = || Place::line(&self.file, param.line);
+        let place = || FilePlace::line(&self.file, param.line);
         if let Some(word) = param.words.first() {
             return Err(LoadError::syntax(place(), word, format!("numbers ({name})")));
         }

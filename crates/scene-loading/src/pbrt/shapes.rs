@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, Mesh, coordinate};
 use crate::pbrt::params::Params;
@@ -18,7 +18,7 @@ pub(super) struct LeftOut;
 pub(super) fn check_size(
     scene: &Scene,
     more: usize,
-    place: impl FnOnce() -> Place,
+    place: impl FnOnce() -> FilePlace,
 ) -> Result<(), LoadError> {
     let most = scene.vertices.len().max(scene.normals.len()).max(scene.primitives.len());
     limits::check(
@@ -88,7 +88,7 @@ impl Adding<'_> {
         &mut self,
         mesh: Mesh,
         corners: &[u32],
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FilePlace,
     ) -> Result<(), LoadError> {
         mesh.add(corners, self.scene, self.counts, place)
     }
@@ -117,7 +117,7 @@ impl Adding<'_> {
         path: &Path,
     ) -> Result<(), LoadError> {
         for vertex in self.scene.vertices.iter_mut().skip(vertices) {
-            *vertex = checked(self.transform.transform_point3(*vertex), || Place::file(path))?;
+            *vertex = checked(self.transform.transform_point3(*vertex), || FilePlace::file(path))?;
         }
         let turn = normal_transform(&self.transform);
         for normal in self.scene.normals.iter_mut().skip(normals) {
@@ -131,7 +131,7 @@ impl Adding<'_> {
         &mut self,
         object: &Scene,
         number: u32,
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FilePlace,
     ) -> Result<usize, LoadError> {
         let before = self.scene.primitives.len();
         let more = object.vertices.len().max(object.normals.len()).max(object.primitives.len());
@@ -175,7 +175,7 @@ impl Adding<'_> {
     fn add_positions(
         &mut self,
         positions: &[DVec3],
-        place: impl Fn() -> Place,
+        place: impl Fn() -> FilePlace,
     ) -> Result<(), LoadError> {
         self.scene.vertices.reserve(positions.len());
         for &position in positions {
@@ -201,7 +201,7 @@ fn normal_transform(transform: &DMat4) -> DMat3 {
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * x.cross(y).dot(z).signum()
 }
 
-fn checked(point: DVec3, place: impl Fn() -> Place) -> Result<DVec3, LoadError> {
+fn checked(point: DVec3, place: impl Fn() -> FilePlace) -> Result<DVec3, LoadError> {
     for value in point.to_array() {
         coordinate(value, "a transformed coordinate", &place)?;
     }
@@ -217,7 +217,7 @@ fn points(params: &Params, name: &str) -> Result<Vec<DVec3>, LoadError> {
     Ok(points.iter().map(|&point| DVec3::from_array(point)).collect())
 }
 
-fn valid_index(index: f64, count: usize, place: impl Fn() -> Place) -> Result<u32, LoadError> {
+fn valid_index(index: f64, count: usize, place: impl Fn() -> FilePlace) -> Result<u32, LoadError> {
     if index >= 0.0 && index < count as f64 && index.fract() == 0.0 {
         return Ok(index as u32);
     }

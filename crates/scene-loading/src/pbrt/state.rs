@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::{DMat4, DVec3, DVec4};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::limits;
 use crate::pbrt::tokens::{Token, Tokens};
 
@@ -42,7 +42,7 @@ pub(super) struct State {
 }
 
 impl State {
-    pub fn save(&mut self, place: impl FnOnce() -> Place) -> Result<(), LoadError> {
+    pub fn save(&mut self, place: impl FnOnce() -> FilePlace) -> Result<(), LoadError> {
         limits::check(self.saved.len() + 1, MAX_DEPTH, "the depth of attributes", place)?;
         self.saved.push(self.now);
         Ok(())
@@ -51,7 +51,7 @@ impl State {
     pub fn restore(
         &mut self,
         directive: &str,
-        place: impl FnOnce() -> Place,
+        place: impl FnOnce() -> FilePlace,
     ) -> Result<(), LoadError> {
         self.now = self
             .saved
@@ -67,7 +67,7 @@ impl State {
         tokens: &mut Tokens<'_>,
     ) -> Result<bool, LoadError> {
         let (path, line) = (tokens.path, token.line);
-        let place = || Place::line(path, line);
+        let place = || FilePlace::line(path, line);
         match token.text {
             "Identity" => self.set_transform(DMat4::IDENTITY, place),
             "Translate" => {
@@ -137,7 +137,7 @@ impl State {
     pub fn transform(
         &mut self,
         matrix: DMat4,
-        place: impl FnOnce() -> Place,
+        place: impl FnOnce() -> FilePlace,
     ) -> Result<(), LoadError> {
         self.set_transform(self.now.transform * matrix, place)
     }
@@ -145,7 +145,7 @@ impl State {
     pub fn set_transform(
         &mut self,
         matrix: DMat4,
-        place: impl FnOnce() -> Place,
+        place: impl FnOnce() -> FilePlace,
     ) -> Result<(), LoadError> {
         if !self.now.at_start {
             return Ok(());
@@ -162,7 +162,7 @@ impl State {
         &mut self,
         name: &str,
         matrix: DMat4,
-        place: impl FnOnce() -> Place,
+        place: impl FnOnce() -> FilePlace,
     ) -> Result<(), LoadError> {
         let count = self.systems.len() + 1;
         limits::check(count, MAX_SYSTEMS, "the number of coordinate systems", place)?;

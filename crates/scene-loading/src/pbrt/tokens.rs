@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::limits::{self, MAX_NAME};
 use crate::mesh::coordinate;
 
@@ -51,8 +51,8 @@ impl<'a> Tokens<'a> {
         Self { path, rest: text, line: 1, peeked: None }
     }
 
-    pub fn place(&self, line: usize) -> Place {
-        Place::line(self.path, line)
+    pub fn place(&self, line: usize) -> FilePlace {
+        FilePlace::line(self.path, line)
     }
 
     /// Bytes not yet read.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use memchr::memchr2;
 
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits;
 
 /// The most elements of a header, and properties of all of them.
@@ -132,7 +132,7 @@ pub(super) fn parse_header(path: &Path, bytes: &[u8]) -> Result<Header, LoadErro
     loop {
         let text = lines.next("end_header")?;
         let line = lines.line;
-        let place = || Place::line(path, line);
+        let place = || FilePlace::line(path, line);
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
         let bad = |expected: &str| LoadError::syntax(place(), &text, expected);
         declared += 1;
@@ -193,8 +193,8 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    fn place(&self) -> Place {
-        Place::line(self.path, self.line.max(1))
+    fn place(&self) -> FilePlace {
+        FilePlace::line(self.path, self.line.max(1))
     }
 
     /// The next line, without its end.

@@ -13,7 +13,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::scene_name;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, Mesh, Tally, coordinate};
@@ -43,7 +43,7 @@ pub fn parse_ply(path: &Path, bytes: &[u8], triangulate: bool) -> Result<Scene, 
     add_ply(path, bytes, triangulate, material, &mut scene)?;
     if scene.primitives.is_empty() {
         let expected = "face with an area (is it a cloud of points?)";
-        return Err(LoadError::NoPrimitives { place: Place::file(path), expected });
+        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
     }
     scene.frame_camera();
     Ok(scene)
@@ -116,7 +116,7 @@ impl<'a, V: Values> Reader<'a, V> {
         if element.count <= limit || element.properties.is_empty() {
             return Ok(());
         }
-        let place = Place::line(self.path, element.line);
+        let place = FilePlace::line(self.path, element.line);
         let what = format!("element {}", element.name);
         Err(LoadError::CountTooLarge { place, what, count: element.count, limit })
     }
@@ -170,7 +170,7 @@ impl<'a, V: Values> Reader<'a, V> {
     }
 
     fn vertices(&mut self, element: &Element) -> Result<(), LoadError> {
-        let place = || Place::line(self.path, element.line);
+        let place = || FilePlace::line(self.path, element.line);
         if self.vertices.is_some() {
             return Err(LoadError::syntax(place(), "element vertex", "one element vertex only"));
         }
@@ -239,14 +239,14 @@ impl<'a, V: Values> Reader<'a, V> {
         found.ok_or_else(|| {
             let expected = "a list vertex_indices or vertex_index of whole numbers";
             let found = format!("element {}", element.name);
-            LoadError::syntax(Place::line(self.path, element.line), &found, expected)
+            LoadError::syntax(FilePlace::line(self.path, element.line), &found, expected)
         })
     }
 
     fn vertices_before(&self, element: &Element) -> Result<usize, LoadError> {
         self.vertices.ok_or_else(|| {
             let found = format!("element {}", element.name);
-            let place = Place::line(self.path, element.line);
+            let place = FilePlace::line(self.path, element.line);
             LoadError::syntax(place, &found, "element vertex before it")
         })
     }
@@ -282,7 +282,7 @@ impl<'a, V: Values> Reader<'a, V> {
         })
     }
 
-    fn add(&mut self, corners: &[u32], place: impl Fn() -> Place) -> Result<(), LoadError> {
+    fn add(&mut self, corners: &[u32], place: impl Fn() -> FilePlace) -> Result<(), LoadError> {
         let size = self.scene.primitives.len() + 1;
         limits::check(size, MAX_ELEMENTS, "the number of faces", &place)?;
         self.mesh.add(corners, self.scene, &mut self.counts, place)
@@ -335,7 +335,7 @@ impl<'a, V: Values> Reader<'a, V> {
     }
 }
 
-fn valid_index(index: f64, vertices: usize, place: Place) -> Result<u32, LoadError> {
+fn valid_index(index: f64, vertices: usize, place: FilePlace) -> Result<u32, LoadError> {
     if index >= 0.0 && index < vertices as f64 {
         return Ok(index as u32);
     }

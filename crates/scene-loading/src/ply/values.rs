@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 use crate::ply::header::{Encoding, Scalar};
 
 /// Numbers in the order of the file.
@@ -14,7 +14,7 @@ pub(super) trait Values {
     fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), LoadError>;
 
     /// Where the next one is; white space before it is passed.
-    fn place(&mut self) -> Place;
+    fn place(&mut self) -> FilePlace;
 
     /// Bytes not yet read.
     fn remaining(&self) -> usize;
@@ -37,7 +37,7 @@ impl Binary<'_> {
     }
 
     fn ended(&self, what: &str) -> LoadError {
-        let place = Place::byte(self.path, self.at);
+        let place = FilePlace::byte(self.path, self.at);
         LoadError::UnexpectedEnd { place, expected: what.to_owned() }
     }
 }
@@ -77,8 +77,8 @@ impl Values for Binary<'_> {
         Ok(())
     }
 
-    fn place(&mut self) -> Place {
-        Place::byte(self.path, self.at)
+    fn place(&mut self) -> FilePlace {
+        FilePlace::byte(self.path, self.at)
     }
 
     fn remaining(&self) -> usize {
@@ -114,7 +114,7 @@ impl<'a> Text<'a> {
         let word = rest.get(..length).unwrap_or_default();
         self.at += length;
         if word.is_empty() {
-            let (place, expected) = (Place::line(self.path, self.line), what.to_owned());
+            let (place, expected) = (FilePlace::line(self.path, self.line), what.to_owned());
             return Err(LoadError::UnexpectedEnd { place, expected });
         }
         Ok(std::str::from_utf8(word).unwrap_or("\u{fffd}"))
@@ -131,7 +131,7 @@ impl Values for Text<'_> {
             None => {
                 let number = if scalar.is_integer() { "a whole number" } else { "a number" };
                 let (found, expected) = (shortened(word), format!("{number} ({what})"));
-                Err(LoadError::syntax(Place::line(self.path, self.line), &found, expected))
+                Err(LoadError::syntax(FilePlace::line(self.path, self.line), &found, expected))
             }
         }
     }
@@ -140,9 +140,9 @@ impl Values for Text<'_> {
         (0..count).try_for_each(|_| self.word(what).map(|_| ()))
     }
 
-    fn place(&mut self) -> Place {
+    fn place(&mut self) -> FilePlace {
         self.rest();
-        Place::line(self.path, self.line)
+        FilePlace::line(self.path, self.line)
     }
 
     fn remaining(&self) -> usize {

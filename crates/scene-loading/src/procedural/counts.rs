@@ -1,6 +1,6 @@
 //! How many shapes a generator makes at a size, without making them.
 //!
-//! The formulas follow from how each generator recurses; a test holds them against what is
+//! The formulas follow from how each generator recurses; a test compares them with what is
 //! generated.
 
 /// Shapes by kind, as far as counts of triangles depend on it.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 
 /// How finely a scene asks its effects to be sampled; what it leaves open has a default, and
 /// the command line overrides both. An effect that the scene does not call for is not sampled.
@@ -72,7 +72,7 @@ impl Default for Camera {
 
 impl Camera {
     /// Refuses cameras that have no view: no direction, no up, an angle outside (0, 180).
-    pub(crate) fn check(&self, place: impl Fn() -> Place) -> Result<(), LoadError> {
+    pub(crate) fn check(&self, place: impl Fn() -> FilePlace) -> Result<(), LoadError> {
         let fail = |what: &str, found: String, expected: &str| LoadError::OutOfRange {
             place: place(),
             what: format!("camera {what}"),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::scene::Scene;
 
 /// Parses JSON; errors carry file, line and column.
@@ -14,7 +14,11 @@ pub(crate) fn from_json<T: serde::de::DeserializeOwned>(
         let message = error.to_string();
         // The position is in our own fields already.
         let message = message.split(" at line ").next().unwrap_or_default().to_string();
-        LoadError::Json { place: Place::line(path, error.line()), column: error.column(), message }
+        LoadError::Json {
+            place: FilePlace::line(path, error.line()),
+            column: error.column(),
+            message,
+        }
     })
 }
 
@@ -24,7 +28,11 @@ pub(crate) fn check_name(path: &Path, name: &str) -> Result<(), LoadError> {
     if stem == name {
         return Ok(());
     }
-    Err(LoadError::syntax(Place::file(path), name, format!("the name `{stem}`, as the file has")))
+    Err(LoadError::syntax(
+        FilePlace::file(path),
+        name,
+        format!("the name `{stem}`, as the file has"),
+    ))
 }
 
 /// The most names of materials that an error lists.
@@ -41,5 +49,5 @@ pub(crate) fn unknown_material(
         scene.materials.iter().take(MAX_NAMES).map(|m| m.name.as_str()).collect();
     let more = if scene.materials.len() > MAX_NAMES { ", ..." } else { "" };
     let expected = format!("{expected}: {}{more}", names.join(", "));
-    LoadError::syntax(Place::file(path), name, expected)
+    LoadError::syntax(FilePlace::file(path), name, expected)
 }

@@ -29,7 +29,7 @@ use std::path::Path;
 use glam::DVec3;
 use serde::Deserialize;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::fetch::PackageAsset;
 use crate::limits::{self, MAX_LIGHTS, MAX_MATERIALS};
 use crate::scene::{Camera, Light, Material, Rgb, SampleWishes, Scene};
@@ -221,7 +221,7 @@ impl SceneFile {
     pub fn parse(path: &Path, text: &str) -> Result<Self, LoadError> {
         let file: Self = from_json(path, text)?;
         check_name(path, &file.name)?;
-        let place = || Place::file(path);
+        let place = || FilePlace::file(path);
         let is_hash = |h: &&String| h.len() == 64 && h.bytes().all(|b| b.is_ascii_hexdigit());
         if let Some(hash) = file.sha256.as_ref().filter(|hash| !is_hash(hash)) {
             return Err(LoadError::syntax(place(), hash, "sha256: 64 hexadecimal digits"));
@@ -256,7 +256,10 @@ impl SceneFile {
             scene.push_material(Material { name: name.clone(), ..Material::default() });
         }
         if shapes.is_empty() {
-            return Err(LoadError::NoPrimitives { place: Place::file(path), expected: "shape" });
+            return Err(LoadError::NoPrimitives {
+                place: FilePlace::file(path),
+                expected: "shape",
+            });
         }
         push_all(path, shapes, &mut scene)?;
         scene.frame_camera();

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::scene_file::json::{check_name, from_json};
 
 /// A set file. Keys that are not listed here are errors.
@@ -37,7 +37,7 @@ impl SceneSet {
         let set: Self = from_json(path, text)?;
         check_name(path, &set.name)?;
         if set.scenes.is_empty() {
-            return Err(LoadError::syntax(Place::file(path), "[]", "at least one scene"));
+            return Err(LoadError::syntax(FilePlace::file(path), "[]", "at least one scene"));
         }
         Ok(set)
     }

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use serde::Deserialize;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::scene::{Cone, Scene};
 use crate::scene_file::json::unknown_material;
 use crate::scene_file::numbers::at_least_0;
@@ -148,7 +148,11 @@ pub(crate) fn push_all(
             && p.vertices.len() < 3
         {
             let found = format!("{} vertices", p.vertices.len());
-            return Err(LoadError::syntax(Place::file(file), &found, "a polygon of at least 3"));
+            return Err(LoadError::syntax(
+                FilePlace::file(file),
+                &found,
+                "a polygon of at least 3",
+            ));
         }
         shape.push(scene, material as u32);
     }

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::{extension, lossy_text, read_at_most, scene_name};
 use crate::limits::MAX_JSON;
 use crate::scene_file::SceneFile;
@@ -177,7 +177,7 @@ impl SceneCatalogue {
         }
         if path.is_file() {
             let valid = format!("{}, .json", ENDINGS.join(", "));
-            return Err(LoadError::UnknownFormat { place: Place::file(path), valid });
+            return Err(LoadError::UnknownFormat { place: FilePlace::file(path), valid });
         }
         Err(self.unknown(name))
     }

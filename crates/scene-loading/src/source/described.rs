@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use crate::error::{LoadError, Place, shortened};
+use crate::error::{FilePlace, LoadError, shortened};
 use crate::fetch::{PackageAsset, Places};
 use crate::input::read::{confined, read_file};
 use crate::scene::{Scene, Warning};
@@ -87,7 +87,7 @@ impl Described {
             return Ok(folder.join(name));
         }
         confined(folder, name).ok_or_else(|| LoadError::OutsideSource {
-            place: Place::file(&self.path),
+            place: FilePlace::file(&self.path),
             path: shortened(name),
         })
     }
@@ -104,7 +104,7 @@ impl Described {
         if expected.eq_ignore_ascii_case(&found) {
             return Ok(());
         }
-        let (place, expected) = (Place::file(path), expected.clone());
+        let (place, expected) = (FilePlace::file(path), expected.clone());
         Err(LoadError::HashMismatch { place, expected, found })
     }
 }

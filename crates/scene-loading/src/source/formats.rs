@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
 use crate::input::read::{lossy_text, read_file};
 use crate::obj::ObjOptions;
@@ -40,7 +40,7 @@ pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<
     let name = name.strip_suffix(".gz").or(name.strip_suffix(".zst")).unwrap_or(&name);
     if !is_scene_path(path) {
         let valid = ENDINGS.join(", ");
-        return Err(LoadError::UnknownFormat { place: Place::file(path), valid });
+        return Err(LoadError::UnknownFormat { place: FilePlace::file(path), valid });
     }
     let bytes = decompress(path, bytes)?;
     if name.ends_with(".nff") {

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{LoadError, Place};
+use crate::error::{FilePlace, LoadError};
 use crate::input::read::{lossy_text, scene_name};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, Mesh, Welder, coordinate};
@@ -77,7 +77,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn add(&mut self, corners: [DVec3; 3], place: impl Fn() -> Place) -> Result<(), LoadError> {
+    fn add(&mut self, corners: [DVec3; 3], place: impl Fn() -> FilePlace) -> Result<(), LoadError> {
         let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3;
         limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
         let corners = corners.map(|corner| self.welder.vertex(corner, &mut self.scene));
@@ -86,7 +86,7 @@ impl Reader<'_> {
 
     fn binary(&mut self, bytes: &[u8]) -> Result<(), LoadError> {
         let path = self.path;
-        let place = |at| Place::byte(path, at);
+        let place = |at| FilePlace::byte(path, at);
         let Some(count) = stated(bytes) else {
             let expected = "`solid`, or 80 bytes and the number of triangles".to_owned();
             return Err(LoadError::UnexpectedEnd { place: place(bytes.len()), expected });
@@ -108,7 +108,7 @@ impl Reader<'_> {
                 progress::at(i);
             }
             let at = HEADER + i * TRIANGLE;
-            let within = |offset: usize| Place::byte(path, at + offset);
+            let within = |offset: usize| FilePlace::byte(path, at + offset);
             let numbers =
                 record.as_chunks::<4>().0.iter().map(|&b| f64::from(f32::from_le_bytes(b)));
             let mut corners = [[0.0; 3]; 3];
@@ -166,7 +166,7 @@ impl Reader<'_> {
         keyword(words, "endloop")?;
         keyword(words, "endfacet")?;
         let path = self.path;
-        self.add(corners, || Place::line(path, line))
+        self.add(corners, || FilePlace::line(path, line))
     }
 }
 

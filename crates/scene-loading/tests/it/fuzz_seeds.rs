@@ -17,7 +17,7 @@ use scene_loading::stl::parse_stl;
 use scene_loading::tessellate::triangulate;
 use scene_loading::tray_racing::parse_tray_racing;
 use scene_loading::triangle_soup::parse_triangle_soup;
-use scene_loading::{LoadError, Place, Scene};
+use scene_loading::{FilePlace, LoadError, Scene};
 
 /// The inputs of a target.
 fn seeds(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
@@ -115,7 +115,7 @@ fn pbrt() {
         let parse = |path: &Path, bytes: Vec<u8>| match parse_pbrt(path, bytes, triangulate) {
             // of a file that another names
             Err(LoadError::Io { .. }) => {
-                Err(LoadError::NoPrimitives { place: Place::file(path), expected: "file" })
+                Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected: "file" })
             }
             other => other,
         };

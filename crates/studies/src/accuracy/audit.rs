@@ -8,7 +8,7 @@
 //!   from several seeds, lies farther from it than both errors together explain.
 
 use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::pareto::{self, Place};
+use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{SceneOutcome, Standing};
 
 /// How much farther than its scatter and the reference's own error a variant may lie from the
@@ -18,8 +18,8 @@ const TOLERATED: f64 = 3.0;
 /// The faults of an outcome, in words.
 pub fn faults(outcome: &SceneOutcome) -> Vec<String> {
     let mut faults = Vec::new();
-    let places: Vec<Place> =
-        outcome.rows.iter().map(|row| Place::of(row, outcome.reference_error)).collect();
+    let places: Vec<FrontPoint> =
+        outcome.rows.iter().map(|row| FrontPoint::of(row, outcome.reference_error)).collect();
     let standings: Vec<Standing> = outcome.rows.iter().map(|row| row.standing).collect();
     faults.extend(pareto::fault(&places, &standings));
     for row in outcome.rows.iter().filter(|row| row.is_reference) {

@@ -75,7 +75,7 @@ pub static AXES: &[&Axis] = &[
     &axes::triangle_test::AXIS,
     &axes::box_test::AXIS,
     &axes::cell_insertion::AXIS,
-    &axes::voxel_walk::AXIS,
+    &axes::voxel_traversal::AXIS,
     &axes::sphere_test::AXIS,
     &axes::ray_offset::AXIS,
     &axes::smallest_offset::AXIS,

@@ -1,4 +1,4 @@
-//! One row an axis, scene and variant.
+//! One row per axis, scene and variant.
 
 use csv::Writer;
 

@@ -1,6 +1,6 @@
 //! What accuracy costs in time: the plan of `rtbench accuracy`.
 //!
-//! An [`axis::Axis`] is one way to be more or less accurate: a test of triangles, a walk, a number of
+//! An [`axis::Axis`] is one way to be more or less accurate: a test of triangles, a traversal, a number of
 //! samples. It has variants, which are settings of the product and reachable without this command
 //! as well, a metric of their errors, and a reference. On each scene an axis says what each variant
 //! gets wrong, by an oracle of its own ([`axes`]), and what is to be timed; [`timing`] times all

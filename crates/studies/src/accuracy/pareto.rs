@@ -8,15 +8,15 @@ use statistics::estimate::Estimate;
 
 /// Time and error of a variant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct FrontPoint {
     /// Time over that of the cheapest.
     pub time: Estimate,
     /// Error.
     pub error: f64,
 }
 
-impl Place {
-    /// Of a row. An error below that of the reference is not told from the reference's.
+impl FrontPoint {
+    /// Of a row. An error below that of the reference is statistically indistinguishable from it.
     pub fn of(row: &VariantRecord, reference_error: f64) -> Self {
         let error = row.error.value();
         let error = if row.is_below_reference { reference_error } else { error };
@@ -36,8 +36,8 @@ impl Place {
 }
 
 /// Where each stands.
-pub fn standings(places: &[Place]) -> Vec<Standing> {
-    let of = |place: &Place| {
+pub fn standings(places: &[FrontPoint]) -> Vec<Standing> {
+    let of = |place: &FrontPoint| {
         let mut by = places.iter().filter(|other| other.dominates(place)).peekable();
         if by.peek().is_none() {
             return Standing::OnFront;
@@ -52,7 +52,7 @@ pub fn standings(places: &[Place]) -> Vec<Standing> {
 
 /// Whether a front is one: none of its members is beaten, and what is not on it is. The fault in
 /// words otherwise. (By sorting, not by [`standings`].)
-pub fn fault(places: &[Place], standings: &[Standing]) -> Option<String> {
+pub fn fault(places: &[FrontPoint], standings: &[Standing]) -> Option<String> {
     let mut order: Vec<usize> = (0..places.len()).collect();
     let key = |i: usize| places.get(i).map_or((f64::NAN, f64::NAN), |p| (p.time.median, p.error));
     order.sort_by(|&a, &b| {
@@ -79,9 +79,9 @@ pub fn fault(places: &[Place], standings: &[Standing]) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn place(time: f64, spread: f64, error: f64) -> Place {
+    fn place(time: f64, spread: f64, error: f64) -> FrontPoint {
         let time = Estimate { median: time, low: time - spread, high: time + spread };
-        Place { time, error }
+        FrontPoint { time, error }
     }
 
     #[test]

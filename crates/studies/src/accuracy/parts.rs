@@ -12,12 +12,12 @@ use statistics::series::{Series, geometric_mean_of};
 use crate::accuracy::record::{AxisRecord, SceneOutcome, VariantRecord};
 
 /// The part of rays that no kind stands for; see `axes/right_work.rs`.
-pub const LEAVING: &str = "leaving surfaces";
+pub const OFFSET_RAYS: &str = "leaving surfaces";
 
 /// A name that table heads can have.
 fn head(part: &str) -> &'static str {
     let kind = RayKind::ALL.into_iter().map(RayKind::name).find(|name| *name == part);
-    kind.unwrap_or(if part == LEAVING { LEAVING } else { "other" })
+    kind.unwrap_or(if part == OFFSET_RAYS { OFFSET_RAYS } else { "other" })
 }
 
 /// The parts of an outcome's variants, in order.

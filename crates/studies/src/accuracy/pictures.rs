@@ -11,7 +11,7 @@ use renderer::ray_offset::OffsetRule;
 use renderer::{Geometry, Image, RaySettings, render};
 use scene_loading::{Camera, Light, Material, Scene};
 
-use crate::accuracy::axes::voxel_walk::LatticeRay;
+use crate::accuracy::axes::voxel_traversal::LatticeRay;
 use crate::error::{StudyError, UnsavedImage};
 use crate::verify::meshes::icosphere;
 use measurement::plan::rows::Row;
@@ -40,7 +40,7 @@ const PICTURES: [Picture; 4] = [
     Picture {
         file: "missed-cell.png",
         caption: "Missed cells: of rays through 1024^3 cells, a row each, the cells they pierce in \
-                  their order; those that the walk passes by, red: accumulated, and recomputed in f64.",
+                  their order; those that the traversal passes by, red: accumulated, and recomputed in f64.",
         make: missed_cells,
     },
     Picture {
@@ -217,10 +217,10 @@ fn missed_cells(_: &[Entry]) -> Result<Image, StudyError> {
             break;
         }
     }
-    let half = |walk: &str| {
+    let half = |traversal: &str| {
         let mut pixels = Vec::new();
         for ray in &rays {
-            let mut visited = ray.visited(walk);
+            let mut visited = ray.visited(traversal);
             visited.sort_unstable();
             let mut row: Vec<[f64; 3]> = vec![[0.95; 3]; SIZE as usize];
             let mut pierced = ray.pierced();

@@ -1,7 +1,7 @@
 //! Images with samples: their errors, and the reference they are held against.
 //!
 //! The reference is the mean of two images of many samples with different seeds; its own error is
-//! half the distance between the two. Errors that are not ten times that are not told from it.
+//! half the distance between the two. Errors that are not ten times that are indistinguishable from it.
 
 use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
@@ -24,7 +24,7 @@ const SEEDS: u64 = 8;
 
 /// How an experiment samples.
 #[derive(Debug, Clone, Copy)]
-pub struct Plan {
+pub struct SamplingPlan {
     /// Pixels of the image, an axis.
     pub size: u32,
     /// Samples of the variants.
@@ -33,7 +33,7 @@ pub struct Plan {
     pub reference: u32,
 }
 
-impl Plan {
+impl SamplingPlan {
     /// Of a full run, or of a quick one.
     pub fn new(quick: bool) -> Self {
         match quick {
@@ -107,7 +107,7 @@ impl Sampled<'_> {
     /// # Errors
     /// [`StudyError`] for more samples than fit, or threads that cannot be started.
     pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<Judged<'s>, StudyError> {
-        let mut plan = Plan::new(stage.quick);
+        let mut plan = SamplingPlan::new(stage.quick);
         let seeds = if stage.only_times { 1 } else { SEEDS };
         if stage.only_times {
             plan.reference = 1;

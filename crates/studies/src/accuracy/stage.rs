@@ -6,7 +6,7 @@ use accel_core::occluders;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, Shape};
+use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::Entry;
 use accel_core::{Hit, Ray, Scalar};
 use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
@@ -102,8 +102,8 @@ impl Built<'_> {
     }
 
     /// What was built.
-    pub fn shape(&self) -> Shape {
-        self.tracer.shape()
+    pub fn stats(&self) -> StructureStats {
+        self.tracer.stats()
     }
 }
 
@@ -152,25 +152,25 @@ impl<'a> Stage<'a> {
     }
 
     /// The rays that are timed: of the kinds that `keep` says, evenly thinned.
-    pub fn sheets(&self, most: usize, keep: impl Fn(RayKind) -> bool) -> Sheets<f32> {
-        sheets(&self.prepared.rays, most, keep)
+    pub fn batches(&self, most: usize, keep: impl Fn(RayKind) -> bool) -> Batches<f32> {
+        batches(&self.prepared.rays, most, keep)
     }
 
     /// The rays that are timed, of all kinds.
-    pub fn all_sheets(&self) -> Sheets<f32> {
-        self.sheets(self.timed_rays, |_| true)
+    pub fn all_batches(&self) -> Batches<f32> {
+        self.batches(self.timed_rays, |_| true)
     }
 }
 
 /// Rays by kind.
-pub type Sheets<S> = Vec<(RayKind, Vec<Ray<S>>)>;
+pub type Batches<S> = Vec<(RayKind, Vec<Ray<S>>)>;
 
 /// At most `most` of the rays, evenly thinned, kinds without rays left out.
-pub fn sheets<S: Buildable>(
+pub fn batches<S: Buildable>(
     rays: &RayBatches<S>,
     most: usize,
     keep: impl Fn(RayKind) -> bool,
-) -> Sheets<S> {
+) -> Batches<S> {
     let kinds = || RayKind::ALL.into_iter().filter(|kind| keep(*kind));
     let all: usize = kinds().map(|kind| rays.rays(kind).len()).sum();
     let stride = all.div_ceil(most.max(1)).max(1);
@@ -180,24 +180,24 @@ pub fn sheets<S: Buildable>(
 }
 
 /// How many rays there are.
-pub fn count<S: Scalar>(sheets: &Sheets<S>) -> usize {
-    sheets.iter().map(|(_, rays)| rays.len()).sum()
+pub fn count<S: Scalar>(batches: &Batches<S>) -> usize {
+    batches.iter().map(|(_, rays)| rays.len()).sum()
 }
 
 /// Answers of one structure to rays.
 pub struct Replay<'a, S: Scalar> {
     tracer: &'a dyn Tracer<S>,
-    sheets: &'a Sheets<S>,
+    batches: &'a Batches<S>,
     is_by_kind: bool,
-    /// One a sheet.
+    /// One per batch.
     pub answers: Vec<Answers<S>>,
 }
 
 impl<'a, S: Buildable> Replay<'a, S> {
     /// Answers all rays once.
-    pub fn new(tracer: &'a dyn Tracer<S>, sheets: &'a Sheets<S>) -> Self {
-        let answers = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
-        let mut replay = Self { tracer, sheets, is_by_kind: false, answers };
+    pub fn new(tracer: &'a dyn Tracer<S>, batches: &'a Batches<S>) -> Self {
+        let answers = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
+        let mut replay = Self { tracer, batches, is_by_kind: false, answers };
         replay.prepare();
         replay.run();
         replay
@@ -217,7 +217,7 @@ impl<'a, S: Buildable> Replay<'a, S> {
     /// The work of all rays, counted.
     pub fn counted(&self) -> WorkCounters {
         let mut total = WorkCounters::default();
-        for (kind, rays) in self.sheets {
+        for (kind, rays) in self.batches {
             total += if kind.is_occlusion() {
                 let mut answers = vec![ShadowCount::default(); rays.len()];
                 self.tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers)
@@ -235,19 +235,19 @@ impl<S: Buildable> Work for Replay<'_, S> {
     }
 
     fn run(&mut self) {
-        for ((_, rays), answers) in self.sheets.iter().zip(&mut self.answers) {
+        for ((_, rays), answers) in self.batches.iter().zip(&mut self.answers) {
             trace(self.tracer, rays, answers);
         }
     }
 
     fn parts(&self) -> Vec<String> {
-        let kinds = self.sheets.iter().filter(|_| self.is_by_kind);
+        let kinds = self.batches.iter().filter(|_| self.is_by_kind);
         kinds.map(|(kind, _)| kind.name().to_owned()).collect()
     }
 
     fn run_part(&mut self, part: usize) {
         if let (Some((_, rays)), Some(answers)) =
-            (self.sheets.get(part), self.answers.get_mut(part))
+            (self.batches.get(part), self.answers.get_mut(part))
         {
             trace(self.tracer, rays, answers);
         }

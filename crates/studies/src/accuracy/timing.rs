@@ -2,7 +2,7 @@
 
 use crate::accuracy::audit;
 use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::pareto::{self, Place};
+use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{PartTime, SceneOutcome, Standing, VariantRecord};
 use crate::accuracy::stage::Stage;
 use crate::accuracy::work::Work;
@@ -195,7 +195,8 @@ pub fn figure(outcome: &mut SceneOutcome, seed: u64) {
         }
     }
     let reference_error = outcome.reference_error;
-    let places: Vec<Place> = rows.iter().map(|row| Place::of(row, reference_error)).collect();
+    let places: Vec<FrontPoint> =
+        rows.iter().map(|row| FrontPoint::of(row, reference_error)).collect();
     for (row, standing) in rows.iter_mut().zip(pareto::standings(&places)) {
         row.standing = standing;
     }

@@ -88,7 +88,7 @@ impl LaneFrame {
 }
 
 impl Totals {
-    /// Frames a second.
+    /// Frames per second.
     pub fn frames_per_second(&self, seed: u64) -> Option<Estimate> {
         let both = self.update_s.iter().zip(&self.trace_s).map(|(a, b)| 1.0 / (a + b));
         estimate(&both.collect::<Vec<_>>(), seed)
@@ -126,7 +126,7 @@ mod tests {
             trace_s: vec![ray * 1000.0; 3],
             rays: 1000.0,
         };
-        // 10 ms and 2 us a ray against 1 ms and 5 us: at 3000 rays
+        // 10 ms and 2 us per ray against 1 ms and 5 us: at 3000 rays
         let (bvh, grid) = (totals([0.010; 3], 2e-6), totals([0.001; 3], 5e-6));
         let even = bvh.break_even(&grid, 1).unwrap();
         assert!((even.median - 3000.0).abs() < 1e-6, "{even:?}");

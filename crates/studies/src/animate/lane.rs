@@ -39,7 +39,7 @@ pub struct Lane<'p> {
     pool: &'p ThreadPool,
     /// The structures of the frame before, one a round; none where it is built anew in any case.
     kept: Vec<Option<Kept>>,
-    /// Every how many-th ray is timed; none before the first look.
+    /// Stride of the rays that are timed; none before the first look.
     stride: Option<usize>,
     /// What is known of it.
     pub record: LaneRecord,
@@ -110,7 +110,7 @@ impl<'p> Lane<'p> {
                 updated: 0,
                 update_s: Vec::new(),
                 trace_s: Vec::new(),
-                bytes: tracer.shape().bytes,
+                bytes: tracer.stats().bytes,
                 work: None,
                 expected_cost: quality.map(|q| q.expected_cost),
                 overlap: quality.and_then(|q| q.overlap),
@@ -188,7 +188,7 @@ impl<'p> Lane<'p> {
     }
 }
 
-/// Every how many-th ray to time, by what few rays take.
+/// Stride of the rays to time, by what few rays take.
 fn first_look<S: Buildable>(
     built: &Built<'_, S>,
     on: &OnFrame<'_, '_, S>,

@@ -55,7 +55,7 @@ const QUANTITIES: [Quantity; 4] = [
     },
 ];
 
-/// The rows with the most frames a second, so that curves can be told apart.
+/// The rows with the most frames per second, so that curves can be told apart.
 const MOST_ROWS: usize = 8;
 
 /// The panels, of one thread.
@@ -72,7 +72,7 @@ pub fn to_svg(run: &AnimationRecord) -> String {
     let subtitle = match left_out {
         0 => "medians with 95% intervals; one thread".to_owned(),
         n => format!(
-            "medians with 95% intervals; one thread; the {MOST_ROWS} rows with the most frames a second of {}",
+            "medians with 95% intervals; one thread; the {MOST_ROWS} rows with the most frames per second of {}",
             n + MOST_ROWS
         ),
     };

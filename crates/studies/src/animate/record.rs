@@ -69,7 +69,7 @@ pub struct LaneRecord {
     pub mismatches: u64,
     /// The first of them.
     pub example: Option<String>,
-    /// Every how many-th ray was timed.
+    /// Stride of the rays that were timed.
     pub stride: usize,
     /// The frames.
     pub frames: Vec<LaneFrame>,

@@ -1,4 +1,4 @@
-//! Tables of an animation: one a number of threads, rows with the most frames a second first.
+//! Tables of an animation: one per number of threads, rows with the most frames per second first.
 
 use measurement::record::Verdict;
 use presentation::markdown::{escaped, push_table};
@@ -77,7 +77,7 @@ fn title(run: &AnimationRecord, threads: usize) -> String {
         (sum / all.len().max(1) as f64).round()
     };
     format!(
-        "{}, frames {} to {}: {} primitives, {} of them moved from frame to frame on average; {} rays a frame ({}), \
+        "{}, frames {} to {}: {} primitives, {} of them moved from frame to frame on average; {} rays per frame ({}), \
          {threads} thread{}",
         run.scene,
         number(first),
@@ -167,9 +167,9 @@ pub fn to_markdown(run: &AnimationRecord) -> String {
 pub const GLOSSARY: &[&str] = &[
     "frames/s: frames after the first one over the time of their updates and rays, the median of the rounds with \
      its 95% interval; a round is a structure of its own, taken from frame to frame. worst: the slowest of these \
-     frames, and which. update, trace: milliseconds a frame. updated: how many of the updates were no builds. \
+     frames, and which. update, trace: milliseconds per frame. updated: how many of the updates were no builds. \
      Loading a frame, finding out what moved, and checking are not timed.",
-    "MiB: the most in any frame. N_IT, N_TS: tests and steps a ray. cost: cells that a random line meets, and \
+    "MiB: the most in any frame. N_IT, N_TS: tests and steps per ray. cost: cells that a random line meets, and \
      primitives in them (surface-area heuristic), the mean of the frames; cost x: that of the last frame over that \
      of the first. overlap: cost of the cells around a point of the scene's surface that do not hold it (end-point \
      overlap), of random points.",

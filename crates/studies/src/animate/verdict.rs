@@ -1,4 +1,4 @@
-//! Which row to take: the most frames a second, and by how many rays a frame has.
+//! Which row to take: the most frames per second, and by how many rays per frame has.
 
 use presentation::numbers;
 use statistics::estimate::Estimate;
@@ -25,7 +25,7 @@ pub fn lines(run: &AnimationRecord, threads: usize) -> Vec<String> {
     let Some((best, rate)) = best else { return Vec::new() };
     let threads_of = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
     let mut lines = vec![format!(
-        "With {threads_of}, {} has the most frames a second: {} at {} rays a frame.",
+        "With {threads_of}, {} has the most frames per second: {} at {} rays per frame.",
         best.0.label(),
         interval(&rate),
         best.1.rays.round()
@@ -44,7 +44,7 @@ fn interval(of: &Estimate) -> String {
 /// Rays a frame that are looked at: from few to those of a large image with many bounces.
 const RAYS: [f64; 2] = [1.0, 1e9];
 
-/// Which row is the fastest for how many rays a frame. Rows that put a part of their build off until rays come are
+/// Which row is the fastest for how many rays per frame. Rows that put a part of their build off until rays come are
 /// left out: what a ray takes of theirs says nothing of fewer rays.
 fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
     let is_line = |(lane, _): &&Timed<'_>| !lane.settings.contains("build=lazy");
@@ -77,11 +77,11 @@ fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
         true => format!("{} for any number", current.0.label()),
         false => format!("{} beyond", current.0.label()),
     });
-    Some(format!("The fastest by rays a frame: {}.", parts.join(", ")))
+    Some(format!("The fastest by rays per frame: {}.", parts.join(", ")))
 }
 
 /// Where a grid that is built anew and a BVH that is refitted break even: of the grids the one with the most
-/// frames a second, and so of the BVHs.
+/// frames per second, and so of the BVHs.
 fn grid_and_bvh(run: &AnimationRecord, rows: &[Timed<'_>]) -> Option<String> {
     let best = |is: &dyn Fn(&LaneRecord) -> bool| {
         let own = rows.iter().filter(|(lane, _)| is(lane));

@@ -20,7 +20,7 @@ use measurement::rounds::interleaved::timed;
 use measurement::system::clock::Clock;
 use statistics::estimate::median;
 
-use model::{Model, Work};
+use model::{CountedWork, Model};
 
 /// Pixels of the image that work is counted on, an axis.
 const PROBE: u32 = 64;
@@ -36,7 +36,7 @@ pub struct Traced<'t> {
     /// The structure.
     pub tracer: &'t dyn Tracer<f32>,
     /// Seconds a test.
-    pub seconds_a_test: f64,
+    pub seconds_per_test: f64,
 }
 
 /// A factor of the product, with all factors before it.
@@ -115,17 +115,17 @@ fn tree(plan: &EffectPlan, depth: u32) -> f64 {
 }
 
 /// The work of an image: counted on one of few pixels, scaled to its own.
-pub fn counted(scene: &Scene, traced: Traced<'_>, plan: &EffectPlan) -> Work {
+pub fn counted(scene: &Scene, traced: Traced<'_>, plan: &EffectPlan) -> CountedWork {
     let [width, height] = plan.settings().resolution;
     let probe = [width, height].map(|n| n.min(PROBE));
     let counter = Counted::new(traced.tracer);
     let counts = render_plan(scene, &counter, &plan.clone().at(probe)).counts;
     let total = counter.total();
-    let work = Work {
+    let work = CountedWork {
         rays: counts.total() as f64,
         tests: total.intersection_tests as f64,
         steps: total.traversal_steps as f64,
-        seconds_a_test: traced.seconds_a_test,
+        seconds_per_test: traced.seconds_per_test,
     };
     let pixels = |[w, h]: [u32; 2]| f64::from(w) * f64::from(h);
     work.times(pixels([width, height]) / pixels(probe))
@@ -162,7 +162,7 @@ pub struct CostRow {
     /// The same in words.
     pub says: String,
     /// What was counted, all factors so far together.
-    pub work: Work,
+    pub work: CountedWork,
     /// Seconds that the model predicts.
     pub predicted: f64,
     /// Seconds that were measured.
@@ -230,7 +230,7 @@ mod tests {
             name,
             nominal: 1.0,
             says: String::new(),
-            work: Work::default(),
+            work: CountedWork::default(),
             predicted,
             measured,
             grew: growth[1],

@@ -8,7 +8,7 @@
 
 /// What an image took.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Work {
+pub struct CountedWork {
     /// Rays of all kinds.
     pub rays: f64,
     /// Traversal steps.
@@ -16,10 +16,10 @@ pub struct Work {
     /// Ray-primitive intersection tests.
     pub tests: f64,
     /// Seconds that such a test takes.
-    pub seconds_a_test: f64,
+    pub seconds_per_test: f64,
 }
 
-impl Work {
+impl CountedWork {
     /// The same on so many times the pixels.
     pub fn times(self, factor: f64) -> Self {
         let (rays, steps) = (self.rays * factor, self.steps * factor);
@@ -37,8 +37,8 @@ pub struct Model {
 impl Model {
     /// The model that fits the measured seconds best; `None` when there is nothing to fit, or a
     /// measurement is not above 0.
-    pub fn fitted(measured: &[(Work, f64)]) -> Option<Self> {
-        let is_bad = |&(_, seconds): &(Work, f64)| !(seconds.is_finite() && seconds > 0.0);
+    pub fn fitted(measured: &[(CountedWork, f64)]) -> Option<Self> {
+        let is_bad = |&(_, seconds): &(CountedWork, f64)| !(seconds.is_finite() && seconds > 0.0);
         if measured.is_empty() || measured.iter().any(is_bad) {
             return None;
         }
@@ -46,7 +46,7 @@ impl Model {
         let rows: Vec<[f64; 3]> = measured
             .iter()
             .map(|(work, seconds)| {
-                let left = 1.0 - work.tests * work.seconds_a_test / seconds;
+                let left = 1.0 - work.tests * work.seconds_per_test / seconds;
                 [work.rays / seconds, work.steps / seconds, left]
             })
             .collect();
@@ -68,8 +68,8 @@ impl Model {
     }
 
     /// Predicted seconds.
-    pub fn seconds(&self, work: Work) -> f64 {
-        self.ray * work.rays + self.step * work.steps + work.tests * work.seconds_a_test
+    pub fn seconds(&self, work: CountedWork) -> f64 {
+        self.ray * work.rays + self.step * work.steps + work.tests * work.seconds_per_test
     }
 
     /// Seconds a ray and a step.
@@ -82,11 +82,11 @@ impl Model {
 mod tests {
     use super::*;
 
-    fn work(rays: f64, steps: f64, tests: f64) -> Work {
-        Work { rays, steps, tests, seconds_a_test: 2e-8 }
+    fn work(rays: f64, steps: f64, tests: f64) -> CountedWork {
+        CountedWork { rays, steps, tests, seconds_per_test: 2e-8 }
     }
 
-    fn measured(ray: f64, step: f64) -> Vec<(Work, f64)> {
+    fn measured(ray: f64, step: f64) -> Vec<(CountedWork, f64)> {
         let model = Model { ray, step };
         [work(1e4, 9e4, 2e4), work(3e4, 2e5, 9e4), work(2e4, 9e5, 1e5)]
             .map(|work| (work, model.seconds(work)))
@@ -120,7 +120,7 @@ mod tests {
             );
         }
         // one measurement is enough for one time
-        let alone = Work { rays: 10.0, ..Work::default() };
+        let alone = CountedWork { rays: 10.0, ..CountedWork::default() };
         assert!((Model::fitted(&[(alone, 5.0)]).unwrap().seconds(alone) - 5.0).abs() < 1e-9);
     }
 }

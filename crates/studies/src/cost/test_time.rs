@@ -18,7 +18,7 @@ const TESTS: usize = 4096;
 const PASSES: usize = 7;
 
 /// Seconds a test, on average.
-pub fn seconds_a_test(prims: PrimsRef<'_, f32>, clock: &dyn Clock) -> f64 {
+pub fn seconds_per_test(prims: PrimsRef<'_, f32>, clock: &dyn Clock) -> f64 {
     match prims {
         PrimsRef::Watertight(p) => of(p, clock),
         PrimsRef::Mixed(p) if p.has_motion() => of(p.in_motion(), clock),

@@ -1,4 +1,4 @@
-//! An explanation as CSV: one row a scene, kind of ray and row or factor.
+//! An explanation as CSV: one row per scene, kind of ray and row or factor.
 
 use crate::explain::table::rays_of;
 use crate::explain::{Explain, Explanation};

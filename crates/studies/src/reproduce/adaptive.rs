@@ -53,10 +53,10 @@ fn count_over<P: PrimSet<f64>>(
         for ray in scene.rays.rays(kind).iter().filter(|ray| ray.is_traceable()) {
             if kind.is_occlusion() {
                 let mut sink = HistoricalShadow::<f64, _, NoCounters>::new(prims, ray);
-                grid.walk_with(ray, &mut sink, || nodes_entered += 1);
+                grid.traverse_with(ray, &mut sink, || nodes_entered += 1);
             } else {
                 let mut sink = ClosestHit::<f64, _, NoCounters>::new(prims, ray);
-                grid.walk_with(ray, &mut sink, || nodes_entered += 1);
+                grid.traverse_with(ray, &mut sink, || nodes_entered += 1);
             }
         }
     }
@@ -87,12 +87,12 @@ mod tests {
             let (params, counters) = published.iter().find(|p| p.0 == "f=1.5 m=0.5 o=-").unwrap();
             let entry = registered("adaptive-grid").unwrap();
             let params = entry.params(settings(params).unwrap()).unwrap();
-            let shape = entry.build(geometry.prims(), &params).unwrap().shape();
+            let stats = entry.build(geometry.prims(), &params).unwrap().stats();
             for (counter, ours) in [
-                ("N_IN", shape.inner_cells),
-                ("N_V", shape.cells),
-                ("N_EV", shape.empty_cells),
-                ("N_OIV", shape.references),
+                ("N_IN", stats.inner_cells),
+                ("N_V", stats.cells),
+                ("N_EV", stats.empty_cells),
+                ("N_OIV", stats.references),
             ] {
                 let value: f64 = counters[counter].parse().unwrap();
                 let ratio = ours as f64 / value;

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use accel_core::query::tracer::{ShadowRule, Tracer};
-use accel_core::structure::Shape;
+use accel_core::structure::StructureStats;
 use renderer::Geometry;
 
 use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
@@ -27,8 +27,8 @@ pub(super) fn counters(
     setting: &Setting,
 ) -> Result<Counted, ReproduceError> {
     let own = build(&scene.geometry, setting.params, 0)?;
-    let cells = own.shape().cells;
-    let sized = sized_as_published(&scene.geometry, setting, own.shape())?;
+    let cells = own.stats().cells;
+    let sized = sized_as_published(&scene.geometry, setting, own.stats())?;
     let work = scene.count(sized.unwrap_or(own).as_ref(), ShadowRule::Historical);
     let mut counters = grid_counters(scene, &work);
     for (name, value) in &mut counters {
@@ -60,7 +60,7 @@ fn build<'g>(
 fn sized_as_published<'g>(
     geometry: &'g Geometry<f64>,
     setting: &Setting,
-    own: Shape,
+    own: StructureStats,
 ) -> Result<Option<Built<'g>>, ReproduceError> {
     let published = |name| setting.figures.get(name).and_then(|text| text.parse::<u64>().ok());
     let (Some(1), Some(cells)) = (published("N_IN"), published("N_V")) else { return Ok(None) };
@@ -71,7 +71,7 @@ fn sized_as_published<'g>(
     while few + 1 < enough {
         let n = few.midpoint(enough);
         let grid = build(geometry, setting.params, n)?;
-        match grid.shape().cells.cmp(&cells) {
+        match grid.stats().cells.cmp(&cells) {
             Ordering::Less => few = n,
             Ordering::Equal => return Ok(Some(grid)),
             Ordering::Greater => enough = n,
@@ -95,9 +95,9 @@ mod tests {
             let (params, counters) = published.iter().find(|p| p.0 == "HNG=2 HCN=0").unwrap();
             let entry = registered("hug").unwrap();
             let params = entry.params(settings(params).unwrap()).unwrap();
-            let shape = entry.build(geometry.prims(), &params).unwrap().shape();
-            assert_eq!(shape.inner_cells.to_string(), counters["N_IN"], "{name}");
-            assert_eq!(shape.cells.to_string(), counters["N_V"], "{name}");
+            let stats = entry.build(geometry.prims(), &params).unwrap().stats();
+            assert_eq!(stats.inner_cells.to_string(), counters["N_IN"], "{name}");
+            assert_eq!(stats.cells.to_string(), counters["N_V"], "{name}");
         }
         assert!(settings("HNG=2 X=3").is_err());
     }
@@ -115,10 +115,10 @@ mod tests {
             let (_, counters) = published.into_iter().find(|p| p.0 == params).unwrap();
             let setting = Setting { structure: "hug", params, scene: name, figures: counters };
             let own = build(&geometry, params, 0).unwrap();
-            let grid = sized_as_published(&geometry, &setting, own.shape()).unwrap().unwrap();
-            assert_eq!(grid.shape().cells.to_string(), setting.figures["N_V"], "{name} {params}");
+            let grid = sized_as_published(&geometry, &setting, own.stats()).unwrap().unwrap();
+            assert_eq!(grid.stats().cells.to_string(), setting.figures["N_V"], "{name} {params}");
             for (counter, ours) in
-                [("N_EV", grid.shape().empty_cells), ("N_OIV", grid.shape().references)]
+                [("N_EV", grid.stats().empty_cells), ("N_OIV", grid.stats().references)]
             {
                 let value: f64 = setting.figures[counter].parse().unwrap();
                 let off = (ours as f64 - value).abs();

@@ -16,7 +16,7 @@ static TABLES: &str = include_str!("../../published/zachmann2007_tables.csv");
 /// The lecture's scenes.
 pub const SCENES: [&str; 7] = ["balls", "gears", "mount", "rings", "teapot", "tetra", "tree"];
 
-/// The lecture's structures and what we put beside them; the first is what ratios are taken to.
+/// The structures of Zachmann 2007 and what we put beside them; the first is the reference.
 pub const STRUCTURES: [(&str, &str); 5] = [
     ("uniform D=1.0", "uniform-grid:resolution=heterogeneous:density=1"),
     ("uniform D=20.0", "uniform-grid:resolution=heterogeneous:density=20"),

@@ -27,7 +27,7 @@ use verdict::{Verdict, judge};
 
 /// One figure, published and ours.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Row {
+pub struct ReproducedRow {
     /// Scene.
     pub scene: String,
     /// Structure as published.
@@ -64,7 +64,7 @@ pub fn reproduce_scene(
     scene: &str,
     structures: &[&str],
     figures: &[Figure],
-) -> Result<Vec<Row>, ReproduceError> {
+) -> Result<Vec<ReproducedRow>, ReproduceError> {
     let published = PublishedScene::new(scene)?;
     let mut tasks = Vec::new();
     for (structure, count) in STRUCTURES.iter().filter(|(name, _)| structures.contains(name)) {
@@ -98,14 +98,14 @@ struct Task<'f> {
 
 impl Task<'_> {
     /// Puts our counters beside the published ones; what is repeated is judged as what it repeats.
-    fn compare(&self, ours: &Counted) -> Vec<Row> {
+    fn compare(&self, ours: &Counted) -> Vec<ReproducedRow> {
         let shown = self.shown_as.as_ref().unwrap_or(&self.of);
         ours.iter()
             .filter_map(|&(counter, ours)| {
                 let text = shown.figures.get(counter)?;
                 let value: f64 = text.parse().unwrap_or(f64::NAN);
                 let Setting { structure, params, scene, .. } = self.of;
-                Some(Row {
+                Some(ReproducedRow {
                     scene: scene.to_owned(),
                     structure: shown.structure.to_owned(),
                     params: shown.params.to_owned(),

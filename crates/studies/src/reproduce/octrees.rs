@@ -15,7 +15,7 @@ use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
 use super::setting::{
-    Counted, PublishedScene, ReproduceError, Setting, Work, grid_counters, registered,
+    Counted, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
 };
 
 /// The columns, as named in the table.
@@ -46,7 +46,7 @@ pub(super) fn counters(
 }
 
 /// Visits of leaves that hold primitives but end no ray: every ray that is ended is so in one leaf.
-fn counted_twice(work: &Work) -> u64 {
+fn counted_twice(work: &SceneWork) -> u64 {
     let full = work.counters.elementary_steps - work.counters.empty_elementary_steps;
     full.saturating_sub(work.primary_hits + work.secondary_hits + work.blocked)
 }
@@ -92,12 +92,12 @@ mod tests {
             let columns = table(&figures, "Octree84-C", scene);
             assert_eq!(columns.len(), 4);
             for (params, counters) in columns {
-                let shape = build(&geometry, "Octree84-C", params).unwrap().shape();
+                let stats = build(&geometry, "Octree84-C", params).unwrap().stats();
                 let ours = [
-                    ("N_IN", shape.inner_cells),
-                    ("N_V", shape.cells),
-                    ("N_EV", shape.empty_cells),
-                    ("N_OIV", shape.references),
+                    ("N_IN", stats.inner_cells),
+                    ("N_V", stats.cells),
+                    ("N_EV", stats.empty_cells),
+                    ("N_OIV", stats.references),
                 ];
                 for (counter, value) in ours {
                     assert_eq!(value.to_string(), counters[counter], "{scene} {params} {counter}");

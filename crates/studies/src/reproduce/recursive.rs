@@ -53,12 +53,12 @@ mod tests {
             let settings = table(&figures, "recursive", scene);
             assert_eq!(settings.len(), 4, "{scene}");
             for (params, published) in settings {
-                let shape = build(&geometry, params).unwrap().shape();
+                let stats = build(&geometry, params).unwrap().stats();
                 let ours = [
-                    ("N_IN", shape.inner_cells),
-                    ("N_V", shape.cells),
-                    ("N_EV", shape.empty_cells),
-                    ("N_OIV", shape.references),
+                    ("N_IN", stats.inner_cells),
+                    ("N_V", stats.cells),
+                    ("N_EV", stats.empty_cells),
+                    ("N_OIV", stats.references),
                 ];
                 for (counter, ours) in ours {
                     let text = published[counter];

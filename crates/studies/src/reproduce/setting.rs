@@ -6,7 +6,7 @@ use accel_core::Hit;
 use accel_core::params::ParamError;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
-use accel_core::structure::{BuildError, Shape};
+use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::{Entry, find};
 use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;
@@ -90,8 +90,8 @@ pub struct PublishedScene {
 }
 
 /// What a structure did for all rays of a scene.
-pub(crate) struct Work {
-    pub(crate) shape: Shape,
+pub(crate) struct SceneWork {
+    pub(crate) stats: StructureStats,
     pub(crate) counters: WorkCounters,
     /// Primary, secondary: hits.
     pub(super) primary_hits: u64,
@@ -125,7 +125,7 @@ impl PublishedScene {
     }
 
     /// Counts what `tracer` does for all rays, shadow rays by this rule.
-    pub(crate) fn count(&self, tracer: &dyn Tracer<f64>, rule: ShadowRule) -> Work {
+    pub(crate) fn count(&self, tracer: &dyn Tracer<f64>, rule: ShadowRule) -> SceneWork {
         let mut counters = WorkCounters::default();
         let mut hits_of = |kinds: &[RayKind]| {
             let mut found = 0;
@@ -145,11 +145,18 @@ impl PublishedScene {
         let shadow_hits =
             answers.iter().map(|a| if a.blocked { 1 } else { u64::from(a.glass) }).sum();
         let blocked = answers.iter().filter(|a| a.blocked).count() as u64;
-        Work { shape: tracer.shape(), counters, primary_hits, secondary_hits, shadow_hits, blocked }
+        SceneWork {
+            stats: tracer.stats(),
+            counters,
+            primary_hits,
+            secondary_hits,
+            shadow_hits,
+            blocked,
+        }
     }
 
     /// The figures that no structure changes.
-    pub(super) fn invariants(&self, work: &Work) -> Counted {
+    pub(super) fn invariants(&self, work: &SceneWork) -> Counted {
         let of = |kind| self.rays.rays(kind).len() as u64;
         let secondary =
             of(RayKind::Reflected) + of(RayKind::Refracted) + self.rays.total_internal_reflections;
@@ -176,13 +183,13 @@ pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, Reproduce
 }
 
 /// The counters of a grid in the paper's symbols; those of rays per ray.
-pub(crate) fn grid_counters(scene: &PublishedScene, work: &Work) -> Counted {
+pub(crate) fn grid_counters(scene: &PublishedScene, work: &SceneWork) -> Counted {
     let per_ray = |n: u64| n as f64 / scene.all_rays() as f64;
     vec![
-        ("N_IN", work.shape.inner_cells as f64),
-        ("N_V", work.shape.cells as f64),
-        ("N_EV", work.shape.empty_cells as f64),
-        ("N_OIV", work.shape.references as f64),
+        ("N_IN", work.stats.inner_cells as f64),
+        ("N_V", work.stats.cells as f64),
+        ("N_EV", work.stats.empty_cells as f64),
+        ("N_OIV", work.stats.references as f64),
         ("N_IT", per_ray(work.counters.intersection_tests)),
         ("N_TS", per_ray(work.counters.traversal_steps)),
         ("N_ETS", per_ray(work.counters.elementary_steps)),

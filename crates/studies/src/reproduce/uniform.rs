@@ -4,14 +4,14 @@
 use accel_core::query::tracer::ShadowRule;
 
 use super::setting::{
-    Counted, PublishedScene, ReproduceError, Setting, Work, grid_counters, registered,
+    Counted, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
 };
 
 /// Builds the grid at the published resolution and counts.
 pub(super) fn count(
     scene: &PublishedScene,
     resolution: Option<&str>,
-) -> Result<Work, ReproduceError> {
+) -> Result<SceneWork, ReproduceError> {
     let entry = registered("uniform-grid")?;
     let settings = [
         ("resolution", resolution.unwrap_or("heterogeneous")),

@@ -1,7 +1,7 @@
 //! The columns of a run's results: one line each, from which tables and CSV come.
 
 use measurement::record::{
-    Answered, Outliers, RowRecord, SceneRecord, ShapeRecord, Verdict, WorkRecord, reference,
+    Answered, Outliers, RowRecord, SceneRecord, StatsRecord, Verdict, WorkRecord, reference,
 };
 use presentation::column::{Column, Unit, Value};
 use presentation::numbers;
@@ -22,8 +22,8 @@ pub struct RowOf<'a> {
 }
 
 impl RowOf<'_> {
-    fn shape(&self, read: fn(&ShapeRecord) -> Option<u64>) -> Value {
-        Value::of(self.row.shape.as_ref().and_then(read), Value::Count)
+    fn stats(&self, read: fn(&StatsRecord) -> Option<u64>) -> Value {
+        Value::of(self.row.stats.as_ref().and_then(read), Value::Count)
     }
 
     /// N_IT, N_TS, N_ETS or N_EETS, by its place.
@@ -62,13 +62,13 @@ pub fn columns<'a>() -> [Column<RowOf<'a>>; 34] {
         c(&["structure"], "", None, |of| Text(of.row.structure.clone())),
         c(&["settings"], "", None, |of| Text(of.row.settings.clone())),
         c(&["resolution"], "", None, |of| {
-            let voxels = of.row.shape.as_ref().and_then(|shape| shape.resolution);
+            let voxels = of.row.stats.as_ref().and_then(|stats| stats.resolution);
             Value::of(voxels.map(numbers::resolution), Text)
         }),
-        c(&["n_in"], "N_IN", None, |of| of.shape(|shape| Some(shape.n_in))),
-        c(&["n_v"], "N_V", None, |of| of.shape(|shape| Some(shape.n_v))),
-        c(&["n_ev"], "N_EV", None, |of| of.shape(|shape| Some(shape.n_ev))),
-        c(&["n_oiv"], "N_OIV", None, |of| of.shape(|shape| Some(shape.n_oiv))),
+        c(&["n_in"], "N_IN", None, |of| of.stats(|stats| Some(stats.n_in))),
+        c(&["n_v"], "N_V", None, |of| of.stats(|stats| Some(stats.n_v))),
+        c(&["n_ev"], "N_EV", None, |of| of.stats(|stats| Some(stats.n_ev))),
+        c(&["n_oiv"], "N_OIV", None, |of| of.stats(|stats| Some(stats.n_oiv))),
         c(&["n_it"], "N_IT", PerRay, |of| of.work(0)),
         c(&["n_ts"], "N_TS", PerRay, |of| of.work(1)),
         c(&["n_ets"], "N_ETS", PerRay, |of| of.work(2)),
@@ -78,8 +78,8 @@ pub fn columns<'a>() -> [Column<RowOf<'a>>; 34] {
         }),
         c(&["answers"], "", None, |of| Text(of.row.answers.name().to_owned())),
         c(&["rays"], "rays", None, |of| Count(of.row.rays)).or(|of| untimed(of).map(|_| dash())),
-        c(&["memory_bytes"], "MiB", Bytes, |of| of.shape(|shape| Some(shape.memory_bytes))),
-        c(&["pending_cells"], "", None, |of| of.shape(|shape| shape.pending_cells)),
+        c(&["memory_bytes"], "MiB", Bytes, |of| of.stats(|stats| Some(stats.memory_bytes))),
+        c(&["pending_cells"], "", None, |of| of.stats(|stats| stats.pending_cells)),
         c(&["build_s", "build_s_low", "build_s_high"], "build ms", Seconds, |of| Value::of(of.row.build_s, Measured)).or(untimed),
         c(&["trace_s", "trace_s_low", "trace_s_high"], "trace ms", Seconds, |of| Value::of(of.row.trace_s, Measured)).or(untimed),
         c(&["render_s"], "image ms", Seconds, |of| Value::of(of.row.render_s, Real)).or(untimed),
@@ -111,7 +111,7 @@ pub fn columns<'a>() -> [Column<RowOf<'a>>; 34] {
     ]
 }
 
-/// Millions of rays a second: primary, shadow, secondary, diffuse.
+/// Millions of rays per second: primary, shadow, secondary, diffuse.
 fn rates(row: &RowRecord) -> [Option<f64>; 4] {
     let of = |kind: &str| row.mrays.get(kind).copied();
     // Rays over seconds, from the rates of both kinds.

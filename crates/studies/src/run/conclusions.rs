@@ -16,7 +16,7 @@ use crate::run::break_even::{count_interval, envelope};
 use crate::run::costs::{Cost, Profile, all_rays_s, profiles, reference};
 use crate::run::kind_tables::kinds_of;
 use crate::run::leads::{Lead, Timed, lead};
-use crate::run::picture_time::PictureTimes;
+use crate::run::time_to_image::TimesToImage;
 
 /// Concludes from the rows of a scene.
 pub fn conclude_scene(scene: &mut SceneRecord, seed: u64) {
@@ -87,7 +87,7 @@ fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclu
 fn timed(question: &Question, scene: &SceneRecord) -> Vec<Timed> {
     let rows = scene.rows.iter().filter(|row| scene.may_lead(row));
     match question {
-        Question::FirstImage => PictureTimes::of(scene).leading().cloned().collect(),
+        Question::FirstImage => TimesToImage::of(scene).leading().cloned().collect(),
         Question::Trace(kind) => rows.filter_map(|row| of_kind(scene, row, kind)).collect(),
         Question::Memory => rows.filter_map(bytes).collect(),
     }
@@ -111,7 +111,7 @@ fn of_kind(scene: &SceneRecord, row: &RowRecord, kind: &str) -> Option<Timed> {
 /// Bytes of what was built.
 fn bytes(row: &RowRecord) -> Option<Timed> {
     let counts = row.answers == Answered::AllRays && row.plugin.is_none();
-    let bytes = row.shape.as_ref().filter(|_| counts)?.memory_bytes;
+    let bytes = row.stats.as_ref().filter(|_| counts)?.memory_bytes;
     Timed::new(row.label(), row.query, [((0, 0), bytes as f64)].into())
 }
 
@@ -164,7 +164,7 @@ mod tests {
         rows[5].verdict = Verdict::WrongAsShipped;
         rows[6].query = Query::Batch;
         for (row, bytes) in rows.iter_mut().zip([1, 200, 100, 300, 1, 1, 200]) {
-            row.shape.as_mut().unwrap().memory_bytes = bytes;
+            row.stats.as_mut().unwrap().memory_bytes = bytes;
         }
         run
     }

@@ -1,4 +1,4 @@
-//! One row a scene, structure and setting.
+//! One row per scene, structure and setting.
 
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use presentation::column;
@@ -7,7 +7,7 @@ use presentation::format_error::FormatError;
 
 use crate::run::columns::{RowOf, columns};
 use crate::run::kind_tables;
-use crate::run::picture_time::PictureTimes;
+use crate::run::time_to_image::TimesToImage;
 
 /// All finished scenes: [`columns`], and behind them those of [`kind_tables::csv_columns`].
 ///
@@ -19,7 +19,7 @@ pub fn to_string(run: &RunRecord) -> Result<String, FormatError> {
         let more = kind_tables::csv_columns(&kinds);
         writer.write_record(keys().map(str::to_owned).chain(more))?;
         for scene in &run.scenes {
-            let times = PictureTimes::of(scene);
+            let times = TimesToImage::of(scene);
             for row in scene.rows.iter().chain(&scene.foreign) {
                 let more = kind_tables::csv_fields(&kinds, row, &times);
                 writer.write_record(fields(scene, row).into_iter().chain(more))?;

@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::run::picture_time::{self, PictureTime, PictureTimes};
 use crate::run::tables::{left_out, name_in_column};
+use crate::run::time_to_image::{self, TimeToImage, TimesToImage};
 use measurement::rays::order::kind_of;
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::record::query::{self, Query};
@@ -50,7 +50,7 @@ pub fn scene_table_of(
     header.extend(&kinds);
     header.extend(["time to image ms", "to obvhs [95%]"]);
     let reference = reference::of_scene(scene).unwrap_or_else(|| run.settings.reference.clone());
-    let times = PictureTimes::of(scene);
+    let times = TimesToImage::of(scene);
     let obvhs = times.fastest_obvhs();
     let mut previous = "";
     let rows = shown_rows.iter().map(|&row| {
@@ -80,7 +80,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     }
     header.extend(["time to image to obvhs [95%]", "most"]);
     let reference = reference::of_means(&run.scenes, &run.settings.reference);
-    let pictures: Vec<PictureTimes<'_>> = run.scenes.iter().map(PictureTimes::of).collect();
+    let pictures: Vec<TimesToImage<'_>> = run.scenes.iter().map(TimesToImage::of).collect();
     let of_means = run.scenes.iter().filter(|s| reference::is_over(s, &reference));
     let of_means: Vec<(&SceneRecord, RowsByName<'_>)> =
         of_means.map(|scene| (scene, by_name(scene))).collect();
@@ -101,7 +101,7 @@ pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
             cells.push(named(by_scene.min_by(|a, b| a.1.total_cmp(&b.1))));
         }
         let name = label(&row.structure, &row.settings);
-        match picture_time::over_scenes(&pictures, &name, run.settings.seed) {
+        match time_to_image::over_scenes(&pictures, &name, run.settings.seed) {
             Some((by_scene, mean)) => {
                 cells.push(numbers::ratio(&mean).into());
                 cells.push(named(by_scene.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))));
@@ -128,11 +128,11 @@ fn by_name(scene: &SceneRecord) -> RowsByName<'_> {
 pub fn picture_table(run: &RunRecord) -> Table {
     let mut rows = Vec::new();
     for scene in &run.scenes {
-        let times = PictureTimes::of(scene);
+        let times = TimesToImage::of(scene);
         let obvhs = times.fastest_obvhs();
         for query in [Query::OneRay, Query::Batch] {
             let Some(own) = times.fastest_other(query) else { continue };
-            let ms = |time: &PictureTime| Cell::from(numbers::milliseconds(time.timed.middle));
+            let ms = |time: &TimeToImage| Cell::from(numbers::milliseconds(time.timed.middle));
             rows.push(vec![
                 scene.name.clone().into(),
                 query.name().to_owned().into(),
@@ -168,7 +168,7 @@ fn named(of_scene: Option<(String, f64)>) -> Cell {
     of_scene.map_or_else(dash, |(scene, value)| format!("{value:.2} {scene}").into())
 }
 
-fn to_obvhs(own: Option<&PictureTime>, obvhs: Option<&PictureTime>, seed: u64) -> Cell {
+fn to_obvhs(own: Option<&TimeToImage>, obvhs: Option<&TimeToImage>, seed: u64) -> Cell {
     let ratio = || own?.timed.quotients(&obvhs?.timed).estimate(seed);
     ratio().map_or_else(dash, |ratio| numbers::ratio(&ratio).into())
 }
@@ -202,7 +202,7 @@ pub fn csv_columns(kinds: &[&str]) -> Vec<String> {
 }
 
 /// The fields of a row for them.
-pub fn csv_fields(kinds: &[&str], row: &RowRecord, times: &PictureTimes<'_>) -> Vec<String> {
+pub fn csv_fields(kinds: &[&str], row: &RowRecord, times: &TimesToImage<'_>) -> Vec<String> {
     let mut fields = vec![row.query.name().to_owned()];
     for kind in kinds {
         fields.extend(csv::estimate(row.ratio_by_kind.get(*kind).copied()));
@@ -300,7 +300,7 @@ mod tests {
         assert_eq!(kinds, ["primary", "primary-shuffled"]);
         let columns = csv_columns(&kinds);
         let fields =
-            csv_fields(&kinds, &record.scenes[0].rows[2], &PictureTimes::of(&record.scenes[0]));
+            csv_fields(&kinds, &record.scenes[0].rows[2], &TimesToImage::of(&record.scenes[0]));
         assert_eq!(columns.len(), fields.len());
         assert!(columns.contains(&"ratio_primary_shuffled_low".to_owned()), "{columns:?}");
         assert_eq!((fields[0].as_str(), fields[1].as_str()), ("batch", "0.500000000"));

@@ -1,4 +1,4 @@
-//! Conclusions in words: a line a question, the same on the terminal, in Markdown and in a report.
+//! Conclusions in words: one line per question, the same on the terminal, in Markdown and in a report.
 
 use std::fmt::Write;
 

@@ -20,7 +20,7 @@ pub fn exported(run: &RunRecord) -> Result<String, FormatError> {
     Ok(to_string(run))
 }
 
-/// The whole run: where and how it was measured, a table a scene, the summary, the symbols.
+/// The whole run: where and how it was measured, one table per scene, the summary, the symbols.
 pub fn to_string(run: &RunRecord) -> String {
     let by_kind = run.settings.by_kind;
     let mut all: Vec<Table> = Vec::new();
@@ -37,7 +37,7 @@ pub fn to_string(run: &RunRecord) -> String {
     with_answers("rtbench results", run, &all, GLOSSARY, &answers(run))
 }
 
-/// What the run says, a list a scene, that of all scenes first.
+/// What the run says, one list per scene, that of all scenes first.
 fn answers(run: &RunRecord) -> String {
     let mut text = String::new();
     let overall = lines::of_run(run).filter(|_| run.scenes.len() > 1);

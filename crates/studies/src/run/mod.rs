@@ -11,7 +11,7 @@ pub mod leads;
 pub mod lines;
 pub mod machines;
 pub mod markdown;
-pub mod picture_time;
 pub mod tables;
 pub mod text;
+pub mod time_to_image;
 pub mod view;

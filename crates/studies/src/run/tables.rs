@@ -251,7 +251,7 @@ fn shadow_note(row: &RowRecord) -> Option<String> {
 
 /// What a structure that builds on demand never built, and when its first image was done.
 fn on_demand_note(row: &RowRecord) -> Option<String> {
-    let pending = row.shape.as_ref()?.pending_cells?;
+    let pending = row.stats.as_ref()?.pending_cells?;
     let first = match row.first_image_s() {
         Some(s) => format!("; first image {} ms after the start", numbers::milliseconds(s)),
         None => String::new(),

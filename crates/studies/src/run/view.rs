@@ -173,7 +173,7 @@ impl View {
         let key = |row: &RowRecord| match self.sort {
             Sort::Trace => median(row),
             Sort::Build => row.build_s.map_or(last, |build| build.median),
-            Sort::Memory => row.shape.as_ref().map_or(last, |shape| shape.memory_bytes as f64),
+            Sort::Memory => row.stats.as_ref().map_or(last, |stats| stats.memory_bytes as f64),
             Sort::Registry => 0.0,
         };
         let class =
@@ -226,7 +226,7 @@ mod tests {
             run(&[("tetra", &[("a", &[3.0]), ("b", &[1.0]), ("c", &[2.0]), ("d", &[0.5])])]);
         let rows = &mut run.scenes[0].rows;
         for (row, bytes) in rows.iter_mut().zip([10, 30, 20, 5]) {
-            row.shape.as_mut().unwrap().memory_bytes = bytes;
+            row.stats.as_mut().unwrap().memory_bytes = bytes;
             row.figure(1);
         }
         rows[3].verdict = Verdict::Wrong;

@@ -42,7 +42,7 @@ pub fn columns<'a>() -> [Column<SizeRow<'a>>; 6] {
             Value::of(trace_s_per_ray(row.of.row).map(|e| e.median * 1e9), Value::Real)
         }),
         c(&["bytes_per_primitive"], "B/prim", Unit::None, |row| {
-            row.each(row.of.row.shape.as_ref().map(|shape| shape.memory_bytes as f64))
+            row.each(row.of.row.stats.as_ref().map(|stats| stats.memory_bytes as f64))
         }),
         c(&["peak_build_bytes"], "peak MiB", Unit::Bytes, |row| {
             Value::of(row.of.row.peak_build_bytes, Value::Count)

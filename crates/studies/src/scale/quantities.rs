@@ -23,7 +23,7 @@ pub static QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: "memory",
         label: "memory of the structure (bytes)",
-        of: |row| exactly(row.shape.as_ref()?.memory_bytes),
+        of: |row| exactly(row.stats.as_ref()?.memory_bytes),
     },
     Quantity {
         name: "peak",
@@ -109,7 +109,7 @@ mod tests {
                 let build = 1e-9 * (n * n) as f64;
                 row.build_s = Some(Estimate { median: build, low: build, high: build });
                 row.trace_s = Some(Estimate { median: 2.0, low: 1.0, high: 4.0 });
-                row.shape.as_mut().unwrap().memory_bytes = 16 * n;
+                row.stats.as_mut().unwrap().memory_bytes = 16 * n;
             }
             scenes.push(scene);
         }

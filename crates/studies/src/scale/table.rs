@@ -1,4 +1,4 @@
-//! A scene in several sizes as tables: one a size, and the slopes over all of them.
+//! A scene in several sizes as tables: one per size, and the slopes over all of them.
 
 use std::io::{self, Write};
 
@@ -90,7 +90,7 @@ fn slope_table(run: &RunRecord) -> Table {
     let mut notes = Vec::new();
     if let Some(scale) = scale {
         notes.push(format!(
-            "Limits: {} s a build, {} MiB a process that loads the scene and builds one row.",
+            "Limits: {} s per build, {} MiB per process that loads the scene and builds one row.",
             scale.time_limit_s,
             numbers::mebibytes(scale.max_memory_bytes)
         ));

@@ -1,7 +1,7 @@
 //! Structures side by side, their cells coloured by references on one scale, with a legend that names it.
 
 use accel_core::Aabb;
-use accel_core::structure::Shape;
+use accel_core::structure::StructureStats;
 use presentation::drawing::{Classes, Color, Drawing, Font, Item, PLAIN, Paint, color, wrapped};
 use presentation::svg_plot::palette::{BEST, GREY, INK, MARK};
 
@@ -41,7 +41,7 @@ pub struct Shown {
     /// Structure and settings.
     pub label: String,
     /// What was built.
-    pub shape: Shape,
+    pub stats: StructureStats,
     /// Its cells.
     pub seen: Seen,
     /// One ray's way.
@@ -192,15 +192,15 @@ fn most_references(shown: &Shown) -> u64 {
 
 /// What a structure consists of, in words.
 fn counted(shown: &Shown) -> String {
-    let shape = &shown.shape;
-    let inner = match shape.inner_cells {
+    let stats = &shown.stats;
+    let inner = match stats.inner_cells {
         0 => String::new(),
         n => format!("{n} inner cells, "),
     };
-    let cells = if shape.cells == 1 { "cell" } else { "cells" };
+    let cells = if stats.cells == 1 { "cell" } else { "cells" };
     format!(
         "{inner}{} {cells}, {} empty, {} references",
-        shape.cells, shape.empty_cells, shape.references
+        stats.cells, stats.empty_cells, stats.references
     )
 }
 

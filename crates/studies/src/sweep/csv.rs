@@ -1,4 +1,4 @@
-//! A sweep as CSV: one row a scene and value.
+//! A sweep as CSV: one row per scene and value.
 
 use crate::run::csv as run_csv;
 use crate::sweep::Sweep;

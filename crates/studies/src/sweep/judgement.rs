@@ -49,7 +49,7 @@ pub fn judge(sweep: &Sweep<'_>, scene: &SceneRecord) -> Vec<Judgement> {
 }
 
 /// The tracing time of each row as it can be compared: its ratio to the reference on the same
-/// rays, or seconds a ray where the reference has no time.
+/// rays, or seconds per ray where the reference has no time.
 pub fn costs(scene: &SceneRecord) -> Vec<Option<Estimate>> {
     let has_ratios = scene.rows.iter().any(|r| r.ratio.is_some());
     let cost = |row: &RowRecord| {
@@ -83,7 +83,7 @@ pub fn standings(costs: &[Option<Estimate>]) -> Vec<Option<Standing>> {
 }
 
 fn cells_per_primitive(row: &RowRecord, primitives: u64) -> Option<f64> {
-    Some(row.shape.as_ref()?.n_v as f64 / primitives.max(1) as f64)
+    Some(row.stats.as_ref()?.n_v as f64 / primitives.max(1) as f64)
 }
 
 fn marks(line: &Line, standing: Option<Standing>, is_reference: bool) -> Vec<String> {

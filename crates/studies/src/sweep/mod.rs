@@ -287,7 +287,7 @@ impl<'r> Lines<'r> {
         &mut self.lines[index]
     }
 
-    /// Index of the row that ratios are taken to: the one named, else [`default_baseline`], else the
+    /// Index of the reference row: the one named, else [`default_baseline`], else the
     /// first.
     fn baseline(
         &mut self,

@@ -22,7 +22,7 @@ pub enum AtError {
         /// Seconds.
         seconds: f64,
     },
-    /// One sample a pixel is as good already.
+    /// One sample per pixel is as good already.
     AtOnce {
         /// Seconds of the image with the fewest samples.
         seconds: f64,

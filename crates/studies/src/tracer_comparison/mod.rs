@@ -13,13 +13,13 @@ pub mod report;
 
 use std::collections::BTreeMap;
 
-use accel_core::query::region::Work;
+use accel_core::query::region::FrustumWork;
 use accel_core::query::tracer::Tracer;
 use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
 use renderer::{Image, render_plan};
 use scene_loading::{Scene, Shape};
 
-use crate::accuracy::pareto::{Place, standings};
+use crate::accuracy::pareto::{FrontPoint, standings};
 use crate::accuracy::record::Standing;
 use crate::image_error::{Converged, edge_rmse, edges, rmse};
 use equal_error::{AtError, SampledImage, at_error};
@@ -93,7 +93,7 @@ pub struct Question<'a> {
 
 /// A row: an image by one way.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct TracerRow {
     /// The tracer.
     pub tracer: &'static str,
     /// Its settings where they are not the default ones.
@@ -104,7 +104,7 @@ pub struct Row {
     pub outcome: Result<Measured, Refusal>,
 }
 
-impl Row {
+impl TracerRow {
     /// `whitted 16`, `cone subdivisions=0`.
     pub fn label(&self) -> String {
         match self.samples {
@@ -146,7 +146,11 @@ impl Measured {
 
 /// Draws with every tracer that is asked for, `rounds` times in seeded random order, in the
 /// current rayon pool. Times are those of the image alone: structures are built before.
-pub fn compare(question: &Question<'_>, reference: &Converged, clock: &dyn Clock) -> Vec<Row> {
+pub fn compare(
+    question: &Question<'_>,
+    reference: &Converged,
+    clock: &dyn Clock,
+) -> Vec<TracerRow> {
     let mut rows = Vec::new();
     let mut makers: Vec<Box<dyn Fn() -> Result<Made, Refusal> + '_>> = Vec::new();
     let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
@@ -191,9 +195,9 @@ pub fn compare(question: &Question<'_>, reference: &Converged, clock: &dyn Clock
                 by_samples: None,
             }
         });
-        Some(Row { tracer, settings: settings.to_owned(), samples, outcome })
+        Some(TracerRow { tracer, settings: settings.to_owned(), samples, outcome })
     });
-    let mut rows: Vec<Row> = finished.collect();
+    let mut rows: Vec<TracerRow> = finished.collect();
     judge(&mut rows, reference, frame.seed);
     rows
 }
@@ -214,17 +218,17 @@ impl Made {
 
 impl From<Drawn> for Made {
     fn from(drawn: Drawn) -> Self {
-        let Work { shafts, found, tests, .. } = drawn.work;
+        let FrustumWork { queries, found, tests, .. } = drawn.work;
         let mut counts =
-            BTreeMap::from([("queries", shafts), ("candidates", found), ("hull tests", tests)]);
+            BTreeMap::from([("queries", queries), ("candidates", found), ("hull tests", tests)]);
         counts.extend(drawn.counts);
         Self { image: drawn.image, counts }
     }
 }
 
 /// Finds the Pareto front, and what samples take for the errors of the others.
-fn judge(rows: &mut [Row], reference: &Converged, seed: u64) {
-    let measured = |row: &Row| row.outcome.as_ref().ok().cloned();
+fn judge(rows: &mut [TracerRow], reference: &Converged, seed: u64) {
+    let measured = |row: &TracerRow| row.outcome.as_ref().ok().cloned();
     let cheapest = rows
         .iter()
         .filter_map(measured)
@@ -236,9 +240,9 @@ fn judge(rows: &mut [Row], reference: &Converged, seed: u64) {
         let Ok(m) = &mut row.outcome else { continue };
         m.ratio = Series::of_pairs(&m.seconds, &cheapest, 1, |s, least| s / least).estimate(seed);
         let Some(time) = m.ratio else { continue };
-        // errors below the reference's are not told from it
+        // errors below the reference's are indistinguishable from it
         let error = if m.is_below_reference { reference.own_error } else { m.error };
-        places.push(Place { time, error });
+        places.push(FrontPoint { time, error });
         placed.push(i);
     }
     for (standing, i) in standings(&places).into_iter().zip(placed) {
@@ -294,7 +298,7 @@ pub fn without(mut scene: Scene, kinds: &[String]) -> Scene {
 mod tests {
     use super::*;
 
-    fn row(samples: Option<u32>, seconds: f64, error: f64) -> Row {
+    fn row(samples: Option<u32>, seconds: f64, error: f64) -> TracerRow {
         let measured = Measured {
             seconds: vec![seconds; 3],
             error,
@@ -306,7 +310,7 @@ mod tests {
             image: Image { width: 0, height: 0, pixels: Vec::new() },
             by_samples: None,
         };
-        Row { tracer: "whitted", settings: String::new(), samples, outcome: Ok(measured) }
+        TracerRow { tracer: "whitted", settings: String::new(), samples, outcome: Ok(measured) }
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! What it costs to find the candidates of a beam or cone: one query a pixel, through every
-//! structure that answers shafts. Brute force is what they are compared with.
+//! structure that answers frusta. Brute force is what they are compared with.
 
 use accel_core::primitives::PrimsRef;
-use accel_core::query::region::{Gathered, Gatherer, Shaft, Work};
+use accel_core::query::region::{Candidates, Frustum, FrustumQueries, FrustumWork};
 use accel_core::structure::BuildError;
-use accel_core::structures::gatherers;
+use accel_core::structures::frustum_queries;
 use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
 use scene_loading::{Bounds, Camera};
@@ -13,7 +13,7 @@ use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{Clock, timed};
 use statistics::estimate::{Estimate, estimate};
 
-/// Brute force asks about as many hulls a round at most, the structure in question all shafts.
+/// Brute force asks about as many hulls per round at most, the structure in question all frusta.
 const MOST_TESTS: usize = 1 << 25;
 
 /// What the queries of a structure cost.
@@ -25,36 +25,36 @@ pub struct QueryRow {
     pub queries: usize,
     /// Microseconds a query.
     pub microseconds: Estimate,
-    /// Its time over that of brute force on the same shafts in the same rounds.
+    /// Its time over that of brute force on the same frusta in the same rounds.
     pub ratio: Estimate,
     /// What the queries of one round did.
-    pub work: Work,
+    pub work: FrustumWork,
     /// Queries that did not find what the ray through the pixel's centre hits: a wrong row.
     pub missed: usize,
 }
 
 /// A pyramid a pixel.
-pub fn pixel_shafts(camera: &Camera, resolution: [u32; 2], bounds: Bounds) -> Vec<Shaft> {
+pub fn pixel_frusta(camera: &Camera, resolution: [u32; 2], bounds: Bounds) -> Vec<Frustum> {
     let eye = EyeRays::new(camera, resolution, Sampling::PixelCentres);
     let apex = eye.origin();
     // twice as far as the farthest corner
     let corner = (bounds.min - apex).abs().max((bounds.max - apex).abs());
     let reach = 2.0 * corner.length().max(f64::MIN_POSITIVE);
     let [w, h] = resolution;
-    let shaft = |x, y| {
+    let frustum = |x, y| {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let corners = corners.map(|at| eye.direction_within(x, y, DVec2::from(at)));
-        Shaft::pyramid(apex, &corners, reach)
+        Frustum::pyramid(apex, &corners, reach)
     };
-    (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(|(x, y)| shaft(x, y)).collect()
+    (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(|(x, y)| frustum(x, y)).collect()
 }
 
 /// A structure to be asked.
 struct Asked {
     name: &'static str,
-    gatherer: Box<dyn Gatherer>,
+    queries: Box<dyn FrustumQueries>,
     seconds: Vec<f64>,
-    work: Work,
+    work: FrustumWork,
     missed: usize,
 }
 
@@ -70,51 +70,51 @@ pub struct Rounds {
 }
 
 /// How many queries do not find what they must.
-fn missed(gatherer: &dyn Gatherer, shafts: &[&(Shaft, Option<u32>)]) -> usize {
-    let mut gathered = Gathered::default();
-    let misses = |(shaft, seen): &&&(Shaft, Option<u32>)| {
+fn missed(queries: &dyn FrustumQueries, frusta: &[&(Frustum, Option<u32>)]) -> usize {
+    let mut candidates = Candidates::default();
+    let misses = |(frustum, seen): &&&(Frustum, Option<u32>)| {
         let Some(seen) = seen else { return false };
-        gatherer.gather(shaft, &mut gathered);
-        !gathered.ids.contains(seen)
+        queries.query(frustum, &mut candidates);
+        !candidates.ids.contains(seen)
     };
-    shafts.iter().filter(misses).count()
+    frusta.iter().filter(misses).count()
 }
 
-/// Asks every structure of `registry` for the candidates of all shafts, `rounds` times in seeded
-/// random order, on the calling thread. `seen` is what a ray within each shaft hits, if anything:
+/// Asks every structure of `registry` for the candidates of all frusta, `rounds` times in seeded
+/// random order, on the calling thread. `seen` is what a ray within each frustum hits, if anything:
 /// it must be among the candidates.
 ///
 /// # Errors
 /// [`BuildError`] of the first structure that cannot be built.
 pub fn measure(
-    registry: &[gatherers::Entry],
+    registry: &[frustum_queries::Entry],
     prims: PrimsRef<'_, f64>,
-    shafts: &[(Shaft, Option<u32>)],
+    frusta: &[(Frustum, Option<u32>)],
     rounds: Rounds,
     clock: &dyn Clock,
 ) -> Result<Vec<QueryRow>, BuildError> {
-    let stride = (shafts.len() * rounds.primitives).div_ceil(MOST_TESTS).max(1);
-    let sample: Vec<&(Shaft, Option<u32>)> = shafts.iter().step_by(stride).collect();
+    let stride = (frusta.len() * rounds.primitives).div_ceil(MOST_TESTS).max(1);
+    let sample: Vec<&(Frustum, Option<u32>)> = frusta.iter().step_by(stride).collect();
     let mut asked = Vec::new();
     for entry in registry {
-        let gatherer = entry.build(prims, &entry.params([])?)?;
-        let missed = missed(gatherer.as_ref(), &sample);
-        let (name, seconds, work) = (entry.info.name, Vec::new(), Work::default());
-        asked.push(Asked { name, gatherer, seconds, work, missed });
+        let queries = entry.build(prims, &entry.params([])?)?;
+        let missed = missed(queries.as_ref(), &sample);
+        let (name, seconds, work) = (entry.info.name, Vec::new(), FrustumWork::default());
+        asked.push(Asked { name, queries, seconds, work, missed });
     }
     let seed = rounds.seed;
     let is_left = |round| round < rounds.rounds as usize;
     interleaved(asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
-        let Asked { gatherer, seconds, work, .. } = &mut asked[row];
-        let mut gathered = Gathered::default();
+        let Asked { queries, seconds, work, .. } = &mut asked[row];
+        let mut candidates = Candidates::default();
         let ((), own) = timed(clock, || {
-            for (shaft, _) in &sample {
-                gatherer.gather(shaft, &mut gathered);
-                std::hint::black_box(&gathered.ids);
+            for (frustum, _) in &sample {
+                queries.query(frustum, &mut candidates);
+                std::hint::black_box(&candidates.ids);
             }
         });
         seconds.push(own);
-        *work = gathered.work;
+        *work = candidates.work;
     });
     let brute = asked.iter().find(|a| a.name == "brute-force").or(asked.first());
     let Some(base) = brute.map(|b| b.seconds.clone()) else { return Ok(Vec::new()) };
@@ -142,9 +142,9 @@ mod tests {
 
     use accel_core::params::Params;
     use accel_core::primitives::PrimSet;
-    use accel_core::query::region::ShaftWalk;
+    use accel_core::query::region::FrustumTraversal;
     use accel_core::query::sink::Sink;
-    use accel_core::structure::{Shape, Structure};
+    use accel_core::structure::{Structure, StructureStats};
     use accel_core::structures::uniform_grid::{INFO, UniformGrid};
     use accel_core::{Hit, Ray, Vec3, Vector};
     use renderer::Geometry;
@@ -161,19 +161,23 @@ mod tests {
             Structure::build(prims, params).map(Self)
         }
 
-        fn walk<K: Sink<f64>>(&self, ray: &Ray<f64>, sink: &mut K) {
-            self.0.walk(ray, sink);
+        fn traverse<K: Sink<f64>>(&self, ray: &Ray<f64>, sink: &mut K) {
+            self.0.traverse(ray, sink);
         }
 
-        fn shape(&self) -> Shape {
-            Structure::<f64>::shape(&self.0)
+        fn stats(&self) -> StructureStats {
+            Structure::<f64>::stats(&self.0)
         }
     }
 
-    impl ShaftWalk for Loser {
-        fn walk_shaft(&self, shaft: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
+    impl FrustumTraversal for Loser {
+        fn traverse_frustum(
+            &self,
+            frustum: &Frustum,
+            cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
+        ) {
             let mut number = 0;
-            self.0.walk_shaft(shaft, &mut |ids, depth| {
+            self.0.traverse_frustum(frustum, &mut |ids, depth| {
                 number += 1;
                 if number % 3 == 0 { cell(ids, depth) } else { ControlFlow::Continue(()) }
             });
@@ -195,18 +199,18 @@ mod tests {
         let tracer = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
         let mut hits = vec![Hit::NONE; rays.len()];
         tracer.closest_hits(&rays, &mut hits);
-        let shafts: Vec<_> = pixel_shafts(&scene.camera, [24; 2], scene.bounds())
+        let frusta: Vec<_> = pixel_frusta(&scene.camera, [24; 2], scene.bounds())
             .into_iter()
             .zip(hits.iter().map(|h| h.is_hit().then_some(h.id)))
             .collect();
         let rounds = Rounds { rounds: 2, seed: 1, primitives: scene.primitives.len() };
         let clock = SteppingClock::new(Duration::from_millis(1));
-        let asked = |registry: &[gatherers::Entry]| {
-            measure(registry, geometry.prims(), &shafts, rounds, &clock).unwrap()
+        let asked = |registry: &[frustum_queries::Entry]| {
+            measure(registry, geometry.prims(), &frusta, rounds, &clock).unwrap()
         };
-        let rows = asked(gatherers::REGISTRY);
+        let rows = asked(frustum_queries::REGISTRY);
         assert!(rows.iter().all(|r| r.missed == 0 && r.ratio.holds(1.0)), "{rows:?}");
-        let planted = [gatherers::line(&INFO, gatherers::build::<Loser>)];
+        let planted = [frustum_queries::line(&INFO, frustum_queries::build::<Loser>)];
         assert!(asked(&planted)[0].missed > 0);
     }
 }

@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
-use accel_core::query::region::Work;
+use accel_core::query::region::FrustumWork;
 use serde_json::{Value, json};
 
 use super::equal_error::AtError;
 use super::plot::{Placed, error_over_time};
 use super::queries::QueryRow;
-use super::{Measured, Row};
+use super::{Measured, TracerRow};
 use crate::accuracy::record::Standing;
 use crate::image_error::Converged;
 use measurement::record::Machine;
@@ -64,7 +64,7 @@ pub struct Report {
     /// Samples per pixel of each of its two images.
     pub reference_samples: u32,
     /// The images.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TracerRow>,
     /// The candidate queries; empty where no tracer that makes them took part.
     pub queries: Vec<QueryRow>,
 }
@@ -75,7 +75,7 @@ impl Report {
         self.queries.iter().any(|q| q.missed > 0)
     }
 
-    fn measured(&self) -> impl Iterator<Item = (&Row, &Measured)> {
+    fn measured(&self) -> impl Iterator<Item = (&TracerRow, &Measured)> {
         self.rows.iter().filter_map(|row| Some((row, row.outcome.as_ref().ok()?)))
     }
 
@@ -131,7 +131,7 @@ impl Report {
         table
     }
 
-    fn image_cells(&self, row: &Row, m: &Measured) -> Vec<Cell> {
+    fn image_cells(&self, row: &TracerRow, m: &Measured) -> Vec<Cell> {
         let below = if m.is_below_reference { "<" } else { "" };
         let counted: Vec<String> = m.counts.iter().map(|(k, n)| format!("{n} {k}")).collect();
         let texts = [
@@ -150,7 +150,7 @@ impl Report {
 
     /// What the table says of cones and beams, in words.
     fn verdicts(&self) -> Vec<String> {
-        let say = |(row, m): (&Row, &Measured)| {
+        let say = |(row, m): (&TracerRow, &Measured)| {
             let label = row.label();
             Some(match m.by_samples? {
                 AtError::Reached { samples, seconds } => {
@@ -197,7 +197,7 @@ impl Report {
             ..Table::default()
         };
         for q in &self.queries {
-            let per_query = |n: u64| short(n as f64 / q.work.shafts.max(1) as f64);
+            let per_query = |n: u64| short(n as f64 / q.work.queries.max(1) as f64);
             let (verdict, style) = match q.missed {
                 0 => ("ok".to_owned(), Style::Plain),
                 n => (format!("wrong: {n} queries miss what their ray hits"), Style::Bad),
@@ -208,7 +208,7 @@ impl Report {
             };
             let mut texts = vec![q.structure.to_owned()];
             texts.extend(times);
-            let Work { cells, references, tests, found, .. } = q.work;
+            let FrustumWork { cells, references, tests, found, .. } = q.work;
             texts.extend([cells, references, tests, found].map(per_query));
             texts.push(verdict);
             table.rows.push(texts.into_iter().map(|text| Cell { text, style }).collect());
@@ -232,7 +232,7 @@ impl Report {
         text
     }
 
-    /// One row an image.
+    /// One row per image.
     ///
     /// # Errors
     /// [`FormatError`].
@@ -246,7 +246,7 @@ impl Report {
         })
     }
 
-    fn fields(&self, row: &Row) -> Vec<String> {
+    fn fields(&self, row: &TracerRow) -> Vec<String> {
         let samples = row.samples.map(|n| n.to_string()).unwrap_or_default();
         let mut fields =
             vec![self.scene.clone(), row.tracer.to_owned(), row.settings.clone(), samples];
@@ -348,7 +348,7 @@ impl Report {
     }
 }
 
-/// Whether anything beats a row: `*` where nothing does, `~` where it is not told apart.
+/// Whether anything beats a row: `*` where nothing does, `~` where it is not significantly different.
 fn front(standing: Standing) -> &'static str {
     match standing {
         Standing::OnFront => "*",

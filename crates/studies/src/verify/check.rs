@@ -27,7 +27,7 @@ const ROUNDS: usize = 32;
 pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
 /// What to check.
-pub struct Plan<'r> {
+pub struct CheckPlan<'r> {
     /// The cases.
     pub cases: Vec<Listed>,
     /// Structures there are.
@@ -40,7 +40,7 @@ pub struct Plan<'r> {
     pub seed: u64,
 }
 
-impl Plan<'_> {
+impl CheckPlan<'_> {
     /// Rounds of all cases in both precisions.
     pub fn all_rounds(&self) -> u64 {
         let of_case = |(_, case): &Listed| self.rounds(case).len() * PRECISIONS.len();

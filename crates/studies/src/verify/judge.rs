@@ -1,5 +1,5 @@
 //! Compares the answers to a round: with its oracle, with brute force, among the ways to ask, and
-//! with the twins.
+//! with the pairs.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -10,11 +10,11 @@ use accel_core::structure::{Batches, BuildError};
 use accel_core::{Hit, MISS, Ray, Scalar};
 
 use super::digest::Digest;
+use super::metamorphic::{MetamorphicPair, Same};
 pub use super::mismatch::Mismatch;
 use super::model::Model;
 use super::round::{Expected, Near, Round};
 use super::subject::{Subject, with_brute_force};
-use super::twin::{Same, Twin};
 
 /// What came of a round.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub enum Judged {
     NotAsked,
 }
 
-/// One ray in so many is asked by the counting queries as well: they walk as the others do, and
+/// One ray in so many is asked by the counting queries as well: they traverse as the others do, and
 /// are there to be counted.
 const COUNTED: usize = 8;
 
@@ -131,7 +131,7 @@ pub(super) fn closest_near<S: Scalar>(round: &Round<S>) -> Vec<Hit<S>> {
 pub struct Judge<'a, S: Scalar> {
     round: &'a Round<S>,
     reference: Answers<S>,
-    twins: Vec<Vec<Hit<S>>>,
+    pairs: Vec<Vec<Hit<S>>>,
 }
 
 impl<'a, S: Buildable> Judge<'a, S> {
@@ -144,11 +144,11 @@ impl<'a, S: Buildable> Judge<'a, S> {
             Some(near) => Answers::near(&round.model, &round.rays, near),
             None => with_brute_force(round.model.prims(), |t| Answers::of(t, &round.rays))?,
         };
-        let twins = round
-            .twins
+        let pairs = round
+            .pairs
             .iter()
-            .map(|twin| with_brute_force(twin.model.prims(), |t| closest(t, &twin.rays)));
-        Ok(Self { round, reference, twins: twins.collect::<Result<_, _>>()? })
+            .map(|pair| with_brute_force(pair.model.prims(), |t| closest(t, &pair.rays)));
+        Ok(Self { round, reference, pairs: pairs.collect::<Result<_, _>>()? })
     }
 
     /// Asks a subject. A panic is a mismatch of the first ray.
@@ -169,25 +169,25 @@ impl<'a, S: Buildable> Judge<'a, S> {
 
     fn of_structure(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
         if subject.is_reference() {
-            return Ok(self.judged(&self.reference, &self.twins));
+            return Ok(self.judged(&self.reference, &self.pairs));
         }
         let ask = |tracer: &dyn Tracer<S>| Answers::of(tracer, &self.round.rays);
         let Some(answers) = subject.over(&self.round.model, ask)? else {
             return Ok(Judged::NotAsked);
         };
-        let mut twins = Vec::new();
-        for twin in &self.round.twins {
-            twins.extend(subject.over(&twin.model, |t| closest(t, &twin.rays))?);
+        let mut pairs = Vec::new();
+        for pair in &self.round.pairs {
+            pairs.extend(subject.over(&pair.model, |t| closest(t, &pair.rays))?);
         }
-        Ok(self.judged(&answers, &twins))
+        Ok(self.judged(&answers, &pairs))
     }
 
-    fn judged(&self, answers: &Answers<S>, twins: &[Vec<Hit<S>>]) -> Judged {
+    fn judged(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Judged {
         let mut digest = answers.digest();
-        twins.iter().flatten().for_each(|hit| digest.hit(hit));
+        pairs.iter().flatten().for_each(|hit| digest.hit(hit));
         let complaint = |ray| {
             let what = self.complaint(ray, answers);
-            let what = what.or_else(|| self.of_twins(ray, answers, twins))?;
+            let what = what.or_else(|| self.of_pairs(ray, answers, pairs))?;
             Some(Mismatch { ray, what })
         };
         Judged::Asked((0..self.round.rays.len()).filter_map(complaint).collect(), digest)
@@ -239,35 +239,40 @@ impl<'a, S: Buildable> Judge<'a, S> {
         (said != blocked).then(|| format!("blocked: said {said} when counting, not {blocked}"))
     }
 
-    /// What is wrong with the answers of the twins to one ray.
-    fn of_twins(&self, ray: usize, answers: &Answers<S>, twins: &[Vec<Hit<S>>]) -> Option<String> {
+    /// What is wrong with the answers of the pairs to one ray.
+    fn of_pairs(&self, ray: usize, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Option<String> {
         let hit = answers.closest.get(ray)?;
-        let both = twins.iter().zip(&self.twins).zip(&self.round.twins);
-        both.into_iter().find_map(|((said, right), twin)| {
+        let both = pairs.iter().zip(&self.pairs).zip(&self.round.pairs);
+        both.into_iter().find_map(|((said, right), pair)| {
             let (said, right) = (said.get(ray)?, right.get(ray)?);
-            let back = twin.told_back(*said);
+            let back = pair.told_back(*said);
             let expected = self.round.expected.get(ray)?;
-            let is_right = said.id == right.id && is_kept(twin, hit, said, expected);
+            let is_right = said.id == right.id && is_kept(pair, hit, said, expected);
             (!is_right).then(|| {
                 format!(
                     "said {}, {} {}, brute force {}",
                     told(hit),
-                    twin.name,
+                    pair.name,
                     told(&back),
-                    told(&twin.told_back(*right))
+                    told(&pair.told_back(*right))
                 )
             })
         })
     }
 }
 
-/// Whether the answer to the twin is that to the round. Where renumbering changed which of two
+/// Whether the answer to the pair is that to the round. Where renumbering changed which of two
 /// equal hits has the lowest id, only brute force knows which is right.
-fn is_kept<S: Scalar>(twin: &Twin<S>, hit: &Hit<S>, said: &Hit<S>, expected: &Expected) -> bool {
-    match (twin.same, expected) {
+fn is_kept<S: Scalar>(
+    pair: &MetamorphicPair<S>,
+    hit: &Hit<S>,
+    said: &Hit<S>,
+    expected: &Expected,
+) -> bool {
+    match (pair.same, expected) {
         (Same::Bits, _) => {
-            is_same_parameter(&twin.told_back(*said), hit)
-                && (!twin.ids.is_empty() || said.id == hit.id)
+            is_same_parameter(&pair.told_back(*said), hit)
+                && (!pair.ids.is_empty() || said.id == hit.id)
         }
         (Same::Ids, Expected::Hit { id: Some(id), .. }) => said.id == *id,
         (Same::Ids, Expected::Hit { .. }) => said.is_hit(),

@@ -1,10 +1,10 @@
 //! Do structures stay right on the hard cases? The catalogue as a registry, its oracles, and the
 //! machinery that asks every structure and can repeat any single trial.
 //!
-//! The way of a check: [`registry`] (a line a case) -> a case draws a [`round::Round`] from a
+//! The way of a check: [`registry`] (one line per case) -> a case draws a [`round::Round`] from a
 //! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
 //! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. Cases of
-//! [`parts`] (walks, mailboxes, clouds) make their trials themselves. A [`replay::Replay`] names
+//! [`parts`] (traversals, mailboxes, clouds) make their trials themselves. A [`replay::Replay`] names
 //! one trial. [`timing`] says what meaningless rays cost.
 
 pub mod cases;
@@ -17,6 +17,7 @@ pub mod exact;
 pub mod expect;
 pub mod judge;
 pub mod meshes;
+pub mod metamorphic;
 mod mismatch;
 pub mod model;
 mod own_bounds;
@@ -28,5 +29,4 @@ pub mod report;
 pub mod round;
 pub mod subject;
 pub mod timing;
-pub mod twin;
 pub mod watch;

@@ -184,7 +184,7 @@ pub struct Report {
     pub rounds: u64,
     /// Those that were asked.
     pub rounds_asked: u64,
-    /// A line a case, precision and subject.
+    /// One line per case, precision and subject.
     pub lines: Vec<Line>,
     /// What odd rays cost; nothing where it was not asked for.
     pub timing: Vec<Timed>,
@@ -319,7 +319,7 @@ impl Report {
         told
     }
 
-    /// One CSV row a line.
+    /// One CSV row per line.
     ///
     /// # Errors
     /// [`FormatError`].

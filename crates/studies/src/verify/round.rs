@@ -4,8 +4,8 @@ use accel_core::{Hit, Ray, Scalar};
 
 pub use super::rays::ray;
 
+use super::metamorphic::MetamorphicPair;
 use super::model::Model;
-use super::twin::Twin;
 
 /// The fewest rays that a round is drawn with, when so many are asked for: few, so that there are
 /// many scenes.
@@ -73,7 +73,7 @@ pub struct Round<S: Scalar> {
     /// What is expected of each.
     pub expected: Vec<Expected>,
     /// The same in other guises, which must not change the answers.
-    pub twins: Vec<Twin<S>>,
+    pub pairs: Vec<MetamorphicPair<S>>,
     /// Brute force is asked for those primitives alone; for all where there is none.
     pub near: Option<Near>,
 }
@@ -81,7 +81,7 @@ pub struct Round<S: Scalar> {
 impl<S: Scalar> Round<S> {
     /// A scene without rays yet.
     pub fn new(model: Model<S>) -> Self {
-        Self { model, rays: Vec::new(), expected: Vec::new(), twins: Vec::new(), near: None }
+        Self { model, rays: Vec::new(), expected: Vec::new(), pairs: Vec::new(), near: None }
     }
 
     /// Adds a ray.

@@ -1,5 +1,5 @@
 //! What rays that cannot hit anything cost: their time over that of normal rays (HARD_CASES R4,
-//! R1). A structure that walks NaN through its cells once took 700 times as long as normal.
+//! R1). A structure that takes NaN through its cells once took 700 times as long as normal.
 
 use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Vector};

@@ -27,7 +27,7 @@ pub struct Watch<'a> {
     deadline: Option<Duration>,
     /// The number of the signal that came; 0: none did.
     signal: Arc<AtomicUsize>,
-    /// A step a round.
+    /// One step per round.
     progress: Progress,
 }
 

@@ -158,7 +158,7 @@ impl Peer for Rtbvh {
 }
 
 impl Rtbvh {
-    /// The nearest hit of candidates; whoever walks is told of each, through the ray.
+    /// The nearest hit of candidates; whoever traverses is told of each, through the ray.
     #[inline(always)]
     fn nearest<'a>(
         &self,

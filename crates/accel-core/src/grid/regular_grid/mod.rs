@@ -1,9 +1,9 @@
-//! What the regular grids share: frame, placement, walk. They differ in where cells are stored.
+//! What the regular grids share: frame, placement, traversal. They differ in where cells are stored.
 //!
 //! `uniform_grid.rs` (an array), `hashed_grid.rs` (a hash table) and `bricked_grid.rs` (blocks)
 //! are this grid over one [`CellStorage`] each, so they have the same cells and do the same work.
 
-mod shaft_walk;
+mod frustum_traversal;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -11,9 +11,9 @@ use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::block_lists::{BlockPlacement, CellRows, DenseRows, block_lists};
 use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::grid::cell_overlap::{Insertion, overlaps};
-use crate::grid::cell_walk::{CellPosition, CellWalk, Traversal};
+use crate::grid::cell_traversal::{CellPosition, CellTraversal, Traversal};
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
-use crate::grid::voxel_walk::GridFrame;
+use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
 use crate::params::Params;
@@ -21,9 +21,9 @@ use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
-use crate::structure::{BuildError, Shape, Structure};
+use crate::structure::{BuildError, Structure, StructureStats};
 use crate::update::{Change, ChangedLists, is_worth_changing};
-use crate::variants::double_walk::DoubleWalk;
+use crate::variants::double_traversal::DoubleTraversal;
 
 /// Where the lists of a grid's cells are kept.
 pub trait CellStorage: Sized + Send + Sync + 'static {
@@ -33,8 +33,8 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     }
     /// Bytes that a reference takes, at most.
     const REFERENCE_BYTES: u64 = 4;
-    /// Whether the walks that are there for comparison are compiled for it.
-    const COMPARES_WALKS: bool = false;
+    /// Whether the traversals that are there for comparison are compiled for it.
+    const COMPARES_TRAVERSALS: bool = false;
 
     /// Stores the lists that `contents` describes.
     ///
@@ -221,7 +221,7 @@ const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
 pub struct RegularGrid<S: Scalar, G> {
     frame: GridFrame<S>,
     storage: G,
-    /// Walks start at the ray's origin even if hits only count from `t_min` on, as in 1999.
+    /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
     from_origin: bool,
     traversal: Traversal,
     /// For [`Traversal::Double`].
@@ -271,29 +271,29 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
         match self.traversal {
             Traversal::TNext => {
-                if let Some(walk) = self.frame.walk_from(ray, t_start) {
-                    visit(walk, &self.storage, sink);
+                if let Some(traversal) = self.frame.traversal_from(ray, t_start) {
+                    visit(traversal, &self.storage, sink);
                 }
             }
             Traversal::DrivingAxis => {
-                if let Some(walk) = self.frame.driving_walk_from(ray, t_start) {
-                    visit(walk, &self.storage, sink);
+                if let Some(traversal) = self.frame.driving_traversal_from(ray, t_start) {
+                    visit(traversal, &self.storage, sink);
                 }
             }
             // the parameter of other grids does not offer what follows
-            Traversal::Accumulate | Traversal::Double if !G::COMPARES_WALKS => {}
+            Traversal::Accumulate | Traversal::Double if !G::COMPARES_TRAVERSALS => {}
             Traversal::Accumulate => {
-                if let Some(walk) = self.frame.accumulating_walk_from(ray, t_start) {
-                    visit(walk, &self.storage, sink);
+                if let Some(traversal) = self.frame.accumulating_traversal_from(ray, t_start) {
+                    visit(traversal, &self.storage, sink);
                 }
             }
             Traversal::Double => {
-                if let Some(walk) = DoubleWalk::from(&self.wide_frame, ray, t_start) {
-                    visit(walk, &self.storage, sink);
+                if let Some(traversal) = DoubleTraversal::from(&self.wide_frame, ray, t_start) {
+                    visit(traversal, &self.storage, sink);
                 }
             }
         }
@@ -303,16 +303,16 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         self.storage.lists(each);
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let cells = self.frame.cells() as u64;
-        Shape {
+        StructureStats {
             inner_cells: 0,
             cells,
             empty_cells: cells - self.storage.occupied_cells(),
             references: self.storage.references(),
             resolution: Some(self.frame.resolution()),
             bytes: self.storage.bytes(),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 
@@ -328,17 +328,17 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 /// Visits cells until nothing closer can follow.
 #[inline(always)]
 fn visit<S: Scalar>(
-    mut walk: impl CellWalk<S>,
+    mut traversal: impl CellTraversal<S>,
     storage: &impl CellStorage,
     sink: &mut impl Sink<S>,
 ) {
     loop {
-        let list = storage.list(&walk);
+        let list = storage.list(&traversal);
         sink.elementary_step(list.is_empty());
         if !list.is_empty() && sink.test(list).is_break() {
             return;
         }
-        if sink.t_max() < walk.t_exit() || !walk.advance() {
+        if sink.t_max() < traversal.t_exit() || !traversal.advance() {
             return;
         }
     }

@@ -1,6 +1,6 @@
 //! Which rays a light buffer answers by its cells.
 
-use super::direction_cube::{Place, place};
+use super::direction_cube::{CubePoint, place};
 use super::margins::Margins;
 use crate::geometry::far_ray;
 use crate::geometry::ray::Ray;
@@ -24,7 +24,7 @@ impl<S: Scalar> Aim<S> {
 
     /// Where a ray starts as seen from its light, or `None` for a ray that does not run there.
     #[inline(always)]
-    pub(super) fn place(&self, ray: &Ray<S>, light: Vec3<S>) -> Option<Place<S>> {
+    pub(super) fn place(&self, ray: &Ray<S>, light: Vec3<S>) -> Option<CubePoint<S>> {
         let from_light = ray.origin - light;
         let place = place(from_light);
         // NaN fails every one of these

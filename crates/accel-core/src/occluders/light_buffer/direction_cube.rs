@@ -14,7 +14,7 @@ pub(super) const FACES: usize = 6;
 
 /// Where a direction meets the cube.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place<S> {
+pub(super) struct CubePoint<S> {
     /// The face.
     pub(super) face: usize,
     /// u and v.
@@ -25,7 +25,7 @@ pub(super) struct Place<S> {
 
 /// Where `v` meets the cube; u and v are NaN for a zero vector.
 #[inline(always)]
-pub(super) fn place<S: Scalar>(v: Vec3<S>) -> Place<S> {
+pub(super) fn place<S: Scalar>(v: Vec3<S>) -> CubePoint<S> {
     let [x, y, z] = v.to_array();
     let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
     let (axis, along, across) = if ax >= ay && ax >= az {
@@ -38,7 +38,7 @@ pub(super) fn place<S: Scalar>(v: Vec3<S>) -> Place<S> {
     let depth = along.abs();
     let inverse = S::ONE / depth;
     let face = axis * 2 + usize::from(along < S::ZERO);
-    Place { face, at: [across[0] * inverse, across[1] * inverse], depth }
+    CubePoint { face, at: [across[0] * inverse, across[1] * inverse], depth }
 }
 
 /// `v` in the frame of a face: x and y along u and v, z along the axis.

@@ -47,7 +47,7 @@ pub(super) const LEVEL_BITS: u32 = 2;
 pub(super) struct Face<S> {
     low: [S; 2],
     scale: [S; 2],
-    /// Spots of finest cells a side; 0 for a face that shows nothing.
+    /// Spots of finest cells per side; 0 for a face that shows nothing.
     side: S,
     /// The first cell of the coarse grid.
     pub(super) first: u32,
@@ -75,7 +75,7 @@ impl<S: Scalar> Face<S> {
         Self { low: zero, scale: zero, side: S::ZERO, first: 0, shift: 0, bits: 0 }
     }
 
-    /// A face over a rectangle, with 2 to the power of the first of `bits` finest cells a side,
+    /// A face over a rectangle, with 2 to the power of the first of `bits` finest cells per side,
     /// and of the second a coarse grid that begins at the cell `first`. Also where it begins and
     /// the extent of a finest cell, in f64.
     pub(super) fn over(

@@ -7,6 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
+use crate::occluders::light_buffer::batches::{BATCH, Batch, Shown};
 use crate::occluders::light_buffer::bodies::{Bodies, Sight};
 use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::face_tree::{Cells, DIVIDED, END, Face, LONG};
@@ -14,7 +15,6 @@ use crate::occluders::light_buffer::facing::Facing;
 use crate::occluders::light_buffer::filling::{Limits, fill_face};
 use crate::occluders::light_buffer::footprint::{Projection, Seen};
 use crate::occluders::light_buffer::margins::Margins;
-use crate::occluders::light_buffer::sheets::{SHEET, Sheet, Shown};
 use crate::primitives::Ball;
 
 /// The six faces around a light.
@@ -26,12 +26,12 @@ pub(super) fn faces<S: Scalar>(
     out: &mut Cells<S>,
 ) -> [Face<S>; FACES] {
     let mut shown: [Shown; FACES] = std::array::from_fn(|_| Shown::default());
-    let sheets: Vec<[Sheet; FACES]> = (0..bodies.bodies.len().div_ceil(SHEET))
+    let batches: Vec<[Batch; FACES]> = (0..bodies.bodies.len().div_ceil(BATCH))
         .into_par_iter()
-        .map(|i| sheets(bodies, light, i * SHEET, margins))
+        .map(|i| batches(bodies, light, i * BATCH, margins))
         .collect();
-    for six in sheets {
-        shown.iter_mut().zip(six).for_each(|(all, sheet)| all.push(sheet));
+    for six in batches {
+        shown.iter_mut().zip(six).for_each(|(all, batch)| all.push(batch));
     }
     let mut face = 0;
     shown.map(|shown| {
@@ -41,15 +41,15 @@ pub(super) fn faces<S: Scalar>(
     })
 }
 
-/// What the faces show of [`SHEET`] bodies.
-fn sheets(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [Sheet; FACES] {
-    let mut out: [Sheet; FACES] = std::array::from_fn(|_| Sheet::default());
+/// What the faces show of [`BATCH`] bodies.
+fn batches(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [Batch; FACES] {
+    let mut out: [Batch; FACES] = std::array::from_fn(|_| Batch::default());
     let (mut seen, mut normals) = (Seen::default(), Vec::new());
-    let run = bodies.bodies.iter().enumerate().skip(first).take(SHEET);
+    let run = bodies.bodies.iter().enumerate().skip(first).take(BATCH);
     for (i, body) in run {
         let own = bodies.own(i);
         let extent = Extent::of(own, light);
-        for (face, sheet) in out.iter_mut().enumerate() {
+        for (face, batch) in out.iter_mut().enumerate() {
             if !extent.may_show(face) {
                 continue;
             }
@@ -58,14 +58,14 @@ fn sheets(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [Sh
             seen.balls.extend(own.iter().map(|b| sight.local(b)));
             seen.is_outline = body.is_outline;
             let mut projection =
-                Projection { margins, sides: &mut sheet.sides, normals: &mut normals };
+                Projection { margins, sides: &mut batch.sides, normals: &mut normals };
             let Some(mut footprint) = projection.of(body.id, &seen) else { continue };
             footprint.body = i as u32;
-            if let Some(plane) = Facing::of(&seen, margins, &mut sheet.edges) {
-                footprint.plane = Some(sheet.planes.len() as u32);
-                sheet.planes.push(plane);
+            if let Some(plane) = Facing::of(&seen, margins, &mut batch.edges) {
+                footprint.plane = Some(batch.planes.len() as u32);
+                batch.planes.push(plane);
             }
-            sheet.footprints.push(footprint);
+            batch.footprints.push(footprint);
         }
     }
     out

@@ -8,6 +8,7 @@ use glam::{DVec2, dvec2};
 use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
+use crate::occluders::light_buffer::batches::Shown;
 use crate::occluders::light_buffer::bodies::Sight;
 use crate::occluders::light_buffer::cell_part::{Clip, SPOT_BITS};
 use crate::occluders::light_buffer::face_tree::{
@@ -15,7 +16,6 @@ use crate::occluders::light_buffer::face_tree::{
 };
 use crate::occluders::light_buffer::layers::Layers;
 use crate::occluders::light_buffer::margins::Margins;
-use crate::occluders::light_buffer::sheets::Shown;
 
 /// Subcells of a cell.
 const FAN: usize = 16;
@@ -34,7 +34,7 @@ const ROWS_AT_ONCE: u32 = 32;
 /// What bounds the work of a build.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// Finest cells a side of a face: 2 to this power, or the one below.
+    /// Finest cells per side of a face: 2 to this power, or the one below.
     pub(super) bits: u32,
     /// Lists longer than this are divided.
     pub(super) divide: usize,
@@ -66,13 +66,13 @@ pub(super) fn fill_face<S: Scalar>(
     let (face, low, step) = Face::over(low, high, margins, [bits + shift, bits], first);
     out.cells.resize(out.cells.len() + (1 << (2 * bits)), 0);
     out.tally.inner += 1;
-    let plan = Plan { shown, sight, limits, margins, low, step, shift, bits };
+    let plan = FillPlan { shown, sight, limits, margins, low, step, shift, bits };
     plan.coarse(first, out);
     face
 }
 
 /// What all cells of a face are made from.
-struct Plan<'a> {
+struct FillPlan<'a> {
     shown: &'a Shown,
     sight: &'a Sight<'a>,
     limits: Limits,
@@ -86,7 +86,7 @@ struct Plan<'a> {
     bits: u32,
 }
 
-impl Plan<'_> {
+impl FillPlan<'_> {
     /// Makes the cells of the coarse grid, whose first is there.
     fn coarse<S: Scalar>(&self, first: u32, out: &mut Cells<S>) {
         let side = 1u32 << self.bits;
@@ -122,9 +122,9 @@ impl Plan<'_> {
     /// all lists.
     fn coarse_lists(&self) -> (Vec<u32>, Vec<u32>) {
         let cells = 1usize << (2 * self.bits);
-        let sheets = 0..self.shown.sheets().len();
+        let batches = 0..self.shown.batches().len();
         let pairs: Vec<Vec<(u32, u32)>> =
-            sheets.into_par_iter().map(|sheet| self.coarse_pairs(sheet)).collect();
+            batches.into_par_iter().map(|batch| self.coarse_pairs(batch)).collect();
         let mut starts = vec![0u32; cells + 1];
         for (cell, _) in pairs.iter().flatten() {
             starts[*cell as usize + 1] += 1;
@@ -144,18 +144,18 @@ impl Plan<'_> {
         (starts, numbers)
     }
 
-    /// The cells of the coarse grid that show a sheet's footprints, with the numbers of these.
-    fn coarse_pairs(&self, sheet: usize) -> Vec<(u32, u32)> {
+    /// The cells of the coarse grid that show a batch's footprints, with the numbers of these.
+    fn coarse_pairs(&self, batch: usize) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
-        for i in 0..self.shown.sheets()[sheet].footprints.len() {
-            let number = Shown::number(sheet, i);
+        for i in 0..self.shown.batches()[batch].footprints.len() {
+            let number = Shown::number(batch, i);
             self.cells_of(number, [0, 0], self.shift, self.bits, |c| pairs.push((c, number)));
         }
         pairs
     }
 
     /// Calls `emit` with each cell of a grid that shows the footprint: one of 2 to the power `bits`
-    /// cells a side, of that size, which starts at `at`, in finest cells.
+    /// cells per side, of that size, which starts at `at`, in finest cells.
     fn cells_of(
         &self,
         number: u32,
@@ -197,7 +197,7 @@ impl Plan<'_> {
 
 /// Makes cells one after the other.
 struct Filling<'a, S> {
-    plan: &'a Plan<'a>,
+    plan: &'a FillPlan<'a>,
     out: Cells<S>,
     clip: Clip,
     layers: Layers,
@@ -205,7 +205,7 @@ struct Filling<'a, S> {
 }
 
 impl<'a, S: Scalar> Filling<'a, S> {
-    fn new(plan: &'a Plan<'a>) -> Self {
+    fn new(plan: &'a FillPlan<'a>) -> Self {
         let (clip, layers) = (Clip::default(), Layers::default());
         Self { plan, out: Cells::new(), clip, layers, entries: Vec::new() }
     }
@@ -213,7 +213,7 @@ impl<'a, S: Scalar> Filling<'a, S> {
     /// Leaves out of a cell's list what is hidden everywhere in it; says from which depth on
     /// everything is.
     fn prune(&mut self, list: &mut Vec<u32>, center: DVec2, half: DVec2) -> Option<f64> {
-        let Plan { limits, margins, .. } = self.plan;
+        let FillPlan { limits, margins, .. } = self.plan;
         if !(limits.cut_off && margins.can_multiply) {
             return None;
         }

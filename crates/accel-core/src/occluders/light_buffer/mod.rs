@@ -13,6 +13,7 @@
 //! is conservative (see `margins.rs`), so that answers are those of every structure.
 
 mod aim;
+mod batches;
 mod bodies;
 mod cell_part;
 mod direction_cube;
@@ -27,7 +28,6 @@ mod layers;
 mod margins;
 mod on_demand;
 mod remainder;
-mod sheets;
 #[cfg(test)]
 mod tests;
 
@@ -51,7 +51,7 @@ use crate::primitives::PrimSet;
 use crate::primitives::PrimsRef;
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::registry::Buildable;
-use crate::structure::{BuildError, Shape, StructureInfo, no_defect};
+use crate::structure::{BuildError, StructureInfo, StructureStats, no_defect};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -63,7 +63,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec {
             name: "resolution",
-            summary: "finest cells a side of a face, at most; auto: 16384, or 1024 on demand",
+            summary: "finest cells per side of a face, at most; auto: 16384, or 1024 on demand",
             default: "auto",
             kind: ParamKind::Choice(&[
                 "16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto",
@@ -176,7 +176,7 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
 /// where each one is there from the start.
 const AUTO_BITS: [u32; 2] = [14, 10];
 
-/// Finest cells a side of a face, as a power of 2.
+/// Finest cells per side of a face, as a power of 2.
 fn resolution_bits(params: &Params) -> u32 {
     match (params.text("resolution"), params.text("fill")) {
         ("auto", "before") => AUTO_BITS[0],
@@ -338,16 +338,16 @@ impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
         work
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let (cells, tally) = (&self.cells, &self.cells.tally);
         let bytes = cells.bytes() + size_of_val(self.cubes.as_slice());
-        Shape {
+        StructureStats {
             inner_cells: tally.inner,
             cells: tally.leaves,
             empty_cells: tally.empty,
             references: tally.references,
             bytes: bytes as u64 + self.remainder.bytes(),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 }

@@ -25,7 +25,7 @@ use crate::primitives::PrimsRef;
 use crate::primitives::{Ball, PrimSet};
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::registry::Buildable;
-use crate::structure::{BuildError, Shape};
+use crate::structure::{BuildError, StructureStats};
 
 /// A light, and the faces of its cube, each one flat grid over what shows the scene.
 struct FlatCube<S: Scalar> {
@@ -44,7 +44,7 @@ pub(super) struct OnDemand<'a, S: Scalar, P> {
 }
 
 impl<'a, S: Buildable, P: PrimSet<S>> OnDemand<'a, S, P> {
-    /// An empty buffer with faces of 2 to the power `bits` cells a side, and its structure.
+    /// An empty buffer with faces of 2 to the power `bits` cells per side, and its structure.
     ///
     /// # Errors
     /// [`BuildError`] of the structure.
@@ -167,15 +167,15 @@ impl<S: Buildable, P: PrimSet<S>> Occluder<S> for OnDemand<'_, S, P> {
         work
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let filled = self.cells.iter().filter(|c| c.load(Ordering::Relaxed) != MISS).count();
         let bytes = size_of_val(self.cells.as_slice()) + size_of_val(self.cubes.as_slice());
-        Shape {
+        StructureStats {
             cells: self.cells.len() as u64,
             empty_cells: (self.cells.len() - filled) as u64,
             references: filled as u64,
             bytes: bytes as u64 + self.remainder.bytes(),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 }

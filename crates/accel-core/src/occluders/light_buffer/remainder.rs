@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use crate::geometry::far_ray::{self, Place};
+use crate::geometry::far_ray::{self, PlacedRay};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -44,7 +44,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
     /// Bytes of what was built.
     pub(super) fn bytes(&self) -> u64 {
         let made = self.made.get().and_then(Option::as_ref);
-        made.map_or(0, |tracer| tracer.shape().bytes)
+        made.map_or(0, |tracer| tracer.stats().bytes)
     }
 
     /// Whether the ray is blocked.
@@ -91,9 +91,9 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
             (0..self.prims.len() as u32).any(|id| blocks(&id))
         };
         match far_ray::place(ray, self.reach) {
-            Place::Near => test(ray),
-            Place::Moved(near, _) => test(&near),
-            Place::Nowhere => false,
+            PlacedRay::Near => test(ray),
+            PlacedRay::Moved(near, _) => test(&near),
+            PlacedRay::Nowhere => false,
         }
     }
 }

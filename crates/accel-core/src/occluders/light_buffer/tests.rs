@@ -292,7 +292,7 @@ fn what_lets_light_pass_blocks_nothing_and_is_not_listed() {
     let set = set.finish();
     let light = dvec3(0.0, 0.0, 4.0);
     let buffer = buffer(&set, &[light], "");
-    assert_eq!(buffer.shape().references, 0);
+    assert_eq!(buffer.stats().references, 0);
     let mut blocked = [true];
     buffer.occlusions(&[shadow_ray(dvec3(0.0, 0.0, -3.0), light, 1e-4)], &[0], &mut blocked);
     assert_eq!(blocked, [false]);
@@ -317,7 +317,7 @@ fn a_buffer_filled_on_demand_remembers_occluders_for_all_threads() {
     let (rays, to) = shadow_rays(&set, &lights, 3000);
     let right = brute_force(&set, &rays);
     let buffer = boxed(&set, &lights, "fill=demand resolution=64");
-    assert_eq!(buffer.shape().references, 0);
+    assert_eq!(buffer.stats().references, 0);
     std::thread::scope(|scope| {
         for _ in 0..4 {
             scope.spawn(|| {
@@ -325,7 +325,7 @@ fn a_buffer_filled_on_demand_remembers_occluders_for_all_threads() {
             });
         }
     });
-    assert!(buffer.shape().references > 0);
+    assert!(buffer.stats().references > 0);
     let count = || buffer.count_occlusions(&rays, &to, &mut vec![false; rays.len()]);
     let none = boxed(&set, &lights, "fill=demand resolution=64");
     let fresh = none.count_occlusions(&rays, &to, &mut vec![false; rays.len()]);

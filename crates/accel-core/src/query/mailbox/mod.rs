@@ -53,7 +53,7 @@ pub const SLOTS_PARAM: ParamSpec = ParamSpec {
     kind: ParamKind::Integer { min: 1, max: 1 << 20 },
 };
 
-/// Whichever mailbox, decided at run time: one type, so that walks are compiled once for all.
+/// Whichever mailbox, decided at run time: one type, so that traversals are compiled once for all.
 pub enum AnyMailbox<'m> {
     /// None.
     None,
@@ -106,7 +106,7 @@ pub enum Setting {
 }
 
 thread_local! {
-    /// One array a thread, whatever it traces: ray numbers go on, so what a tracer before this one
+    /// One array per thread, whatever it traces: ray numbers go on, so what a tracer before this one
     /// left is never taken for its own.
     static ARRAY: RefCell<Stamps<u32>> = RefCell::new(Stamps::dense(0));
 }

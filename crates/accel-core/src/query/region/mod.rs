@@ -1,17 +1,17 @@
 //! The region query: which primitives may a beam or a cone meet?
 //!
 //! Beside the question of a ray, which [`crate::query::tracer::Tracer`] answers, some structures
-//! answer that of a [`Shaft`]: they visit the cells that it meets, near ones first. In f64 only: what
-//! traces shafts computes areas, not crossings.
+//! answer that of a [`Frustum`]: they visit the cells that it meets, near ones first. In f64 only: what
+//! traces frusta computes areas, not crossings.
 //!
-//! Structures that do so implement [`ShaftWalk`] and have a line in
-//! [`crate::structures::gatherers::REGISTRY`].
+//! Structures that do so implement [`FrustumTraversal`] and have a line in
+//! [`crate::structures::frustum_queries::REGISTRY`].
 
-mod gatherer;
-mod shaft;
-mod shaft_walk;
+mod frustum;
+mod frustum_queries;
+mod frustum_traversal;
 
-pub(crate) use gatherer::BoundGatherer;
-pub use gatherer::{Gathered, Gatherer, Work};
-pub use shaft::{Across, Shaft};
-pub use shaft_walk::ShaftWalk;
+pub use frustum::{Across, Frustum};
+pub(crate) use frustum_queries::BoundFrustumQueries;
+pub use frustum_queries::{Candidates, FrustumQueries, FrustumWork};
+pub use frustum_traversal::FrustumTraversal;

@@ -1,5 +1,5 @@
 //! A structure with its primitives: what is timed is compiled for each structure, kind of primitive
-//! and query; what counts walks with one [`ErasedSink`].
+//! and query; what counts traverses with one [`ErasedSink`].
 
 use std::ops::Deref;
 
@@ -19,7 +19,7 @@ use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
 use crate::query::way::Way;
-use crate::structure::{Batches, Shape, Structure};
+use crate::structure::{Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
 
 /// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
@@ -95,7 +95,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
             let mut sink =
                 ClosestHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
-            self.structure.walk(ray, &mut sink);
+            self.structure.traverse(ray, &mut sink);
             sink.finish().0
         });
     }
@@ -105,7 +105,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
             let query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
             let mut sink = BlockSink::new(blocks, query);
-            self.structure.walk(ray, &mut sink);
+            self.structure.traverse(ray, &mut sink);
             sink.into_query().finish().0
         });
     }
@@ -116,7 +116,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
             *blocked = near(self.reach, ray, false, |ray, _| {
                 let query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
                 let mut sink = BlockSink::new(blocks, query);
-                self.structure.walk(ray, &mut sink);
+                self.structure.traverse(ray, &mut sink);
                 sink.into_query().finish().0
             });
         }
@@ -134,8 +134,9 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     }
 
     fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
-        let walk = |ray: &Ray<S>, mut sink: ErasedSink<'_, S>| self.structure.walk(ray, &mut sink);
-        pass(Counting { prims: &*self.prims, reach: self.reach, walk: &walk })
+        let traversal =
+            |ray: &Ray<S>, mut sink: ErasedSink<'_, S>| self.structure.traverse(ray, &mut sink);
+        pass(Counting { prims: &*self.prims, reach: self.reach, traversal: &traversal })
     }
 
     #[inline(always)]
@@ -150,7 +151,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
                 let mailbox = mailboxes.next_ray();
                 let mut sink =
                     AnyHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
-                self.structure.walk(ray, &mut sink);
+                self.structure.traverse(ray, &mut sink);
                 sink.finish().0
             });
         }
@@ -181,10 +182,10 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         self.structure.cells(each)
     }
 
-    fn whole_shape(&self) -> Shape {
-        let shape = self.structure.shape();
+    fn whole_shape(&self) -> StructureStats {
+        let stats = self.structure.stats();
         let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
-        Shape { bytes: shape.bytes + self.mailbox.bytes() + blocks, ..shape }
+        StructureStats { bytes: stats.bytes + self.mailbox.bytes() + blocks, ..stats }
     }
 }
 
@@ -250,7 +251,7 @@ where
         self.count_all_occlusions(rays, rule, answers)
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         self.whole_shape()
     }
 

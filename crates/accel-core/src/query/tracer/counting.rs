@@ -1,4 +1,4 @@
-//! The counting pass. It reaches the structure through one dynamic call a ray and walks with the one
+//! The counting pass. It reaches the structure through one dynamic call per ray and traverses with the one
 //! [`ErasedSink`], so that it is compiled once for each kind of primitive, not for each structure.
 
 use super::nearby::{closest, near};
@@ -12,14 +12,14 @@ use crate::query::mailbox::{AnyMailbox, MailboxSource};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
 use crate::query::way::{Recorder, Way};
 
-/// A structure's walk with the primitives it was built over.
+/// A structure's traversal with the primitives it was built over.
 pub(super) struct Counting<'a, S: Scalar, P> {
     /// The primitives.
     pub prims: &'a P,
     /// How far origins may be; see [`crate::geometry::far_ray`].
     pub reach: S,
-    /// The structure's walk.
-    pub walk: &'a dyn Fn(&Ray<S>, ErasedSink<'_, S>),
+    /// The structure's traversal.
+    pub traversal: &'a dyn Fn(&Ray<S>, ErasedSink<'_, S>),
 }
 
 impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
@@ -34,7 +34,7 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
         closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
             let mut sink =
                 ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox);
-            (self.walk)(ray, ErasedSink::new(&mut sink));
+            (self.traversal)(ray, ErasedSink::new(&mut sink));
             let (hit, counters) = sink.finish();
             total += counters;
             hit
@@ -54,7 +54,7 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
                 let mut recorder = Recorder::new(
                     ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox),
                 );
-                (self.walk)(ray, ErasedSink::new(&mut recorder));
+                (self.traversal)(ray, ErasedSink::new(&mut recorder));
                 let hit;
                 (steps, hit, total) = recorder.finish();
                 hit
@@ -96,19 +96,19 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
                     ray,
                     mailbox.next_ray(),
                 );
-                (self.walk)(ray, ErasedSink::new(&mut sink));
+                (self.traversal)(ray, ErasedSink::new(&mut sink));
                 let (blocked, counters) = sink.finish();
                 (ShadowCount { blocked, glass: 0 }, counters)
             }
             ShadowRule::Historical => {
                 let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                (self.walk)(ray, ErasedSink::new(&mut sink));
+                (self.traversal)(ray, ErasedSink::new(&mut sink));
                 let (blocked, glass, counters) = sink.finish();
                 (ShadowCount { blocked, glass: glass as u32 }, counters)
             }
             ShadowRule::HistoricalInCell => {
                 let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                (self.walk)(ray, ErasedSink::new(&mut sink));
+                (self.traversal)(ray, ErasedSink::new(&mut sink));
                 let (hit, counters) = sink.finish();
                 let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
                 let blocked = hit.is_hit() && !glass;

@@ -1,7 +1,7 @@
 //! Tracing a set whose primitives move.
 //!
-//! A structure has one walk for what counts, with the one [`ErasedSink`], and one for what is timed, with the one
-//! [`RelayedSink`]: motion costs no structure a walk for each query and mailbox. Scenes at rest are traced by
+//! A structure has one traversal for what counts, with the one [`ErasedSink`], and one for what is timed, with the one
+//! [`RelayedSink`]: motion costs no structure a traversal for each query and mailbox. Scenes at rest are traced by
 //! [`Bound`](super::Bound) as ever.
 
 use std::ops::Deref;
@@ -18,10 +18,10 @@ use crate::query::counters::WorkCounters;
 use crate::query::mailbox::{NoMailbox, Setting};
 use crate::query::sink::{ErasedSink, RelayedSink};
 use crate::query::way::Way;
-use crate::structure::{Shape, Structure};
+use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
 
-/// Structures over a set in motion, one a segment of time. `H` holds the primitives, as in
+/// Structures over a set in motion, one per segment of time. `H` holds the primitives, as in
 /// [`Bound`](super::Bound).
 pub struct BoundInMotion<'a, S: Scalar, H, T> {
     prims: H,
@@ -40,14 +40,21 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>>
     }
 
     fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
-        let walk = |ray: &Ray<S>, sink: ErasedSink<'_, S>| self.segments.counted_walk(ray, sink);
-        pass(Counting { prims: &*self.prims, reach: self.reach, walk: &walk })
+        let traversal =
+            |ray: &Ray<S>, sink: ErasedSink<'_, S>| self.segments.counted_traversal(ray, sink);
+        pass(Counting { prims: &*self.prims, reach: self.reach, traversal: &traversal })
     }
 
     fn timing<R>(&self, pass: impl FnOnce(Timing<'_, S, P>) -> R) -> R {
-        let walk = |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_walk(ray, sink);
+        let traversal =
+            |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_traversal(ray, sink);
         let blocks = |ray: &Ray<S>| self.segments.blocks(ray);
-        pass(Timing { prims: &*self.prims, reach: self.reach, walk: &walk, blocks: &blocks })
+        pass(Timing {
+            prims: &*self.prims,
+            reach: self.reach,
+            traversal: &traversal,
+            blocks: &blocks,
+        })
     }
 
     fn has_no_mailbox(&self) -> bool {
@@ -93,9 +100,9 @@ where
         })
     }
 
-    fn shape(&self) -> Shape {
-        let shape = self.segments.shape();
-        Shape { bytes: shape.bytes + self.mailbox.bytes(), ..shape }
+    fn stats(&self) -> StructureStats {
+        let stats = self.segments.stats();
+        StructureStats { bytes: stats.bytes + self.mailbox.bytes(), ..stats }
     }
 
     /// Those of each segment, one after the other.

@@ -19,7 +19,7 @@ use crate::geometry::scalar::Scalar;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
 use crate::query::way::Way;
-use crate::structure::{Batches, Shape};
+use crate::structure::{Batches, StructureStats};
 
 /// What a shadow ray of the counting pass does; the historical rules are explained in
 /// `results/published/README.md`.
@@ -39,7 +39,7 @@ pub enum ShadowRule {
 pub struct ShadowCount {
     /// An opaque primitive is in the way.
     pub blocked: bool,
-    /// Distinct transmissive primitives hit before the walk ended.
+    /// Distinct transmissive primitives hit before the traversal ended.
     pub glass: u32,
 }
 
@@ -61,7 +61,7 @@ pub trait Tracer<S: Scalar>: Send + Sync {
         answers: &mut [ShadowCount],
     ) -> WorkCounters;
     /// What was built.
-    fn shape(&self) -> Shape;
+    fn stats(&self) -> StructureStats;
     /// The structure's cells: [`crate::structure::Structure::cells`].
     ///
     /// # Errors
@@ -72,7 +72,7 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     /// [`Tracer::count_closest_hits`] of one ray, step by step.
     ///
     /// # Errors
-    /// [`NoCells`] for tracers that are not walked with a sink.
+    /// [`NoCells`] for tracers that are not traversed with a sink.
     fn way(&self, _ray: &Ray<S>) -> Result<Way<S>, NoCells> {
         Err(NoCells::UNTOLD)
     }

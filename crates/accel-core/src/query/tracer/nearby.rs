@@ -1,6 +1,6 @@
 //! Rays that begin far away are brought near before a structure sees them.
 
-use crate::geometry::far_ray::{self, Parameters, Place};
+use crate::geometry::far_ray::{self, Parameters, PlacedRay};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::mailbox::MailboxSource;
@@ -15,12 +15,12 @@ pub(crate) fn near<S: Scalar, R>(
 ) -> R {
     let moved;
     let (near, parameters) = match far_ray::place(ray, reach) {
-        Place::Near => (ray, Parameters::SAME),
-        Place::Moved(near, parameters) => {
+        PlacedRay::Near => (ray, Parameters::SAME),
+        PlacedRay::Moved(near, parameters) => {
             moved = near;
             (&moved, parameters)
         }
-        Place::Nowhere => return nowhere,
+        PlacedRay::Nowhere => return nowhere,
     };
     query(near, parameters)
 }

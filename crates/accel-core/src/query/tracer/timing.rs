@@ -1,4 +1,4 @@
-//! The timed pass of a set that moves. It reaches the structure through one dynamic call a ray and walks with the
+//! The timed pass of a set that moves. It reaches the structure through one dynamic call per ray and traverses with the
 //! one [`RelayedSink`], so that it is compiled once for each kind of primitive, not for each structure.
 
 use super::nearby::{closest, near};
@@ -10,14 +10,14 @@ use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::MailboxSource;
 use crate::query::sink::{AnyHit, ClosestHit, RelayedSink, Sink};
 
-/// A structure's walk with the primitives it was built over.
+/// A structure's traversal with the primitives it was built over.
 pub(super) struct Timing<'a, S: Scalar, P> {
     /// The primitives.
     pub prims: &'a P,
     /// How far origins may be; see [`crate::geometry::far_ray`].
     pub reach: S,
-    /// The structure's walk.
-    pub walk: &'a dyn Fn(&Ray<S>, RelayedSink<'_, S>),
+    /// The structure's traversal.
+    pub traversal: &'a dyn Fn(&Ray<S>, RelayedSink<'_, S>),
     /// The blocks of its lists, where it has some.
     pub blocks: &'a dyn Fn(&Ray<S>) -> Option<&'a ListBlocks<S>>,
 }
@@ -32,7 +32,7 @@ impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
     ) {
         closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
             let query = ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-            self.walked(ray, query).finish().0
+            self.traversed(ray, query).finish().0
         });
     }
 
@@ -47,22 +47,22 @@ impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
             *blocked = near(self.reach, ray, false, |ray, _| {
                 let mailbox = mailboxes.next_ray();
                 let query = AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-                self.walked(ray, query).finish().0
+                self.traversed(ray, query).finish().0
             });
         }
     }
 
-    /// The query after the walk.
+    /// The query after the traversal.
     #[inline(always)]
-    fn walked<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
+    fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
         match (self.blocks)(ray) {
             Some(blocks) => {
                 let mut query = BlockSink::new(blocks, query);
-                (self.walk)(ray, RelayedSink::new(&mut query));
+                (self.traversal)(ray, RelayedSink::new(&mut query));
                 query.into_query()
             }
             None => {
-                (self.walk)(ray, RelayedSink::new(&mut query));
+                (self.traversal)(ray, RelayedSink::new(&mut query));
                 query
             }
         }

@@ -20,9 +20,9 @@ pub(super) enum Candidate {
 }
 
 /// # Safety
-/// `context` is that of `query::walk`.
+/// `context` is that of `query::traverse`.
 unsafe fn ask(context: *mut Context, candidate: Candidate) -> f32 {
-    // SAFETY: `query::walk` passes a `QueryContext`, whose first field is the context
+    // SAFETY: `query::traverse` passes a `QueryContext`, whose first field is the context
     unsafe {
         let context = &*context.cast::<QueryContext>();
         (context.test)(context.query, candidate)
@@ -32,7 +32,7 @@ unsafe fn ask(context: *mut Context, candidate: Candidate) -> f32 {
 /// Callback: a primitive whose box is met by a ray that looks for the closest hit.
 ///
 /// # Safety
-/// Called by the library during `query::walk`.
+/// Called by the library during `query::traverse`.
 pub(super) unsafe extern "C" fn test_primitive(arguments: *const PrimitiveArguments) {
     // SAFETY: the library passes valid pointers; the ray is the first part of what `ray` points to
     unsafe {
@@ -46,7 +46,7 @@ pub(super) unsafe extern "C" fn test_primitive(arguments: *const PrimitiveArgume
 /// Callback: the same for an occlusion query; minus infinity as the end says "occluded".
 ///
 /// # Safety
-/// Called by the library during `query::walk`.
+/// Called by the library during `query::traverse`.
 pub(super) unsafe extern "C" fn occluded_primitive(arguments: *const PrimitiveArguments) {
     // SAFETY: as above
     unsafe {
@@ -62,7 +62,7 @@ pub(super) unsafe extern "C" fn occluded_primitive(arguments: *const PrimitiveAr
 /// test finds it too, and if no light passes it.
 ///
 /// # Safety
-/// Called by the library during `query::walk`.
+/// Called by the library during `query::traverse`.
 pub(super) unsafe extern "C" fn test_triangle(arguments: *const FilterArguments) {
     // SAFETY: the library passes valid pointers to one ray and its hit
     unsafe {

@@ -29,7 +29,7 @@ use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
+use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::box_ray::RaySetup;
 use crate::structures::obvhs::direct::is_served;
 use crate::structures::obvhs::items::{Padding, boxes};
@@ -122,8 +122,8 @@ impl<S: Scalar> Structure<S> for Embree<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        query::walk(&self.0, ray, sink);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        query::traverse(&self.0, ray, sink);
     }
 
     #[inline(always)]
@@ -145,11 +145,11 @@ impl<S: Scalar> Structure<S> for Embree<S> {
         direct::occlusions(&self.0, rays, blocked);
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let references =
             (self.0.triangle_ids.len() + self.0.glass_ids.len() + self.0.boxed_ids.len()) as u64;
         let bytes = self.0.library.bytes() + references * 4;
-        Shape { references, bytes, ..Shape::default() }
+        StructureStats { references, bytes, ..StructureStats::default() }
     }
 
     fn cells(&self, _: &mut CellVisitor<'_>) -> Result<(), NoCells> {
@@ -193,7 +193,7 @@ mod tests {
         let entry = find(name).unwrap();
         let params = entry.params(settings.iter().copied()).unwrap();
         let tracer = entry.build(PrimsRef::Watertight(set), &params).unwrap();
-        assert!(name != "embree" || tracer.shape().bytes > 36 * set.len() as u64);
+        assert!(name != "embree" || tracer.stats().bytes > 36 * set.len() as u64);
         closest_hits(&*tracer, &rays).into_iter().zip(occlusions(&*tracer, &rays)).collect()
     }
 

@@ -44,7 +44,7 @@ unsafe fn test<S: Scalar, K: Sink<S>>(query: *mut (), candidate: Candidate) -> f
 
 /// Asks the library for the candidates of a ray and the sink for the answers.
 #[inline(always)]
-pub(super) fn walk<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, sink: &mut K) {
+pub(super) fn traverse<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>, sink: &mut K) {
     let start = structure.setup.ray(ray, Length::Unit);
     let t_near = if structure.is_native { start.parameters.start(ray.t_min) } else { 0.0 };
     let mut asked = ffi::RayHit {

@@ -24,7 +24,7 @@ use crate::primitives::instances::{self, Copied};
 use crate::primitives::{Instance, PrimSet};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
-use crate::structure::{BuildError, Shape, Structure};
+use crate::structure::{BuildError, Structure, StructureStats};
 use crate::update::{Change, is_by_instances};
 use frames::{FirstCopy, Frames, ROOM_FOR_FRAMES};
 use object::{Boxes, Copy, Members, Object, margin, padding_of};
@@ -84,8 +84,12 @@ fn plan<S: Scalar, P: PrimSet<S>>(
 
 impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
     #[inline(never)]
-    fn walk_erased<const COUNTED: bool>(&self, ray: &Ray<S>, query: ErasedSink<'_, S, COUNTED>) {
-        self.upper.walk(ray, &mut Upper::new(&self.copies, &self.objects, ray, query));
+    fn traverse_erased<const COUNTED: bool>(
+        &self,
+        ray: &Ray<S>,
+        query: ErasedSink<'_, S, COUNTED>,
+    ) {
+        self.upper.traverse(ray, &mut Upper::new(&self.copies, &self.objects, ray, query));
     }
 }
 
@@ -167,25 +171,25 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         match K::COUNTING {
-            true => self.walk_erased::<true>(ray, ErasedSink::new(sink)),
-            false => self.walk_erased::<false>(ray, ErasedSink::new(sink)),
+            true => self.traverse_erased::<true>(ray, ErasedSink::new(sink)),
+            false => self.traverse_erased::<false>(ray, ErasedSink::new(sink)),
         }
     }
 
     /// N_IN holds all cells of the upper structure. An object's cells count once, however often it stands.
-    fn shape(&self) -> Shape {
-        let upper = self.upper.shape();
-        let mut all = Shape {
+    fn stats(&self) -> StructureStats {
+        let upper = self.upper.stats();
+        let mut all = StructureStats {
             inner_cells: upper.inner_cells + upper.cells,
             bytes: upper.bytes
                 + size_of_val(self.copies.as_slice()) as u64
                 + self.frames.as_ref().map_or(0, Frames::bytes),
-            ..Shape::default()
+            ..StructureStats::default()
         };
         for object in &self.objects {
-            let own = object.structure.shape();
+            let own = object.structure.stats();
             all.inner_cells += own.inner_cells;
             all.cells += own.cells;
             all.empty_cells += own.empty_cells;

@@ -59,7 +59,7 @@ impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T
             is_over: false,
         };
         match copy.carried(self.ray) {
-            Some(ray) => object.structure.walk(&ray, &mut query),
+            Some(ray) => object.structure.traverse(&ray, &mut query),
             // too long or too short there: nothing is left out
             None => {
                 let _ = (0..object.count).try_for_each(|own| query.test(&[own]));

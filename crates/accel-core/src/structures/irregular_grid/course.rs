@@ -12,10 +12,10 @@ use crate::structures::irregular_grid::voxels::{Point, Voxel};
 
 /// Where a grid's lattice lies.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place<S: Scalar> {
+pub(super) struct LatticeFrame<S: Scalar> {
     low: FourOf<S>,
-    /// Lattice cells a unit of length.
-    a_length: FourOf<S>,
+    /// Lattice cells per unit of length.
+    per_length: FourOf<S>,
     /// Lattice cells less one.
     last: Point,
     last_coordinate: FourOf<S>,
@@ -23,12 +23,12 @@ pub(super) struct Place<S: Scalar> {
     size: FourOf<S>,
 }
 
-impl<S: Scalar> Place<S> {
-    pub(super) fn new(low: crate::Vec3<S>, a_length: [S; 3], resolution: [u32; 3]) -> Self {
+impl<S: Scalar> LatticeFrame<S> {
+    pub(super) fn new(low: crate::Vec3<S>, per_length: [S; 3], resolution: [u32; 3]) -> Self {
         let last = i32x4::new(with_zero(resolution.map(|n| n as i32 - 1), 0));
         Self {
             low: four(low.to_array()),
-            a_length: four(a_length),
+            per_length: four(per_length),
             last,
             last_coordinate: FourOf::<S>::from_i32(last),
             size: FourOf::<S>::from_i32(last + i32x4::splat(1)),
@@ -80,11 +80,11 @@ impl<S: Scalar> Course<S> {
     /// The course of a ray and the lattice point where it enters, or starts; `None` when it passes
     /// by.
     #[inline(always)]
-    pub(super) fn of(ray: &Ray<S>, place: &Place<S>) -> Option<(Self, Point)> {
+    pub(super) fn of(ray: &Ray<S>, place: &LatticeFrame<S>) -> Option<(Self, Point)> {
         let splat = FourOf::<S>::splat;
         let (zero, infinity) = (splat(S::ZERO), splat(S::INFINITY));
-        let origin = (four::<S>(ray.origin.to_array()) - place.low) * place.a_length;
-        let direction = four::<S>(ray.direction.to_array()) * place.a_length;
+        let origin = (four::<S>(ray.origin.to_array()) - place.low) * place.per_length;
+        let direction = four::<S>(ray.direction.to_array()) * place.per_length;
         let inverse = splat(S::ONE) / direction;
         // not where it is too small to divide by, nor in the fourth lane: there every plane is at
         // infinity, and no point moves
@@ -117,7 +117,13 @@ impl<S: Scalar> Course<S> {
     /// Goes on to the point where the ray leaves a voxel's box. False when that lies outside of the
     /// lattice or beyond `t_max`; the point has no meaning then. Without branches.
     #[inline(always)]
-    pub(super) fn leave(&self, at: &mut Point, voxel: &Voxel, t_max: S, place: &Place<S>) -> bool {
+    pub(super) fn leave(
+        &self,
+        at: &mut Point,
+        voxel: &Voxel,
+        t_max: S,
+        place: &LatticeFrame<S>,
+    ) -> bool {
         let planes = voxel.pick(self.far);
         let exits = (FourOf::<S>::from_i32(planes) - self.origin) * self.inverse;
         let [x, y, z, _] = exits.to_array();

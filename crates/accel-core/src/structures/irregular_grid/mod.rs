@@ -46,15 +46,15 @@ use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::too_many;
-use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo, no_defect};
+use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use cells::{FIRST_PART, TooLarge};
-use course::{Course, Place};
+use course::{Course, LatticeFrame};
 use lattice::Lattice;
 use place::{Placement, Source};
 use subdivide::{Settings, subdivide};
 use voxels::{Point, Voxel, Voxels};
 
-/// Rays of a batch on their way at once.
+/// Rays of a batch in flight.
 const RAYS: usize = 24;
 
 /// Registry line.
@@ -92,7 +92,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec {
             name: "query",
             summary: "batch keeps 24 rays of a batch in flight; sets with other \
-                      primitives than triangles are walked one ray after the other",
+                      primitives than triangles are traversed one ray after the other",
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),
         },
@@ -140,10 +140,10 @@ const QUALITY: Effort = Effort { longest_list: 32, density: 0.125, most_neighbou
 pub struct IrregularGrid<S: Scalar> {
     voxels: Voxels,
     lists: Lists<S>,
-    place: Place<S>,
-    /// Several rays of a batch are on their way at once.
+    place: LatticeFrame<S>,
+    /// Several rays of a batch are in flight.
     is_batch: bool,
-    shape: Shape,
+    stats: StructureStats,
     /// Where cells are, for those who look at them.
     lattice: Lattice,
 }
@@ -197,30 +197,30 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let mut voxels = Voxels::new(&cells, &lattice);
         expand::expand(&mut cells, &voxels, effort.most_neighbours);
         let empty = cells.cells.iter().filter(|cell| cell.list == 0).count();
-        let mut shape = Shape {
+        let mut stats = StructureStats {
             inner_cells: cells.divided,
             cells: cells.cells.len() as u64,
             empty_cells: empty as u64,
             references: cells.references,
-            ..Shape::default()
+            ..StructureStats::default()
         };
         let lists = lists::of_cells(&mut cells, prims);
         voxels.fill(&cells);
-        shape.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
-        let a_length = lattice.side.map(|side| S::from_f64(1.0 / side));
+        stats.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
+        let per_length = lattice.side.map(|side| S::from_f64(1.0 / side));
         Ok(Self {
             voxels,
             lists,
-            place: Place::new(boxes.scene().min, a_length, lattice.resolution()),
+            place: LatticeFrame::new(boxes.scene().min, per_length, lattice.resolution()),
             is_batch: params.text("query") == "batch",
-            shape,
+            stats,
             lattice,
         })
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        in_flight::walk(self, ray, sink);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        in_flight::traverse(self, ray, sink);
     }
 
     #[inline(always)]
@@ -250,8 +250,8 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
     }
 
-    fn shape(&self) -> Shape {
-        self.shape
+    fn stats(&self) -> StructureStats {
+        self.stats
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {

@@ -268,9 +268,9 @@ impl<'a> Worker<'a> {
             self.shared.placement.lattice.side[k] * f64::from(1u32 << levels[k])
         });
         let volume: f64 = size.iter().product();
-        let a_length = (self.shared.settings.density * n as f64 / volume).cbrt();
+        let per_length = (self.shared.settings.density * n as f64 / volume).cbrt();
         let shift: [u32; 3] = std::array::from_fn(|k| {
-            let log = (size[k] * a_length).log2().round().clamp(0.0, 3.0);
+            let log = (size[k] * per_length).log2().round().clamp(0.0, 3.0);
             levels[k].saturating_sub(log as u32)
         });
         let parts = std::array::from_fn(|k| 1 << (levels[k] - shift[k]));

@@ -1,4 +1,4 @@
-//! The hierarchy: built from the top by median cuts, walked nearest entry first.
+//! The hierarchy: built from the top by median cuts, traversed nearest entry first.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
@@ -7,7 +7,7 @@ use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Shape};
+use crate::structure::{BuildError, StructureStats};
 use crate::structures::bounding_volumes::check_cells;
 use crate::structures::bounding_volumes::median_cut::Centres;
 use crate::structures::bounding_volumes::slabs::Slabs;
@@ -68,7 +68,7 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
 
     /// Visits the volumes in the order in which the ray enters them, until the next one is entered
     /// beyond the nearest hit.
-    pub(super) fn walk<T: Sink<S>>(&self, ray: &Ray<S>, sink: &mut T) {
+    pub(super) fn traverse<T: Sink<S>>(&self, ray: &Ray<S>, sink: &mut T) {
         let setup = Slabs::<S, K>::setup(ray);
         let mut queue = EntryQueue::new();
         let enter = |number: u32, node: &Node<S, K>, queue: &mut EntryQueue<S>, t_max: S| {
@@ -125,16 +125,16 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
     }
 
     /// What was built.
-    pub(super) fn shape(&self) -> Shape {
+    pub(super) fn stats(&self) -> StructureStats {
         let inner = |node: &&Node<S, K>| matches!(node.content, Content::Inner { .. });
         let inner_cells = self.nodes.iter().filter(inner).count() as u64;
         let bytes = size_of_val(self.nodes.as_slice()) + size_of_val(self.ids.as_slice());
-        Shape {
+        StructureStats {
             inner_cells,
             cells: self.nodes.len() as u64 - inner_cells,
             references: self.ids.len() as u64,
             bytes: bytes as u64,
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 }

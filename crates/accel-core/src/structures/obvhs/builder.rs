@@ -1,5 +1,5 @@
 //! Builds obvhs's trees in the steps of its own `build_bvh2` and `build_cwbvh`, so that each scene
-//! gets one that its traversal can walk.
+//! gets one that its traversal can take.
 //!
 //! Its agglomeration joins pairs that choose each other. Of boxes that lie one within the other only
 //! the innermost two do: so many passes are needed as there are boxes, the build is quadratic, and the
@@ -27,7 +27,7 @@ use obvhs::ploc::morton::morton_encode_u64_unorm;
 /// Levels of a binary tree that obvhs's smallest stack has room for.
 const LEVELS: u32 = DEFAULT_MAX_STACK_DEPTH as u32;
 
-/// Levels of an eight-wide tree: obvhs's stack holds one entry a level and is not checked by it.
+/// Levels of an eight-wide tree: obvhs's stack holds one entry per level and is not checked by it.
 pub(crate) const WIDE_LEVELS: u32 = 31;
 
 /// Levels of a binary tree up to which its conversion, which is recursive, is let run.
@@ -104,14 +104,14 @@ pub(crate) fn widened(
     }
 }
 
-/// The binary tree of a preset before leaves are joined: one box a leaf.
+/// The binary tree of a preset before leaves are joined: one box per leaf.
 pub(crate) fn reinserted(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
     let mut bvh = agglomerated(boxes, params, robust);
     ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
     bvh
 }
 
-/// A binary tree with one box a leaf; if `robust`, of at most [`LEVELS`] levels.
+/// A binary tree with one box per leaf; if `robust`, of at most [`LEVELS`] levels.
 fn agglomerated(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
     if robust && is_nested(boxes) {
         return halved(boxes);
@@ -179,7 +179,7 @@ fn is_nested(boxes: &[Aabb]) -> bool {
     current.len() > 1
 }
 
-/// A balanced tree with one box a leaf.
+/// A balanced tree with one box per leaf.
 fn halved(boxes: &[Aabb]) -> Bvh2 {
     let mut bvh = Bvh2::default();
     bvh.reset_for_reuse(boxes.len(), Some((0..boxes.len() as u32).collect()));

@@ -17,7 +17,7 @@ use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
+use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{
     ADAPTER, ALSO_TESTED, DEVIATIONS, KERNEL, PRESET, VARIANTS, build_params, known_defect,
 };
@@ -106,7 +106,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let mut start = self.setup.ray(ray, Length::Unit);
         if self.setup.is_robust() {
             start.ray.tmax = start.parameters.bound(sink.t_max());
@@ -143,7 +143,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         }
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let cells = self.bvh.nodes.iter().filter(|n| n.is_leaf()).count() as u64;
         let ids = self.bvh.primitive_indices.iter();
         let references = match &self.blocks {
@@ -151,7 +151,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
             None => ids.map(|i| self.groups.ids(i).len() as u64).sum(),
         };
         let blocks = self.blocks.as_deref().map_or(0, size_of_val) as u64;
-        Shape {
+        StructureStats {
             inner_cells: self.bvh.nodes.len() as u64 - cells,
             cells,
             empty_cells: 0,
@@ -162,7 +162,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
                 + self.groups.bytes()
                 + blocks
                 + self.direct.as_ref().map_or(0, Direct::bytes),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 
@@ -285,7 +285,7 @@ fn leaf_items(bvh: &Bvh2, leaf: usize) -> &[u32] {
 }
 
 /// Visits nodes in the order obvhs does, reporting inner nodes as well (`None`): only for
-/// counting, so that the timed traversal is the library's own. A test holds both against each
+/// counting, so that the timed traversal is the library's own. A test compares both with each
 /// other. A pair's leaves are tested at once, its inner nodes near one first; a node that waits on
 /// the stack is not tested against the shrunken ray again.
 fn count_nodes(

@@ -17,7 +17,7 @@ use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
+use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{
     ADAPTER, ALSO_TESTED, DEVIATIONS, KERNEL, PRESET, VARIANTS, build_params, known_defect,
 };
@@ -88,15 +88,15 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         match &self.blocks {
-            Some(blocks) => self.walk_with(ray, sink, |state, sink| {
+            Some(blocks) => self.traverse_with(ray, sink, |state, sink| {
                 let first = state.primitive_group.x;
                 let (block, bits) = leaf_blocks::block_of(state.primitive_id, first);
                 state.primitive_group.y &= !bits;
                 sink.test_block(&blocks[block])
             }),
-            None => self.walk_with(ray, sink, |state, sink| {
+            None => self.traverse_with(ray, sink, |state, sink| {
                 let item = &self.bvh.primitive_indices[state.primitive_id as usize];
                 sink.test(self.groups.ids(item))
             }),
@@ -122,7 +122,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         }
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let cells = self
             .bvh
             .nodes
@@ -131,7 +131,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             .filter(|(n, c)| n.is_leaf(*c) && !n.is_child_empty(*c))
             .count();
         let indices = self.bvh.primitive_indices.as_slice();
-        Shape {
+        StructureStats {
             inner_cells: self.bvh.nodes.len() as u64,
             cells: cells as u64,
             empty_cells: 0,
@@ -144,7 +144,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
                 + self.groups.bytes()
                 + self.blocks.as_deref().map_or(0, size_of_val) as u64
                 + self.direct.as_ref().map_or(0, Direct::bytes),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 
@@ -191,9 +191,9 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
 }
 
 impl<S: Scalar> ObvhsCwBvh<S> {
-    /// [`Structure::walk`]; `test` tests the primitive at which the traversal is.
+    /// [`Structure::traverse`]; `test` tests the primitive at which the traversal is.
     #[inline(always)]
-    fn walk_with<K: Sink<S>>(
+    fn traverse_with<K: Sink<S>>(
         &self,
         ray: &Ray<S>,
         sink: &mut K,
@@ -206,7 +206,7 @@ impl<S: Scalar> ObvhsCwBvh<S> {
         let mut ray = start.ray;
         let mut state = self.bvh.new_traversal(ray.direction);
         let mut node;
-        'walk: {
+        'traversal: {
             obvhs::traverse!(
                 self.bvh,
                 node,
@@ -218,7 +218,7 @@ impl<S: Scalar> ObvhsCwBvh<S> {
                 {
                     sink.elementary_step(false);
                     if test(&mut state, sink).is_break() {
-                        break 'walk;
+                        break 'traversal;
                     }
                     ray.tmax = start.parameters.bound(sink.t_max());
                 }

@@ -34,7 +34,7 @@ pub(crate) fn eight_wide(
     widened(agglomerated(triangles, params), params, false)
 }
 
-/// A binary tree with one box a leaf: that of a triangle, or of a part of it.
+/// A binary tree with one box per leaf: that of a triangle, or of a part of it.
 fn agglomerated(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
     let ids = (0..triangles.len() as u32).collect();
     let mut bvh = if params.pre_split {

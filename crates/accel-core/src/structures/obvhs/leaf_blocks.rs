@@ -25,7 +25,7 @@ pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(prims: &P, groups: &Groups, params
     is_wanted && is_few && matches!(groups, Groups::Single) && blocks::serve(prims)
 }
 
-/// Whether memory has room for so many blocks, one a leaf or a node at least.
+/// Whether memory has room for so many blocks, one per leaf or node at least.
 pub(crate) fn fit<S: Scalar>(blocks: usize, params: &Params) -> Result<(), OutOfMemory> {
     params.fits((blocks * size_of::<TriangleBlock<S>>()) as u128)
 }

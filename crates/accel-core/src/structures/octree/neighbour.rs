@@ -9,10 +9,10 @@ use crate::geometry::scalar::Scalar;
 use crate::query::sink::Sink;
 use crate::structures::octree::Octree;
 use crate::structures::octree::cells::{Content, DEEPEST};
-use crate::tree::ray_planes::{Place, RayPlanes};
+use crate::tree::ray_planes::{RayCell, RayPlanes};
 
 impl<S: Scalar> Octree<S> {
-    /// Walks from parameter `t` on, climbing only as far as needed for each next cell.
+    /// Traverses from parameter `t` on, climbing only as far as needed for each next cell.
     #[inline(always)]
     pub(super) fn step_to_neighbours<K: Sink<S>>(
         &self,
@@ -20,7 +20,7 @@ impl<S: Scalar> Octree<S> {
         mut t: S,
         sink: &mut K,
     ) {
-        let mut ancestors = [Place::unset(); DEEPEST + 1];
+        let mut ancestors = [RayCell::unset(); DEEPEST + 1];
         ancestors[0] = ray.root(&self.bounds);
         let scene_exit = ancestors[0].exit();
         let mut depth = 0;

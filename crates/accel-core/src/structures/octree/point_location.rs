@@ -9,7 +9,7 @@ use crate::structures::octree::cells::Content;
 use crate::tree::ray_planes::RayPlanes;
 
 impl<S: Scalar> Octree<S> {
-    /// Walks from parameter `t` on, one search from the root for each cell.
+    /// Traverses from parameter `t` on, one search from the root for each cell.
     #[inline(always)]
     pub(super) fn locate_each<K: Sink<S>>(&self, ray: &RayPlanes<S>, mut t: S, sink: &mut K) {
         let root = ray.root(&self.bounds);

@@ -14,7 +14,7 @@ use crate::structures::octree::cells::Content;
 use crate::tree::ray_planes::RayPlanes;
 
 impl<S: Scalar> Octree<S> {
-    /// Walks what lies between `t_in` and `t_out`.
+    /// Traverses what lies between `t_in` and `t_out`.
     #[inline(always)]
     pub(super) fn descend_from_root<K: Sink<S>>(
         &self,

@@ -8,7 +8,7 @@ use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
-use crate::grid::voxel_walk::GridFrame;
+use crate::grid::voxel_traversal::GridFrame;
 use crate::query::cells::{Cell, CellVisitor};
 use crate::structures::recursive_grid::budget::{Budget, OverLimit};
 
@@ -201,7 +201,7 @@ pub(super) struct Division<S: Scalar> {
     pub(super) by_division: bool,
     /// No voxel is narrower.
     pub(super) narrowest: S,
-    /// By so much the grid of a voxel reaches beyond it on every side; see `voxel_walk.rs`.
+    /// By so much the grid of a voxel reaches beyond it on every side; see `voxel_traversal.rs`.
     pub(super) padding: S,
     pub(super) budget: Budget,
 }
@@ -298,7 +298,7 @@ impl<S: Scalar> Division<S> {
         Ok(Some(entry))
     }
 
-    /// Voxels an axis for `n` references in `bounds`.
+    /// Voxels per axis for `n` references in `bounds`.
     fn resolution(&self, n: usize, bounds: Aabb<S>, density: f64) -> [u32; 3] {
         let size = bounds.size().to_array();
         let wanted = n as f64 * density;

@@ -175,7 +175,7 @@ fn ten_thousand_copies_of_one_triangle() {
     let prims = PrimsRef::Watertight(&set);
     for settings in ["", "max-depth=8", "build=lazy", "build=lazy max-references=12000000"] {
         let grid = tracer(prims, "recursive-grid", settings).unwrap();
-        assert!(grid.shape().bytes < 64 << 20, "{settings}: {:?}", grid.shape());
+        assert!(grid.stats().bytes < 64 << 20, "{settings}: {:?}", grid.stats());
         let at = Vec3::<f32>::from_array([0.4, 0.4, 0.3]);
         for hit in
             hits(grid.as_ref(), &[Ray::new(at - Vec3::<f32>::splat(3.0), Vec3::<f32>::splat(1.0))])
@@ -201,7 +201,7 @@ fn a_lazy_grid_whose_limit_is_reached_stays_right() {
     let prims = PrimsRef::Mixed(&set);
     let rays = rays(3000, 12);
     let right = hits(tracer(prims, "uniform-grid", "").unwrap().as_ref(), &rays);
-    let root = tracer(prims, "recursive-grid", "max-depth=1").unwrap().shape();
+    let root = tracer(prims, "recursive-grid", "max-depth=1").unwrap().stats();
     let limits = format!(
         "build=lazy max-depth=8 threshold=1 max-cells={} max-references={}",
         root.cells + 300,
@@ -209,8 +209,8 @@ fn a_lazy_grid_whose_limit_is_reached_stays_right() {
     );
     let grid = tracer(prims, "recursive-grid", &limits).unwrap();
     assert_eq!(hits(grid.as_ref(), &rays), right);
-    assert!(grid.shape().references <= root.references + 500, "{:?}", grid.shape());
-    assert!(grid.shape().cells <= root.cells + 300);
+    assert!(grid.stats().references <= root.references + 500, "{:?}", grid.stats());
+    assert!(grid.stats().cells <= root.cells + 300);
 }
 
 /// Triangles in the unit cube, most of them crowded in a corner.
@@ -235,7 +235,7 @@ fn blocks_stand_for_the_lists_of_all_grids_made_with_the_structure() {
         let scalar = tracer(prims, "recursive-grid", settings).unwrap();
         let block = format!("{settings} kernel=block");
         let block = tracer(prims, "recursive-grid", &block).unwrap();
-        let [a, b] = [&scalar, &block].map(|tracer| tracer.shape());
+        let [a, b] = [&scalar, &block].map(|tracer| tracer.stats());
         let lists = a.cells - a.empty_cells - a.pending_cells.unwrap_or(0);
         assert!(b.bytes >= a.bytes + lists * 320, "{settings}: {a:?} {b:?}");
         assert_eq!((a.inner_cells, a.references), (b.inner_cells, b.references));
@@ -253,10 +253,10 @@ fn cells_and_references_share_the_memory() {
         let params = entry.params(settings.iter().copied()).unwrap();
         entry.build(prims, &params.within(MemoryLimit::new(bytes)))
     };
-    let shape = build(&[], u64::MAX).unwrap().shape();
+    let stats = build(&[], u64::MAX).unwrap().stats();
     // without the entries that stand for grids; cells and references alone would fit
-    let needed = 8 * shape.cells + 4 * shape.references;
-    assert!(8 * shape.cells < needed - 4000 && 4 * shape.references < needed - 4000);
+    let needed = 8 * stats.cells + 4 * stats.references;
+    assert!(8 * stats.cells < needed - 4000 && 4 * stats.references < needed - 4000);
     let refused = build(&[], needed - 4000).err().expect("too little");
     assert!(matches!(refused, BuildError::OutOfMemory(_)), "{refused}");
     assert!(build(&[], 2 * needed).is_ok());
@@ -265,8 +265,8 @@ fn cells_and_references_share_the_memory() {
     let rays = rays(2000, 62);
     let right = hits(tracer(prims, "brute-force", "").unwrap().as_ref(), &rays);
     assert_eq!(hits(lazy.as_ref(), &rays), right);
-    let shape = lazy.shape();
-    assert!(8 * shape.cells + 4 * shape.references <= needed / 2, "{shape:?}");
+    let stats = lazy.stats();
+    assert!(8 * stats.cells + 4 * stats.references <= needed / 2, "{stats:?}");
 }
 
 #[test]
@@ -275,17 +275,17 @@ fn lazy_builds_what_rays_ask_for_and_counts_the_same() {
     let prims = PrimsRef::Mixed(&set);
     let eager = tracer(prims, "recursive-grid", "max-depth=4").unwrap();
     let lazy = tracer(prims, "recursive-grid", "max-depth=4 build=lazy").unwrap();
-    let before = lazy.shape();
-    assert_eq!(eager.shape().pending_cells, None);
+    let before = lazy.stats();
+    assert_eq!(eager.stats().pending_cells, None);
     assert!(before.pending_cells > Some(0) && before.inner_cells == 1);
-    assert!(before.cells < eager.shape().cells);
+    assert!(before.cells < eager.stats().cells);
     let few = rays(20, 22);
     let mut answers = (vec![Hit::NONE; few.len()], vec![Hit::NONE; few.len()]);
     let counters = lazy.count_closest_hits(&few, &mut answers.0);
     assert_eq!(counters, eager.count_closest_hits(&few, &mut answers.1));
     assert_eq!(answers.0, answers.1);
-    let after = lazy.shape();
-    assert!(after.inner_cells > 1 && after.inner_cells < eager.shape().inner_cells);
+    let after = lazy.stats();
+    assert!(after.inner_cells > 1 && after.inner_cells < eager.stats().inner_cells);
     // rays along all axes through every corner of the crowd build nearly all of it
     let mut random = Random(23);
     for _ in 0..40 {
@@ -298,9 +298,9 @@ fn lazy_builds_what_rays_ask_for_and_counts_the_same() {
             .collect();
         lazy.count_closest_hits(&rays, &mut vec![Hit::NONE; rays.len()]);
     }
-    assert!(lazy.shape().cells <= eager.shape().cells);
-    assert!(lazy.shape().inner_cells > after.inner_cells);
-    assert!(lazy.shape().inner_cells <= eager.shape().inner_cells);
+    assert!(lazy.stats().cells <= eager.stats().cells);
+    assert!(lazy.stats().inner_cells > after.inner_cells);
+    assert!(lazy.stats().inner_cells <= eager.stats().inner_cells);
 }
 
 #[test]

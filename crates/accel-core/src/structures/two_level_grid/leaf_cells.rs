@@ -11,7 +11,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::regular_grid::Contents;
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
-use crate::grid::voxel_walk::{CellDivision, GridFrame};
+use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
 use crate::primitives::PrimSet;
 use crate::room::Room;
@@ -34,7 +34,7 @@ pub(super) struct LeafRules {
 pub(super) struct UpperCell {
     /// Its first leaf cell; x is fastest.
     first: u32,
-    /// Leaf cells an axis; 0 where it holds no primitive.
+    /// Leaf cells per axis; 0 where it holds no primitive.
     n: [u8; 3],
 }
 
@@ -50,7 +50,7 @@ impl UpperCell {
         self.n == [0; 3]
     }
 
-    /// Leaf cells an axis.
+    /// Leaf cells per axis.
     #[inline(always)]
     pub fn resolution(&self) -> [u8; 3] {
         self.n

@@ -24,7 +24,7 @@ pub(super) struct Costs {
 
 /// The least cost of a subtree as at most 1 to [`WIDTH`] roots, and how it is reached.
 #[derive(Debug, Clone, Copy)]
-struct Plan {
+struct CollapsePlan {
     cost: [f32; WIDTH],
     /// Where at most `i + 1` roots are allowed: how many there are.
     roots: [u8; WIDTH],
@@ -38,13 +38,13 @@ struct Plan {
 pub(super) struct Collapse<'a> {
     bvh: &'a Bvh2,
     groups: &'a Groups,
-    plans: Vec<Plan>,
+    plans: Vec<CollapsePlan>,
 }
 
 impl<'a> Collapse<'a> {
     /// Plans all subtrees.
     pub(super) fn plan(bvh: &'a Bvh2, groups: &'a Groups, costs: Costs) -> Self {
-        let nothing = Plan {
+        let nothing = CollapsePlan {
             cost: [0.0; WIDTH],
             roots: [1; WIDTH],
             lower: [0; WIDTH],
@@ -81,7 +81,7 @@ impl<'a> Collapse<'a> {
             return;
         }
         let [a, b] = [0, 1].map(|k| &self.plans[node.first_index as usize + k]);
-        let mut plan = Plan {
+        let mut plan = CollapsePlan {
             cost: [f32::INFINITY; WIDTH],
             roots: [1; WIDTH],
             lower: [0; WIDTH],

@@ -27,7 +27,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Shape, Structure, StructureInfo};
+use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{PRESET, UNPADDED, build_params, is_unpadded};
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder::{limit_levels, reinserted};
@@ -37,7 +37,7 @@ use collapse::{Collapse, Costs, WIDTH};
 use node::{LEAF, Node, NodeRay};
 use stack::{LEVELS, Room, Stack};
 
-/// Rays of a batch on their way at once.
+/// Rays of a batch in flight.
 const RAYS: usize = 16;
 
 /// Registry line.
@@ -90,7 +90,7 @@ pub struct WideBvh<S: Scalar> {
     /// Rays are not padded.
     #[cfg(feature = "compiled-tests")]
     is_plain: bool,
-    shape: Shape,
+    stats: StructureStats,
     /// With `update=refit`: what a ray was expected to cost when the tree was built.
     built_cost: Option<f64>,
 }
@@ -121,18 +121,18 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             bytes += blocks * size_of::<TriangleBlock<S>>();
         }
         params.fits(bytes as u128)?;
-        let mut shape = Shape::default();
+        let mut stats = StructureStats::default();
         let mut ids = Vec::new();
-        let mut leaf = |node: u32, shape: &mut Shape| {
+        let mut leaf = |node: u32, stats: &mut StructureStats| {
             ids.clear();
             collapse.ids(node, &mut ids);
-            shape.cells += 1;
-            shape.references += ids.len() as u64;
+            stats.cells += 1;
+            stats.references += ids.len() as u64;
             lists.push(prims, &ids).filter(|number| number & LEAF == 0).ok_or(
                 BuildError::TooLarge {
                     structure,
                     what: "number of references",
-                    needed: shape.references.into(),
+                    needed: stats.references.into(),
                     limit: LEAF.into(),
                 },
             )
@@ -140,7 +140,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         let mut nodes: Vec<Node> = Vec::new();
         let mut waiting = Vec::new();
         let root = if collapse.is_leaf(0) {
-            LEAF | leaf(0, &mut shape)?
+            LEAF | leaf(0, &mut stats)?
         } else {
             nodes.push(Node::empty());
             waiting.push((0u32, 0usize));
@@ -152,7 +152,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
                 let aabb = bvh.nodes[child as usize].aabb();
                 nodes[into].set_box(k, aabb.min.to_array(), aabb.max.to_array());
                 nodes[into].children[k] = if collapse.is_leaf(child) {
-                    LEAF | leaf(child, &mut shape)?
+                    LEAF | leaf(child, &mut stats)?
                 } else {
                     waiting.push((child, nodes.len()));
                     nodes.push(Node::empty());
@@ -160,8 +160,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
                 };
             }
         }
-        shape.inner_cells = nodes.len() as u64;
-        shape.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
+        stats.inner_cells = nodes.len() as u64;
+        stats.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
         let is_batch = params.text("query") == "batch";
         let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
         let mut built = Self {
@@ -173,7 +173,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             is_exact,
             #[cfg(feature = "compiled-tests")]
             is_plain: is_unpadded(params),
-            shape,
+            stats,
             built_cost: None,
         };
         built.built_cost = is_refitted(params).then(|| built.expected_cost(params));
@@ -197,8 +197,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
     }
 
     #[inline(always)]
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        in_flight::walk(self, ray, sink);
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        in_flight::traverse(self, ray, sink);
     }
 
     #[inline(always)]
@@ -228,8 +228,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
     }
 
-    fn shape(&self) -> Shape {
-        self.shape
+    fn stats(&self) -> StructureStats {
+        self.stats
     }
 
     /// The root, whose box rays are not tested against, is shown as large as its children.

@@ -7,7 +7,7 @@ use super::node::{Node, NodeRay};
 
 /// Levels of the binary tree at most, and so of the wide one.
 pub(super) const LEVELS: u32 = 96;
-/// What waits while the deepest node is visited: all children but one of a node a level.
+/// What waits while the deepest node is visited: all children but one of one node per level.
 const ROOM: usize = LEVELS as usize * (WIDTH - 1) + WIDTH;
 
 /// Where a ray enters a child, in the upper half, and the child: nearer ones are less.

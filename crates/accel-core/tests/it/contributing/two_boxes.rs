@@ -1,6 +1,6 @@
 //! Two boxes: the primitives, halved along the longest axis of the scene, each half in its box.
 //!
-//! Paper: none; the smallest structure that is worth its walk, as an example.
+//! Paper: none; the smallest structure that is worth traversing, as an example.
 //! Deviations: none.
 
 use accel_core::Aabb;
@@ -9,7 +9,7 @@ use accel_core::params::{ParamKind, ParamSpec, Params};
 use accel_core::primitives::PrimSet;
 use accel_core::query::cells::{Cell, CellVisitor, NoCells};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Shape, Structure, StructureInfo, no_defect};
+use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use accel_core::{Ray, Scalar, Vector};
 
 /// Registry line.
@@ -55,7 +55,7 @@ impl<S: Scalar> Structure<S> for TwoBoxes<S> {
         Ok(Self { halves: [around(ids), around(second)] })
     }
 
-    fn walk<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+    fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         for (bounds, ids) in &self.halves {
             sink.elementary_step(ids.is_empty());
             // no further than the best hit so far: the sink knows it
@@ -66,14 +66,14 @@ impl<S: Scalar> Structure<S> for TwoBoxes<S> {
         }
     }
 
-    fn shape(&self) -> Shape {
+    fn stats(&self) -> StructureStats {
         let lengths = self.halves.each_ref().map(|(_, ids)| ids.len() as u64);
-        Shape {
+        StructureStats {
             cells: 2,
             empty_cells: lengths.iter().filter(|&&n| n == 0).count() as u64,
             references: lengths.iter().sum(),
             bytes: size_of::<Self>() as u64 + 4 * lengths.iter().sum::<u64>(),
-            ..Shape::default()
+            ..StructureStats::default()
         }
     }
 

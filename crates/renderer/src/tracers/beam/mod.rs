@@ -17,7 +17,7 @@
 //! parts of less than 1/64 of a pixel are decided by their central ray.
 //!
 //! How is a bundle intersected with surfaces? A structure names the primitives that the beam's
-//! shaft may meet; those are projected to the image as convex outlines, and a piece of the image
+//! frustum may meet; those are projected to the image as convex outlines, and a piece of the image
 //! is cut along their lines (`visibility.rs`). Only flat faces stay flat under projection and
 //! mirroring: all else is refused.
 //!
@@ -40,7 +40,7 @@ mod tile;
 mod tiling;
 mod visibility;
 
-use accel_core::query::region::Work;
+use accel_core::query::region::FrustumWork;
 use scene_loading::Scene;
 
 pub use coverage::coverage;
@@ -67,7 +67,7 @@ pub fn draw(
 ) -> Result<Drawn, Refusal> {
     let prepared = Prepared::new(scene, frame, settings, over)?;
     let tiles = prepared.tiles(false);
-    let (mut work, mut counts) = (Work::default(), Counts::default());
+    let (mut work, mut counts) = (FrustumWork::default(), Counts::default());
     for tile in &tiles {
         work += tile.work();
         counts += tile.counts();

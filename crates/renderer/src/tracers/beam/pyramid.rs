@@ -6,7 +6,7 @@
 //! transformed. A point of the beam is `apex + s (D + u U + v V)`; `s` grows along every ray, and
 //! on a plane 1/s is affine in (u, v), so that depths are compared exactly.
 
-use accel_core::query::region::Shaft;
+use accel_core::query::region::Frustum;
 use glam::{DMat3, DVec2, DVec3};
 
 use super::convex::{Affine, Convex};
@@ -135,7 +135,7 @@ impl Pyramid {
     }
 
     /// The part of space behind a piece of the image, `reach` long, world units.
-    pub fn shaft(&self, piece: &Convex, reach: f64) -> Shaft {
+    pub fn frustum(&self, piece: &Convex, reach: f64) -> Frustum {
         let unit = |p: &DVec2| self.direction(*p).normalize_or_zero();
         let directions: Vec<DVec3> = piece.corners().iter().map(unit).collect();
         let middle = self.direction(piece.centroid()).normalize_or_zero();
@@ -144,7 +144,7 @@ impl Pyramid {
         let near: Vec<DVec3> = piece.corners().iter().map(|p| self.start(*p)).collect();
         let far: Vec<DVec3> =
             near.iter().zip(&directions).map(|(p, d)| *p + *d * (reach / least)).collect();
-        Shaft::new(&near, &far)
+        Frustum::new(&near, &far)
     }
 
     /// Where the ray through an image point starts.
@@ -153,10 +153,10 @@ impl Pyramid {
     }
 
     /// The part of space between a piece of a plane that this pyramid meets, and a light.
-    pub fn shaft_to(&self, piece: &Convex, plane: &Plane, light: DVec3) -> Shaft {
+    pub fn frustum_to(&self, piece: &Convex, plane: &Plane, light: DVec3) -> Frustum {
         let near: Vec<DVec3> =
             piece.corners().iter().map(|p| self.point(*p, plane.depth.at(*p))).collect();
-        Shaft::new(&near, &vec![light; near.len()])
+        Frustum::new(&near, &vec![light; near.len()])
     }
 }
 

@@ -1,7 +1,7 @@
 //! The beams of a tile of the image, from the eye on: what they see, what light reaches it, and
 //! what they become at mirrors and glass.
 
-use accel_core::query::region::{Gathered, Shaft, Work};
+use accel_core::query::region::{Candidates, Frustum, FrustumWork};
 use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 
@@ -16,7 +16,7 @@ use super::visibility::{cut_along, resolve};
 use crate::effects::{Origin, SurfaceHit, lit_normal, shadow_ray};
 use crate::shading::surface::{SurfacePoint, reflect};
 
-/// A shaft reaches so many times the scene's largest coordinate: farther than any two points of
+/// A frustum reaches so many times the scene's largest coordinate: farther than any two points of
 /// the scene are apart.
 const REACH: f64 = 4.0;
 
@@ -53,7 +53,7 @@ pub struct Tile<'a> {
     /// If it is recorded.
     covered: Option<Vec<Vec<Covered>>>,
     counts: Counts,
-    work: Work,
+    work: FrustumWork,
     beams: Vec<Beam>,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Tile<'a> {
             colors: vec![[0.0; 3]; pixels],
             covered: recording.then(|| vec![Vec::new(); pixels]),
             counts: Counts::default(),
-            work: Work::default(),
+            work: FrustumWork::default(),
             beams: Vec::new(),
         }
     }
@@ -93,7 +93,7 @@ impl<'a> Tile<'a> {
     }
 
     /// What its queries cost.
-    pub fn work(&self) -> Work {
+    pub fn work(&self) -> FrustumWork {
         self.work
     }
 
@@ -102,8 +102,8 @@ impl<'a> Tile<'a> {
     }
 
     /// Traces all its beams.
-    pub fn trace(&mut self, gathered: &mut Gathered) {
-        gathered.work = Work::default();
+    pub fn trace(&mut self, candidates: &mut Candidates) {
+        candidates.work = FrustumWork::default();
         let [u, v, d] = self.on.eye.frame();
         let [x, y] = self.corner.map(f64::from);
         let frame = DMat3::from_cols(u, v, d + u * x + v * y);
@@ -119,9 +119,9 @@ impl<'a> Tile<'a> {
             from: None,
         }));
         while let Some(beam) = self.beams.pop() {
-            self.advance(&beam, gathered);
+            self.advance(&beam, candidates);
         }
-        self.work = gathered.work;
+        self.work = candidates.work;
     }
 
     /// A beam to be traced, unless it is too deep or has no volume.
@@ -133,35 +133,35 @@ impl<'a> Tile<'a> {
         }
     }
 
-    /// The faces that a shaft may meet, as a pyramid sees them; in the order of their ids.
+    /// The faces that a frustum may meet, as a pyramid sees them; in the order of their ids.
     fn outlines(
         &self,
-        shaft: &Shaft,
+        frustum: &Frustum,
         pyramid: &Pyramid,
         piece: &Convex,
-        gathered: &mut Gathered,
+        candidates: &mut Candidates,
         is_asked: impl Fn(u32) -> bool,
     ) -> Vec<Outline> {
         let bounds = piece.bounds();
-        self.on.over.shafts.gather(shaft, gathered);
-        gathered.ids.sort_unstable();
-        let ids = gathered.ids.iter().filter(|&&id| is_asked(id));
+        self.on.over.frusta.query(frustum, candidates);
+        candidates.ids.sort_unstable();
+        let ids = candidates.ids.iter().filter(|&&id| is_asked(id));
         ids.flat_map(|&id| self.on.faces.of_primitive(id))
             .filter_map(|face| Outline::of(face, pyramid, bounds))
             .collect()
     }
 
     /// Finds what a beam sees, lights it and sends it on.
-    fn advance(&mut self, beam: &Beam, gathered: &mut Gathered) {
-        let shaft = beam.pyramid.shaft(&beam.piece, REACH * self.on.magnitude);
-        let outlines =
-            self.outlines(&shaft, &beam.pyramid, &beam.piece, gathered, |id| beam.from != Some(id));
+    fn advance(&mut self, beam: &Beam, candidates: &mut Candidates) {
+        let frustum = beam.pyramid.frustum(&beam.piece, REACH * self.on.magnitude);
+        let outlines = self
+            .outlines(&frustum, &beam.pyramid, &beam.piece, candidates, |id| beam.from != Some(id));
         let piece = beam.piece.clone();
         let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts.cuts);
         self.counts.fragments += fragments.len() as u64;
         for fragment in fragments {
             match fragment.seen.and_then(|i| outlines.get(i)) {
-                Some(outline) => self.light(beam, &fragment.piece, outline, gathered),
+                Some(outline) => self.light(beam, &fragment.piece, outline, candidates),
                 None => {
                     let background = self.on.scene.background;
                     self.add(beam, &fragment.piece, None, |_| background);
@@ -171,7 +171,7 @@ impl<'a> Tile<'a> {
     }
 
     /// Adds the light of a fragment, and what it mirrors and lets through.
-    fn light(&mut self, beam: &Beam, piece: &Convex, seen: &Outline, gathered: &mut Gathered) {
+    fn light(&mut self, beam: &Beam, piece: &Convex, seen: &Outline, candidates: &mut Candidates) {
         let on = self.on;
         let (id, pyramid) = (seen.id, &beam.pyramid);
         let centre = piece.centroid();
@@ -204,13 +204,13 @@ impl<'a> Tile<'a> {
             }
             let Some(shadow) = pyramid.shadow(&plane, light) else { continue };
             self.counts.shadows += 1;
-            let shaft = pyramid.shaft_to(piece, &plane, light);
+            let frustum = pyramid.frustum_to(piece, &plane, light);
             let is_opaque = |other: u32| {
                 let primitive = on.scene.primitives.get(other as usize);
                 let material = primitive.and_then(|p| on.scene.materials.get(p.material as usize));
                 other != id && material.is_some_and(|m| m.transmittance <= 0.0)
             };
-            let blockers = self.outlines(&shaft, &shadow, piece, gathered, is_opaque);
+            let blockers = self.outlines(&frustum, &shadow, piece, candidates, is_opaque);
             for lit in self.unblocked(piece, &blockers) {
                 self.add(beam, &lit, Some(id), |p| arriving(p).unwrap_or_default());
             }

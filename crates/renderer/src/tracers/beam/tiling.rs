@@ -15,11 +15,11 @@ impl Prepared<'_> {
             .step_by(edge as usize)
             .flat_map(|y| (0..width).step_by(edge as usize).map(move |x| [x, y]))
             .collect();
-        let trace = |gathered: &mut _, corner: &[u32; 2]| {
+        let trace = |candidates: &mut _, corner: &[u32; 2]| {
             let [x, y] = *corner;
             let size = [edge.min(width - x), edge.min(height - y)];
             let mut tile = Tile::new(self, *corner, size, recording);
-            tile.trace(gathered);
+            tile.trace(candidates);
             tile
         };
         corners.par_iter().map_init(Default::default, trace).collect()

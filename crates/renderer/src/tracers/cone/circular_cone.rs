@@ -9,7 +9,7 @@
 //! radius. That map of space to places is a projection: lines remain lines.
 
 use accel_core::Ray;
-use accel_core::query::region::Shaft;
+use accel_core::query::region::Frustum;
 use glam::{DVec2, DVec3};
 
 /// Half the distance between the centres of the quarters of a square whose area is that of the
@@ -109,7 +109,7 @@ impl Cone {
     }
 
     /// A pyramid around the cone, down to depth `end`.
-    pub fn shaft(&self, end: f64) -> Shaft {
+    pub fn frustum(&self, end: f64) -> Frustum {
         let outline = |depth: f64| {
             let (center, radius) = (self.origin + self.axis * depth, self.radius_at(depth));
             [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -120,7 +120,7 @@ impl Cone {
             // behind a focus: every corner to the one above it
             far.rotate_left(2);
         }
-        Shaft::new(&outline(self.begin), &far)
+        Frustum::new(&outline(self.begin), &far)
     }
 }
 
@@ -149,7 +149,7 @@ mod tests {
         for depth in [-1.0, 0.5, 3.0, 7.0] {
             let (found, across, radius) = cone.locate(ray.at(depth));
             assert!((found - depth).abs() < 1e-12 && (across / radius - place).length() < 1e-12);
-            assert!(cone.shaft(8.0).meets_balls(&[accel_core::primitives::Ball {
+            assert!(cone.frustum(8.0).meets_balls(&[accel_core::primitives::Ball {
                 center: ray.at(depth),
                 radius: 0.0
             }]));

@@ -1,6 +1,6 @@
 //! How many cones and rays an image took.
 
-use accel_core::query::region::Gathered;
+use accel_core::query::region::Candidates;
 
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
@@ -37,6 +37,6 @@ impl std::ops::AddAssign for Counts {
 #[derive(Default)]
 pub struct Scratch {
     /// Memory of the candidate queries, and their cost.
-    pub gathered: Gathered,
+    pub candidates: Candidates,
     pub counts: Counts,
 }

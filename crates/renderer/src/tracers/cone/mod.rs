@@ -36,7 +36,7 @@ mod cover_sphere;
 pub mod coverage;
 mod disc_overlap;
 pub mod forms;
-mod gathering;
+mod fragments;
 mod outline;
 mod refusal;
 mod settings;
@@ -44,7 +44,7 @@ mod shadows;
 mod tracing;
 mod widening;
 
-use accel_core::query::region::Work;
+use accel_core::query::region::FrustumWork;
 use glam::DVec2;
 use rayon::prelude::*;
 use scene_loading::{Rgb, Scene};
@@ -84,10 +84,10 @@ pub fn draw(
     };
     let rows: Vec<(Vec<Rgb>, Scratch)> = (0..height).into_par_iter().map(row).collect();
     let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    let (mut work, mut counts) = (Work::default(), Counts::default());
+    let (mut work, mut counts) = (FrustumWork::default(), Counts::default());
     for (mut colors, scratch) in rows {
         pixels.append(&mut colors);
-        work += scratch.gathered.work;
+        work += scratch.candidates.work;
         counts += scratch.counts;
     }
     let counts = counts.rows();

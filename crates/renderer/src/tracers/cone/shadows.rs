@@ -7,7 +7,7 @@
 //! light. Between them it is as wide as straight lines from edge to edge: the blurs of footprint
 //! and light, which are independent, would together be at most by a factor of sqrt(2) narrower. A
 //! neighbour in a crease of a mesh, which a round footprint sticks out through, casts no shadow on it
-//! ([`super::gathering`]).
+//! ([`super::fragments`]).
 
 use glam::DVec3;
 use scene_loading::Rgb;
@@ -44,7 +44,7 @@ impl Caster<'_> {
         scratch: &mut Scratch,
     ) -> f64 {
         scratch.counts.shadow_cones += 1;
-        let mut fragments = self.gather(cone, Some(left), true, scratch);
+        let mut fragments = self.fragments(cone, Some(left), true, scratch);
         if fragments.iter().any(|f| f.coverage.overlap.share >= 1.0) {
             return 1.0;
         }

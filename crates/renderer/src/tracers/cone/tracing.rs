@@ -1,4 +1,4 @@
-//! One cone after another: gather, combine, shade, and send cones on.
+//! One cone after another: query, combine, shade, and send cones on.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984. The surface model is that of
 //! [`crate::tracers::whitted`], whose functions say what light arrives.
@@ -197,7 +197,7 @@ impl<'a> Caster<'a> {
         if may_cut && cone.spread.abs() > WIDE {
             return None;
         }
-        let mut fragments = self.gather(cone, left, false, scratch);
+        let mut fragments = self.fragments(cone, left, false, scratch);
         let found = self.compose(cone, left, &mut fragments);
         if may_cut && !found.is_certain {
             return None;

@@ -12,9 +12,9 @@ use measurement::system::created::create;
 use presentation::csv;
 use studies::reproduce::published::{SCENES, figures};
 use studies::reproduce::verdict::Verdict;
-use studies::reproduce::{ReproduceError, Row, reproduce_scene, structures};
+use studies::reproduce::{ReproduceError, ReproducedRow, reproduce_scene, structures};
 
-/// Reproduces scene after scene, prints a line a figure as soon as a scene is done, and the sums;
+/// Reproduces scene after scene, prints one line per figure as soon as a scene is done, and the sums;
 /// with `--strict` an unexplained difference is a failure.
 ///
 /// # Errors
@@ -49,7 +49,7 @@ fn write_header(out: &mut dyn Write) -> std::io::Result<()> {
     )
 }
 
-fn write_rows(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
+fn write_rows(out: &mut dyn Write, rows: &[ReproducedRow]) -> std::io::Result<()> {
     for row in rows {
         let decimals = if row.ours.fract() == 0.0 { 0 } else { 3 };
         writeln!(
@@ -68,7 +68,7 @@ fn write_rows(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
     Ok(())
 }
 
-fn write_sums(out: &mut dyn Write, rows: &[Row]) -> std::io::Result<()> {
+fn write_sums(out: &mut dyn Write, rows: &[ReproducedRow]) -> std::io::Result<()> {
     let count = |of: fn(&Verdict) -> bool| rows.iter().filter(|r| of(&r.verdict)).count();
     writeln!(
         out,

@@ -1,4 +1,4 @@
-//! `rtbench reproduce zachmann2007`: the lecture's two tables as ratios, then and now.
+//! `rtbench reproduce zachmann2007`: the two tables of Zachmann 2007 as ratios, then and now.
 
 use crate::args::ZachmannArgs;
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
@@ -21,7 +21,7 @@ use studies::reproduce::lecture::{
     Comparison, Line, MODERN, Published, Ratios, SCENES, STRUCTURES, published,
 };
 
-/// Measures the lecture's structures, prints a table a scene and all verdicts at the end.
+/// Measures the lecture's structures, prints one table per scene and all verdicts at the end.
 ///
 /// # Errors
 /// [`Error`] for unknown names, unwritable files and scenes that cannot be measured.

@@ -64,7 +64,7 @@ fn reigns(scene: &str, profiles: &[Profile], seed: u64) -> Table {
     words(format!("{scene}: who takes the least time, by medians"), header, rows.collect())
 }
 
-/// Who wins for 1, 10, 100... rays, and who is not told apart from it.
+/// Who wins for 1, 10, 100... rays, and who is not significantly different from it.
 fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
     let rows = DECADES.filter_map(|decade| {
         let rays = 10f64.powi(decade);

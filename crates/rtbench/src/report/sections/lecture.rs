@@ -1,4 +1,4 @@
-//! The lecture's two tables (Zachmann 2007, after Havran and Sixta 1999) beside ours: all times over
+//! The two tables of Zachmann 2007 (after Havran and Sixta 1999) beside ours: all times over
 //! those of uniform D=1 on the same machine.
 
 use crate::report::glossary::look;

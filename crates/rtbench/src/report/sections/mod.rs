@@ -1,4 +1,4 @@
-//! The parts of the page, one a file; their order is that of [`crate::report::SECTIONS`].
+//! The parts of the page, one per file; their order is that of [`crate::report::SECTIONS`].
 
 pub mod accuracy;
 pub mod break_even;

@@ -45,7 +45,7 @@ fn joined_parts_are_the_whole_run() {
         assert_eq!(found.parts.len(), count as usize);
         for (found, of) in found.scenes.iter().zip(&of.scenes) {
             for (found, of) in found.rows.iter().zip(&of.rows) {
-                assert_eq!((&found.work, &found.shape), (&of.work, &of.shape));
+                assert_eq!((&found.work, &found.stats), (&of.work, &of.stats));
                 assert_eq!(found.answers_sha256, of.answers_sha256);
                 assert_eq!(found.is_reference, of.is_reference);
             }

@@ -98,9 +98,9 @@ fn github_gets_annotations_and_a_summary() {
     saved(&folder.path(), "main");
     plant(&folder, |r| {
         for row in &mut r.scenes[0].rows {
-            let shape = row.shape.as_mut().unwrap();
-            shape.memory_bytes -= 1;
-            shape.n_oiv -= 1;
+            let stats = row.stats.as_mut().unwrap();
+            stats.memory_bytes -= 1;
+            stats.n_oiv -= 1;
             let work = row.work.as_mut().unwrap();
             work.intersection_tests -= 1;
             work.traversal_steps -= 1;

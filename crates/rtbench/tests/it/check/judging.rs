@@ -1,4 +1,4 @@
-//! Each rung on records with a planted fault.
+//! Each stage on records with a planted fault.
 
 use measurement::callgrind::CountedRow;
 use measurement::record::{FloorRecord, RunRecord, Verdict};
@@ -22,17 +22,17 @@ fn of(base: &RunRecord, now: &RunRecord, instructions: Instructions<'_>) -> Vec<
     })
 }
 
-/// What a rung says of a quantity of [`ROW`].
-fn outcome(findings: &[Finding], rung: &str, quantity: &str) -> Outcome {
-    let found = |f: &&Finding| f.rung == rung && f.quantity == quantity && f.row == ROW;
+/// What a stage says of a quantity of [`ROW`].
+fn outcome(findings: &[Finding], stage: &str, quantity: &str) -> Outcome {
+    let found = |f: &&Finding| f.stage == stage && f.quantity == quantity && f.row == ROW;
     findings.iter().find(found).map(|f| f.outcome).unwrap()
 }
 
 /// The outcome of a quantity after a fault was planted in [`ROW`].
-fn after(fault: impl Fn(&mut RunRecord), rung: &str, quantity: &str) -> Outcome {
+fn after(fault: impl Fn(&mut RunRecord), stage: &str, quantity: &str) -> Outcome {
     let mut now = record();
     fault(&mut now);
-    outcome(&of(&record(), &now, Instructions::NotAsked), rung, quantity)
+    outcome(&of(&record(), &now, Instructions::NotAsked), stage, quantity)
 }
 
 #[test]
@@ -77,15 +77,15 @@ fn counters_have_no_tolerance() {
         after(|r| row(r, ROW).work.as_mut().unwrap().intersection_tests = 0, "counters", "n_it");
     assert_eq!(none, Outcome::NotJudged);
     let memory =
-        after(|r| row(r, ROW).shape.as_mut().unwrap().memory_bytes += 1, "counters", "memory");
+        after(|r| row(r, ROW).stats.as_mut().unwrap().memory_bytes += 1, "counters", "memory");
     assert_eq!(memory, Outcome::Regression);
     let other_rays = after(|r| row(r, ROW).work.as_mut().unwrap().rays += 1, "counters", "n_it");
     assert_eq!(other_rays, Outcome::NotJudged);
     let saved = after(|r| row(r, ROW).work.as_mut().unwrap().tests_saved += 1, "counters", "saved");
     assert_eq!(saved, Outcome::NotJudged);
-    let empty = after(|r| row(r, ROW).shape.as_mut().unwrap().n_ev += 1, "counters", "n_ev");
+    let empty = after(|r| row(r, ROW).stats.as_mut().unwrap().n_ev += 1, "counters", "n_ev");
     assert_eq!(empty, Outcome::NotJudged);
-    let cells = after(|r| row(r, ROW).shape.as_mut().unwrap().n_v += 1, "counters", "n_v");
+    let cells = after(|r| row(r, ROW).stats.as_mut().unwrap().n_v += 1, "counters", "n_v");
     assert_eq!(cells, Outcome::Regression);
 }
 
@@ -107,7 +107,7 @@ fn one_percent_more_instructions_is_a_regression() {
     let base = counted(1_000_000);
     let trace = |now: &[CountedRow]| {
         let findings = of(&record, &record, Instructions::Counted { base: &base, now });
-        let reference = |f: &&Finding| f.rung == "instructions" && f.row == REFERENCE;
+        let reference = |f: &&Finding| f.stage == "instructions" && f.row == REFERENCE;
         assert!(findings.iter().filter(reference).all(|f| f.outcome == Outcome::Unchanged));
         outcome(&findings, "instructions", "trace")
     };
@@ -169,7 +169,7 @@ fn ratios_within_a_run_prove_nothing_on_a_busy_machine() {
 fn the_reference_has_no_ratio_to_itself() {
     let record = timed(15, 2.0, 0.05, 1);
     let findings = of(&record, &record, Instructions::NotAsked);
-    assert!(!findings.iter().any(|f| f.rung == "times" && f.row == REFERENCE));
+    assert!(!findings.iter().any(|f| f.stage == "times" && f.row == REFERENCE));
 }
 
 /// Turns of [`ROW`], new over old `times`, all halved or doubled by what disturbs them; the copy takes as

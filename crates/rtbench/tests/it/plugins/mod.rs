@@ -75,8 +75,8 @@ fn a_plugin_stands_beside_our_structures() {
         assert_eq!(theirs.rays_by_kind, ours.rays_by_kind);
         assert_eq!(theirs.samples.len(), ours.samples.len());
         assert!(theirs.ratio.is_some() && theirs.build_s.is_some());
-        let shape = theirs.shape.as_ref().unwrap();
-        assert!(shape.n_oiv == 1024 && shape.n_in + 1 == shape.n_v && shape.memory_bytes > 0);
+        let stats = theirs.stats.as_ref().unwrap();
+        assert!(stats.n_oiv == 1024 && stats.n_in + 1 == stats.n_v && stats.memory_bytes > 0);
         // it counts nothing
         assert!(theirs.work.is_none() && theirs.render_s.is_none());
         let facts = theirs.plugin.as_ref().unwrap();

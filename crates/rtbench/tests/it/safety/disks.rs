@@ -158,6 +158,6 @@ fn plots_of_long_names_have_names_of_their_own() {
     assert_eq!(code, 0, "{err}");
     let files: Vec<_> = std::fs::read_dir(&plots).unwrap().map(|f| f.unwrap()).collect();
     let long = files.iter().filter(|f| f.file_name().to_string_lossy().contains("xxxx")).count();
-    assert_eq!(long, 4, "two plots a scene");
+    assert_eq!(long, 4, "two plots per scene");
     assert!(files.iter().all(|file| file.metadata().unwrap().len() > 100));
 }

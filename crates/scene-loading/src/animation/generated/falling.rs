@@ -13,7 +13,7 @@ use crate::animation::generated::chance;
 /// Radius of the bowl, the lower half of a sphere around the origin, metres.
 pub(super) const BOWL: f64 = 1.0;
 
-/// Steps a second.
+/// Steps per second.
 pub(super) const STEPS: u32 = 500;
 
 const STEP: f64 = 1.0 / STEPS as f64;

@@ -10,7 +10,7 @@ use crate::animation::generated::mesh::Mesh;
 use crate::animation::generated::stage::Stage;
 use crate::procedural::parts::{View, ground, matte, stage};
 
-/// Metres a second, double steps a second.
+/// Metres per second, double steps per second.
 const SPEED: f64 = 1.35;
 const STEPS: f64 = 0.95;
 

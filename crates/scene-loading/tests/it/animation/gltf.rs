@@ -146,7 +146,7 @@ fn keys_hold_before_the_first_and_behind_the_last() {
 #[test]
 fn splines_bend_by_their_tangents() {
     let mut file = File::new();
-    // leaves 0 at 2 units a second, arrives at 4 at rest: 0.125 * 2 s * 2 + 0.5 * 4 in the middle
+    // leaves 0 at 2 units per second, arrives at 4 at rest: 0.125 * 2 s * 2 + 0.5 * 4 in the middle
     #[rustfmt::skip]
     let values = [
         9., 9., 9.,  0., 0., 0.,  2., 0., 0.,

@@ -43,14 +43,14 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let labels = TESTS.map(|(name, _)| format!("bounding-volumes:group=4:box-test={name}"));
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
     let most = (stage.timed_rays / SHARE).max(50);
-    let sheets = stage.sheets(most, |kind| kind != RayKind::Shadow);
-    let rays = count(&sheets);
+    let batches = stage.batches(most, |kind| kind != RayKind::Shadow);
+    let rays = count(&batches);
     let aims = match stage.prepared.geometry.prims() {
         PrimsRef::Watertight(set) => aims(stage, set),
         PrimsRef::Mixed(set) => aims(stage, set),
     };
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
-        let replay = Replay::new(&*built.tracer, &sheets).by_kind();
+        let replay = Replay::new(&*built.tracer, &batches).by_kind();
         let steps = replay.counted().elementary_steps;
         let (mut lost, mut found) = (Tally::default(), 0_u64);
         for Aim { bounds, ray, is_met } in &aims {

@@ -3,10 +3,10 @@
 //! The points that are judged lie on primitives exactly: corners, points of edges and inner points of
 //! triangles whose weights are 16ths, the six extreme points of spheres, corners of polygons. Every
 //! other point of a triangle lies where an edge of it crosses a cell plane, but for rounding, as hit
-//! points do. A point is wrong when its cell does not list the primitive: the cell that the walk in
+//! points do. A point is wrong when its cell does not list the primitive: the cell that the traversal in
 //! single precision takes it to be in, and for points that are exact the cell by exact arithmetic.
 
-use accel_core::grid::voxel_walk::GridFrame;
+use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Ball, PrimSet, PrimitiveKind};
 use accel_core::structure::Structure;
@@ -41,10 +41,10 @@ const INSERTIONS: [&str; 4] = ["box", "padded-box", "exact", "padded-exact"];
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let labels = INSERTIONS.map(|i| format!("uniform-grid:density=8:insertion={i}"));
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
-    let sheets = stage.all_sheets();
-    let rays = count(&sheets);
+    let batches = stage.all_batches();
+    let rays = count(&batches);
     let replays: Vec<_> =
-        built.iter().map(|b| Replay::new(&*b.tracer, &sheets).by_kind()).collect();
+        built.iter().map(|b| Replay::new(&*b.tracer, &batches).by_kind()).collect();
     let primitives = stage.prepared.geometry.len().max(1) as f64;
     let mut variants = Vec::new();
     for (((built, replay), insertion), label) in
@@ -54,7 +54,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             PrimsRef::Watertight(set) => judged(stage, set, label),
             PrimsRef::Mixed(set) => judged(stage, set, label),
         }?;
-        let shape = built.shape();
+        let stats = built.stats();
         variants.push(Variant {
             name: insertion.into(),
             setting: built.setting(),
@@ -63,8 +63,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             is_reference: insertion == "padded-box",
             error: tally.error(),
             also: vec![
-                ("references a primitive", shape.references as f64 / primitives),
-                ("MiB", shape.bytes as f64 / f64::from(1 << 20)),
+                ("references a primitive", stats.references as f64 / primitives),
+                ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
                 ("build ms", built.build_s * 1e3),
             ],
             work: Box::new(replay),
@@ -93,10 +93,10 @@ fn judged<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P, label: &str) -> Result<Ta
             .then(|| crossing(&wide, set.kind(id), &balls, &mut random))
             .flatten();
         let rounded = Vec3::<f32>::from_dvec3(crossing.unwrap_or(point));
-        let (as_walked, _) = frame.range(&Aabb { min: rounded, max: rounded });
+        let (as_traversed, _) = frame.range(&Aabb { min: rounded, max: rounded });
         let (exactly, _) = wide.range(&Aabb { min: point, max: point });
         let lists = |cell| grid.list(cell).contains(&id);
-        tally.add(!lists(as_walked) || (crossing.is_none() && !lists(exactly)));
+        tally.add(!lists(as_traversed) || (crossing.is_none() && !lists(exactly)));
     }
     Ok(tally)
 }

@@ -4,7 +4,7 @@
 use accel_core::variants::chosen_tests::is_compiled;
 
 use crate::accuracy::error_of::Tally;
-use crate::accuracy::stage::{Built, Replay, Sheets};
+use crate::accuracy::stage::{Batches, Built, Replay};
 use crate::accuracy::timing::Variant;
 use statistics::estimate::median;
 
@@ -24,7 +24,7 @@ pub fn made(built: &[Built<'_>]) -> &'static str {
 pub fn variant<'a>(
     name: &str,
     built: &'a Built<'_>,
-    sheets: &'a Sheets<f32>,
+    batches: &'a Batches<f32>,
     answers: impl Iterator<Item = (Option<f32>, Option<f32>, bool)>,
 ) -> Variant<'a> {
     let (mut tally, mut ulps) = (Tally::default(), Vec::new());
@@ -43,6 +43,6 @@ pub fn variant<'a>(
         is_reference: name == REFERENCE,
         error: tally.error(),
         also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
-        work: Box::new(Replay::new(&*built.tracer, sheets).by_kind()),
+        work: Box::new(Replay::new(&*built.tracer, batches).by_kind()),
     }
 }

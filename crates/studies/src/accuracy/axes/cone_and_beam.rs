@@ -10,7 +10,7 @@ use scene_loading::Scene;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::sampled::{Judged, Plan, Sampled, fingerprint};
+use crate::accuracy::sampled::{Judged, Sampled, SamplingPlan, fingerprint};
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{Variant, timed};
 use crate::accuracy::work::Work;
@@ -45,8 +45,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let tracer = row.entry.build(prims, &row.params).map_err(refused)?;
     let double = Geometry::<f64>::of(scene)?;
     let rays = row.entry.build(double.prims(), &row.params).map_err(refused)?;
-    let shafts = Row::parse(accel_core::structures::gatherers::REGISTRY, THROUGH)?;
-    let gatherer = shafts.entry.build(double.prims(), &shafts.params).map_err(refused)?;
+    let frusta = Row::parse(accel_core::structures::frustum_queries::REGISTRY, THROUGH)?;
+    let queries = frusta.entry.build(double.prims(), &frusta.params).map_err(refused)?;
     let sampled = Sampled {
         scene,
         tracer: &*tracer,
@@ -56,12 +56,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         without: None,
     };
     let Judged { mut variants, mut said, reference } = sampled.judged(stage)?;
-    let frame = Frame { resolution: [Plan::new(stage.quick).size; 2], max_depth: DEPTH };
+    let frame = Frame { resolution: [SamplingPlan::new(stage.quick).size; 2], max_depth: DEPTH };
     for way in ways(|_| true) {
         let mut drawing = Drawing {
             scene,
             frame,
-            over: Structures { rays: &*rays, shafts: &*gatherer },
+            over: Structures { rays: &*rays, frusta: &*queries },
             way,
             image: None,
         };

@@ -6,7 +6,7 @@ use renderer::RayKind;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
+use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::accuracy::work::Work;
 use crate::error::StudyError;
@@ -17,7 +17,7 @@ use measurement::rounds::scene_run::light_positions;
 /// Registry line.
 pub static AXIS: Axis = Axis {
     name: "light-buffer",
-    summary: "cells a side of a light buffer's faces, from 16 to 1024",
+    summary: "cells per side of a light buffer's faces, from 16 to 1024",
     paper: "Haines, Greenberg 1986",
     metric: "shadow rays in 10^6 that are answered otherwise than by the structure",
     reference: "the structure itself",
@@ -29,13 +29,13 @@ pub static AXIS: Axis = Axis {
 const RESOLUTIONS: [u32; 4] = [16, 64, 256, 1024];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let sheets = stage.sheets(stage.timed_rays, RayKind::is_occlusion);
-    let (rays, positions) = (count(&sheets), light_positions(stage.scene()));
+    let batches = stage.batches(stage.timed_rays, RayKind::is_occlusion);
+    let (rays, positions) = (count(&batches), light_positions(stage.scene()));
     if rays == 0 {
         return Err(stage.unfit("it has no shadow rays"));
     }
     let structure = stage.built(TRACER)?;
-    let reference = Replay::new(&*structure.tracer, &sheets);
+    let reference = Replay::new(&*structure.tracer, &batches);
     let mut variants = Vec::new();
     for resolution in RESOLUTIONS {
         let row = Row::parse(stage.occluders, &format!("light-buffer:resolution={resolution}"))?;
@@ -44,8 +44,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let occluder =
             row.entry.build(prims, &positions, &row.params).map_err(|e| stage.refused(e))?;
         let build_s = stage.clock.seconds_since(start);
-        let shape = occluder.shape();
-        let mut work = Asked::new(occluder, &sheets, &positions);
+        let stats = occluder.stats();
+        let mut work = Asked::new(occluder, &batches, &positions);
         work.prepare();
         work.run();
         let pairs = work.answers.iter().zip(&reference.answers);
@@ -58,13 +58,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             is_reference: false,
             error: ErrorOf::Counted { wrong, trials: rays as u64 },
             also: vec![
-                ("MiB", shape.bytes as f64 / f64::from(1 << 20)),
+                ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
                 ("build ms", build_s * 1e3),
             ],
             work: Box::new(work),
         });
     }
-    let shape = structure.shape();
+    let stats = structure.stats();
     variants.push(Variant {
         name: TRACER.into(),
         setting: structure.setting(),
@@ -73,7 +73,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         is_reference: true,
         error: ErrorOf::Counted { wrong: 0, trials: rays as u64 },
         also: vec![
-            ("MiB", shape.bytes as f64 / f64::from(1 << 20)),
+            ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
             ("build ms", structure.build_s * 1e3),
         ],
         work: Box::new(reference),
@@ -89,7 +89,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 /// Shadow rays that an occluder answers.
 struct Asked<'a> {
     occluder: BoxedOccluder<'a, f32>,
-    sheets: &'a Sheets<f32>,
+    batches: &'a Batches<f32>,
     lights: Vec<Vec<u32>>,
     answers: Vec<Answers<f32>>,
 }
@@ -97,13 +97,13 @@ struct Asked<'a> {
 impl<'a> Asked<'a> {
     fn new(
         occluder: BoxedOccluder<'a, f32>,
-        sheets: &'a Sheets<f32>,
+        batches: &'a Batches<f32>,
         positions: &[glam::DVec3],
     ) -> Self {
         let nearest = NearestLight::new(positions);
-        let lights = sheets.iter().map(|(_, rays)| nearest.of_each(rays)).collect();
-        let answers = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
-        Self { occluder, sheets, lights, answers }
+        let lights = batches.iter().map(|(_, rays)| nearest.of_each(rays)).collect();
+        let answers = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
+        Self { occluder, batches, lights, answers }
     }
 }
 
@@ -114,7 +114,7 @@ impl Work for Asked<'_> {
 
     fn run(&mut self) {
         for (((_, rays), lights), answers) in
-            self.sheets.iter().zip(&self.lights).zip(&mut self.answers)
+            self.batches.iter().zip(&self.lights).zip(&mut self.answers)
         {
             if let Answers::Blocked(blocked) = answers {
                 self.occluder.occlusions(rays, lights, blocked);

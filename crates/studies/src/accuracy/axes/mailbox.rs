@@ -30,10 +30,10 @@ const VARIANTS: [(&str, &str); 6] = [
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built_all(&VARIANTS.map(|(_, label)| label))?;
-    let sheets = stage.all_sheets();
-    let rays = count(&sheets);
+    let batches = stage.all_batches();
+    let rays = count(&batches);
     let replays: Vec<_> =
-        built.iter().map(|b| Replay::new(&*b.tracer, &sheets).by_kind()).collect();
+        built.iter().map(|b| Replay::new(&*b.tracer, &batches).by_kind()).collect();
     let errors: Vec<ErrorOf> = replays
         .iter()
         .map(|r| {

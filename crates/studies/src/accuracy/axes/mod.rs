@@ -1,4 +1,4 @@
-//! The axes, one a file.
+//! The axes, one per file.
 
 pub mod box_test;
 pub mod cell_insertion;
@@ -24,4 +24,4 @@ pub mod sphere_test;
 pub mod time_segments;
 pub mod triangle_aims;
 pub mod triangle_test;
-pub mod voxel_walk;
+pub mod voxel_traversal;

@@ -8,7 +8,7 @@ use super::chosen_tests;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
+use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
@@ -34,9 +34,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let mixed = stage.built(&format!("{TRACER}:triangle-test=f64:sphere-test=f64"))?;
     let chosen = [mixed];
     let [mixed] = &chosen;
-    let sheets = stage.all_sheets();
-    let rays = count(&sheets);
-    let wide_sheets: Sheets<f64> = sheets
+    let batches = stage.all_batches();
+    let rays = count(&batches);
+    let wide_batches: Batches<f64> = batches
         .iter()
         .map(|(kind, rays)| (*kind, rays.iter().map(Ray::widened).collect()))
         .collect();
@@ -44,10 +44,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let row = Row::parse(stage.registry, TRACER)?;
     let double: Box<dyn Tracer<f64>> =
         row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
-    let reference = Replay::new(&*double, &wide_sheets).by_kind();
+    let reference = Replay::new(&*double, &wide_batches).by_kind();
     let mut variants = Vec::new();
     for (name, built) in [("f32", &single), ("f32, tests in f64", mixed)] {
-        let replay = Replay::new(&*built.tracer, &sheets).by_kind();
+        let replay = Replay::new(&*built.tracer, &batches).by_kind();
         variants.push(Variant {
             name: name.into(),
             setting: built.setting(),

@@ -17,7 +17,7 @@ use super::secondary_rays::SecondaryRays;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::{ErrorOf, Tally};
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Sheets, Stage, count};
+use crate::accuracy::stage::{Batches, Stage, count};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::accuracy::work::Work;
 use crate::error::StudyError;
@@ -111,7 +111,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     let secondary = SecondaryRays::new(stage, stage.scene(), &stage.prepared.geometry)?;
     let double = Geometry::<f64>::of(stage.scene())?;
     let is_timed = |kind| matches!(kind, RayKind::Primary | RayKind::Diffuse | RayKind::Shadow);
-    let sheets = stage.sheets(stage.timed_rays, is_timed);
+    let batches = stage.batches(stage.timed_rays, is_timed);
     let judge = Judge { stage, aims: &aims, secondary: &secondary, most };
     let mut variants = Vec::new();
     for step in steps(subject) {
@@ -122,10 +122,10 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         let prims = stage.prepared.geometry.prims();
         let (found, work) = if step.is_double {
             let tracer = row.entry.build(double.prims(), &row.params);
-            judge.step(tracer.map_err(|e| stage.refused(e))?, widened(&sheets), offset)
+            judge.step(tracer.map_err(|e| stage.refused(e))?, widened(&batches), offset)
         } else {
             let tracer = row.entry.build(prims, &row.params);
-            judge.step(tracer.map_err(|e| stage.refused(e))?, sheets.clone(), offset)
+            judge.step(tracer.map_err(|e| stage.refused(e))?, batches.clone(), offset)
         };
         let precision = if step.is_double { " --precision f64" } else { "" };
         let rule = if step.offset == PLAIN { " --set rays.offset=scene-relative" } else { "" };
@@ -140,7 +140,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
             work,
         });
     }
-    let (all, left) = (count(&sheets), secondary.departures.len());
+    let (all, left) = (count(&batches), secondary.departures.len());
     let said = Said {
         timed: format!(
             "{all} rays of the scene and {} that leave surfaces, made and traced",
@@ -158,9 +158,9 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     Ok(timed(stage, said, variants))
 }
 
-fn widened(sheets: &Sheets<f32>) -> Sheets<f64> {
+fn widened(batches: &Batches<f32>) -> Batches<f64> {
     let wide = |rays: &Vec<Ray<f32>>| rays.iter().map(Ray::widened).collect();
-    sheets.iter().map(|(kind, rays)| (*kind, wide(rays))).collect()
+    batches.iter().map(|(kind, rays)| (*kind, wide(rays))).collect()
 }
 
 /// Wrong answers by kind of trial, and trials.
@@ -197,7 +197,7 @@ impl<'a> Judge<'_, 'a> {
     fn step<S: Buildable>(
         &self,
         tracer: Box<dyn Tracer<S> + 'a>,
-        sheets: Sheets<S>,
+        batches: Batches<S>,
         offset: RayOffset,
     ) -> (Found, Box<dyn Work + 'a>) {
         let of_aims = |known: &Vec<Known>| {
@@ -209,7 +209,7 @@ impl<'a> Judge<'_, 'a> {
         let off = wrong_departures(&*tracer, offset, self.secondary, self.most);
         let found = Found([of_aims(edges), of_aims(middles), (off, left as u64)]);
         let most = self.stage.timed_rays / KINDS;
-        let work = StepWork::new(tracer, sheets, offset, self.secondary, most);
+        let work = StepWork::new(tracer, batches, offset, self.secondary, most);
         (found, Box::new(work))
     }
 }

@@ -9,37 +9,37 @@ use renderer::ray_offset::RayOffset;
 use renderer::surface::SurfacePoint;
 
 use super::secondary_rays::{GAP, SecondaryRays, height};
-use crate::accuracy::parts::LEAVING;
-use crate::accuracy::stage::{Sheets, fingerprint};
+use crate::accuracy::parts::OFFSET_RAYS;
+use crate::accuracy::stage::{Batches, fingerprint};
 use crate::accuracy::work::Work;
 use measurement::rays::batches::{Answers, trace};
 
 /// A tracer, its rays and its answers.
 pub struct StepWork<'a, S: Buildable> {
     tracer: Box<dyn Tracer<S> + 'a>,
-    sheets: Sheets<S>,
+    batches: Batches<S>,
     offset: RayOffset,
-    leaving: Vec<(SurfacePoint<'a>, glam::DVec3)>,
+    secondary_rays: Vec<(SurfacePoint<'a>, glam::DVec3)>,
     made: Vec<Ray<S>>,
-    /// One for each sheet, then those of the rays that are made.
+    /// One for each batch, then those of the rays that are made.
     answers: Vec<Answers<S>>,
 }
 
 impl<'a, S: Buildable> StepWork<'a, S> {
-    /// Traces `sheets`, and the first `most` of the rays that leave surfaces.
+    /// Traces `batches`, and the first `most` of the rays that leave surfaces.
     pub fn new(
         tracer: Box<dyn Tracer<S> + 'a>,
-        sheets: Sheets<S>,
+        batches: Batches<S>,
         offset: RayOffset,
         secondary: &SecondaryRays<'a>,
         most: usize,
     ) -> Self {
-        let of_sheets = sheets.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
-        let leaving = secondary.departures.iter().take(most);
-        let leaving: Vec<_> = leaving.map(|d| (secondary.point(d), d.out)).collect();
-        let made = Answers::new(RayKind::Diffuse, leaving.len());
-        let answers = of_sheets.chain([made]).collect();
-        let mut work = Self { tracer, sheets, offset, leaving, made: Vec::new(), answers };
+        let of_batches = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
+        let first = secondary.departures.iter().take(most);
+        let secondary_rays: Vec<_> = first.map(|d| (secondary.point(d), d.out)).collect();
+        let made = Answers::new(RayKind::Diffuse, secondary_rays.len());
+        let answers = of_batches.chain([made]).collect();
+        let mut work = Self { tracer, batches, offset, secondary_rays, made: Vec::new(), answers };
         work.prepare();
         work.run();
         work
@@ -53,13 +53,13 @@ pub fn wrong_departures<S: Buildable>(
     secondary: &SecondaryRays<'_>,
     most: usize,
 ) -> u64 {
-    let leaving: Vec<_> = secondary.departures.iter().take(most).collect();
-    let points: Vec<_> = leaving.iter().map(|d| secondary.point(d)).collect();
+    let secondary_rays: Vec<_> = secondary.departures.iter().take(most).collect();
+    let points: Vec<_> = secondary_rays.iter().map(|d| secondary.point(d)).collect();
     let rays: Vec<Ray<S>> =
-        points.iter().zip(&leaving).map(|(point, d)| offset.along(point, d.out)).collect();
+        points.iter().zip(&secondary_rays).map(|(point, d)| offset.along(point, d.out)).collect();
     let mut hits = vec![Hit::NONE; rays.len()];
     tracer.closest_hits(&rays, &mut hits);
-    let all = leaving.iter().zip(&points).zip(&rays).zip(&hits);
+    let all = secondary_rays.iter().zip(&points).zip(&rays).zip(&hits);
     let is_wrong =
         |point: &SurfacePoint<'_>, ray: &Ray<S>| height(point, ray) > GAP * secondary.diagonal;
     all.filter(|(((d, point), ray), hit)| hit.id == d.id || is_wrong(point, ray)).count() as u64
@@ -79,18 +79,18 @@ impl<S: Buildable> Work for StepWork<'_, S> {
     }
 
     fn parts(&self) -> Vec<String> {
-        let kinds = self.sheets.iter().map(|(kind, _)| kind.name().to_owned());
-        kinds.chain([LEAVING.to_owned()]).collect()
+        let kinds = self.batches.iter().map(|(kind, _)| kind.name().to_owned());
+        kinds.chain([OFFSET_RAYS.to_owned()]).collect()
     }
 
     fn run_part(&mut self, part: usize) {
         let Some(answers) = self.answers.get_mut(part) else { return };
-        let rays = match self.sheets.get(part) {
+        let rays = match self.batches.get(part) {
             Some((_, rays)) => rays,
             None => {
                 self.made.clear();
                 let offset = self.offset;
-                let made = self.leaving.iter().map(|(point, out)| offset.along(point, *out));
+                let made = self.secondary_rays.iter().map(|(point, out)| offset.along(point, *out));
                 self.made.extend(made);
                 &self.made
             }

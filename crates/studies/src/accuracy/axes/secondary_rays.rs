@@ -74,8 +74,8 @@ impl<'a> SecondaryRays<'a> {
             row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
         let eye = scene.camera.from;
         let by = eye - stage.scene().camera.from;
-        let sheets = stage.sheets(stage.timed_rays, |kind| kind == RayKind::Primary);
-        let eye_rays = sheets.iter().flat_map(|(_, rays)| rays).map(|ray| {
+        let batches = stage.batches(stage.timed_rays, |kind| kind == RayKind::Primary);
+        let eye_rays = batches.iter().flat_map(|(_, rays)| rays).map(|ray| {
             let origin = ray.origin.to_dvec3() + by;
             Ray { origin: origin.as_vec3(), ..*ray }
         });

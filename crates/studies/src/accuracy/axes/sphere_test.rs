@@ -72,8 +72,8 @@ fn judged(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyError> {
     };
     let labels = TESTS.map(|(name, _)| format!("{TRACER}:sphere-test={name}"));
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
-    let sheets = stage.all_sheets();
-    let rays = count(&sheets);
+    let batches = stage.all_batches();
+    let rays = count(&batches);
     let spheres: Vec<u32> =
         (0..set.len() as u32).filter(|&id| set.kind(id) == PrimitiveKind::Sphere).collect();
     let mut random = stage.random("spheres");
@@ -112,7 +112,7 @@ fn judged(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyError> {
         let answers = hit(test).into_iter().zip(&exact).zip(&aims);
         let answers =
             answers.map(|((t, exact), (_, _, is_met))| (t, *exact, t.is_some() != *is_met));
-        chosen_tests::variant(name, built, &sheets, answers)
+        chosen_tests::variant(name, built, &batches, answers)
     });
     let said = Said {
         timed: format!("{rays} rays of {what} through {TRACER}; {}", chosen_tests::made(&built)),

@@ -19,7 +19,7 @@ use scene_loading::{Scene, Shape};
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Sheets, Stage, TRACER, count};
+use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::accuracy::work::Work;
 use crate::error::StudyError;
@@ -48,15 +48,15 @@ const WAY: f64 = 0.1;
 /// Structures with the rays that each answers.
 struct Rows<'a> {
     tracers: Vec<Box<dyn Tracer<f32> + 'a>>,
-    sheets: Vec<Sheets<f32>>,
+    batches: Vec<Batches<f32>>,
     build_s: f64,
 }
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = in_motion(stage.scene(), &mut stage.random("directions"));
     let shutter = scene.camera.shutter;
-    let (mut random, mut sheets) = (stage.random("times"), stage.all_sheets());
-    for ray in sheets.iter_mut().flat_map(|(_, rays)| rays) {
+    let (mut random, mut batches) = (stage.random("times"), stage.all_batches());
+    for ray in batches.iter_mut().flat_map(|(_, rays)| rays) {
         ray.time = (shutter * unit(&mut random)) as f32;
     }
     let moving = [Geometry::<f32>::of(&scene)?];
@@ -70,11 +70,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         rows.push((
             named(n, "segment"),
             setting,
-            built(stage, &label, &moving, vec![sheets.clone()])?,
+            built(stage, &label, &moving, vec![batches.clone()])?,
         ));
     }
     for (geometries, n) in still.iter().zip(PARTS) {
-        let parts = (0..n).map(|k| part(&sheets, k, n, shutter)).collect();
+        let parts = (0..n).map(|k| part(&batches, k, n, shutter)).collect();
         let setting = format!("run -s {TRACER}, of {n} scenes at rest");
         rows.push((
             format!("held still, {}", named(n, "moment")),
@@ -88,14 +88,14 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     };
     let mut variants = Vec::new();
     for (i, (name, setting, row)) in rows.iter().enumerate() {
-        let pairs = row.tracers.iter().zip(&row.sheets);
+        let pairs = row.tracers.iter().zip(&row.batches);
         let replays: Vec<_> =
-            pairs.map(|(tracer, sheets)| Replay::new(&**tracer, sheets)).collect();
+            pairs.map(|(tracer, batches)| Replay::new(&**tracer, batches)).collect();
         let mut tally = Tally::default();
-        for (replay, sheets) in replays.iter().zip(&row.sheets) {
-            compare(&replay.answers, &Replay::new(&**reference, sheets).answers, &mut tally);
+        for (replay, batches) in replays.iter().zip(&row.batches) {
+            compare(&replay.answers, &Replay::new(&**reference, batches).answers, &mut tally);
         }
-        let bytes: u64 = row.tracers.iter().map(|tracer| tracer.shape().bytes).sum();
+        let bytes: u64 = row.tracers.iter().map(|tracer| tracer.stats().bytes).sum();
         variants.push(Variant {
             name: name.clone(),
             setting: setting.clone(),
@@ -110,7 +110,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let said = Said {
         timed: format!(
             "{} rays of the scene, each at a time of its own, through {TRACER}",
-            count(&sheets)
+            count(&batches)
         ),
         judged: "the same rays".into(),
         ..Said::default()
@@ -123,14 +123,14 @@ fn built<'a>(
     stage: &Stage<'_>,
     label: &str,
     geometries: &'a [Geometry<f32>],
-    sheets: Vec<Sheets<f32>>,
+    batches: Vec<Batches<f32>>,
 ) -> Result<Rows<'a>, StudyError> {
     let row = Row::parse(stage.registry, label)?;
     let start = stage.clock.now();
     let build = |geometry: &'a Geometry<f32>| row.entry.build(geometry.prims(), &row.params);
     let tracers: Result<Vec<_>, _> = geometries.iter().map(build).collect();
     let build_s = stage.clock.seconds_since(start);
-    Ok(Rows { tracers: tracers.map_err(|e| stage.refused(e))?, sheets, build_s })
+    Ok(Rows { tracers: tracers.map_err(|e| stage.refused(e))?, batches, build_s })
 }
 
 /// The answers of several structures, each to rays of its own.
@@ -182,11 +182,11 @@ fn moments(n: usize, shutter: f64) -> impl Iterator<Item = f64> {
 }
 
 /// The rays of a part of the exposure.
-fn part(sheets: &Sheets<f32>, k: usize, n: usize, shutter: f64) -> Sheets<f32> {
+fn part(batches: &Batches<f32>, k: usize, n: usize, shutter: f64) -> Batches<f32> {
     let is_in =
         |ray: &Ray<f32>| ((f64::from(ray.time) / shutter * n as f64) as usize).min(n - 1) == k;
     let part = |rays: &Vec<Ray<f32>>| rays.iter().copied().filter(is_in).collect();
-    sheets.iter().map(|(kind, rays)| (*kind, part(rays))).collect()
+    batches.iter().map(|(kind, rays)| (*kind, part(rays))).collect()
 }
 
 /// The scene, every other primitive of which moves.

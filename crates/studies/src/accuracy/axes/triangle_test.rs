@@ -59,8 +59,8 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     let prims = stage.prepared.geometry.prims();
     let labels = TESTS.map(|(name, _)| format!("{subject}:triangle-test={name}"));
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
-    let sheets = stage.all_sheets();
-    let rays = count(&sheets);
+    let batches = stage.all_batches();
+    let rays = count(&batches);
     let aims = match prims {
         PrimsRef::Watertight(set) => aims(stage, set),
         PrimsRef::Mixed(set) => aims(stage, set),
@@ -84,7 +84,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     let exact = hit(TriangleChoice::Double);
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
         let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
-        chosen_tests::variant(name, built, &sheets, answers)
+        chosen_tests::variant(name, built, &batches, answers)
     });
     let said = Said {
         timed: format!(

@@ -14,10 +14,10 @@ use crate::verify::draw::{direction, one_of, point, signed, single, unit};
 use crate::verify::exact::{ExactRay, Soup};
 use crate::verify::expect::{in_soup, on_lattice, on_mesh};
 use crate::verify::meshes::{icosphere, sheet, soup};
+use crate::verify::metamorphic::{MetamorphicPair, Original, Same};
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::{Case, Group};
 use crate::verify::round::{Expected, Round, ray};
-use crate::verify::twin::{Original, Same, Twin};
 use statistics::random::Random;
 
 /// The group.
@@ -63,7 +63,7 @@ const G3: Case = case!(
 const G4: Case = case!("G4", "exact", needle, "a triangle 10^8 times as long as wide");
 const G5: Case = case!("G5", "exact, without them", degenerate, "points and lines among triangles");
 const G7: Case =
-    case!("G7", "exact, renumbered", twins, "triangles in the same place: the lowest id wins");
+    case!("G7", "exact, renumbered", coplanar, "triangles in the same place: the lowest id wins");
 const G6: Case = case!(
     "G6",
     "construction",
@@ -187,7 +187,7 @@ fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
     })?;
     let ids = (first..triangles.len() as u32).collect();
     let (model, rays) = (Model::triangles(&clean)?, round.rays.clone());
-    round.twins.push(Twin {
+    round.pairs.push(MetamorphicPair {
         name: "without them".into(),
         same: Same::Bits,
         model,
@@ -198,7 +198,7 @@ fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
     Ok(round)
 }
 
-fn twins<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let mut triangles = soup(random, 60, 0.6);
     triangles.extend_from_within(..);
     random.shuffle(&mut triangles);
@@ -208,8 +208,8 @@ fn twins<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     })?;
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     random.shuffle(&mut order);
-    let twin = Original { triangles: &triangles, rays: &round.rays }.renumbered(order);
-    round.twins.extend(twin);
+    let pair = Original { triangles: &triangles, rays: &round.rays }.renumbered(order);
+    round.pairs.extend(pair);
     Ok(round)
 }
 

@@ -1,4 +1,4 @@
-//! The cases: a file a group, and one for each case that takes more than a page.
+//! The cases: one file per group, and one for each case that takes more than a page.
 
 mod crossings;
 mod extreme_components;

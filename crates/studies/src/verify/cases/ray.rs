@@ -12,10 +12,10 @@ use super::{
 use crate::case;
 use crate::verify::draw::{direction, one_of, signed, unit, whole};
 use crate::verify::meshes::{sheet, soup};
+use crate::verify::metamorphic::{MetamorphicPair, Original, Same};
 use crate::verify::model::Model;
 use crate::verify::registry::{Case, Group};
 use crate::verify::round::{Expected, Round, ray};
-use crate::verify::twin::{Original, Same, Twin};
 use statistics::random::Random;
 
 /// The group.
@@ -51,7 +51,7 @@ fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
         let flipped = DVec3::from_array(d.to_array().map(|x| if x == 0.0 { -x } else { x }));
         ray(r.origin.to_dvec3(), flipped)
     };
-    let twin = Twin {
+    let pair = MetamorphicPair {
         name: "zeros of the other sign".into(),
         same: Same::Bits,
         model: Model::triangles(&triangles)?,
@@ -61,8 +61,8 @@ fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     };
     let mirrored =
         Original { triangles: &triangles, rays: &round.rays }.mirrored(random.below(8) as u8);
-    round.twins.push(twin);
-    round.twins.extend(mirrored);
+    round.pairs.push(pair);
+    round.pairs.extend(mirrored);
     Ok(round)
 }
 
@@ -104,9 +104,9 @@ fn scaled_directions<S: Buildable>(
     })?;
     let original = Original { triangles: &triangles, rays: &round.rays };
     let exponents = [one_of(random, &[-60, -37, -10]), one_of(random, &[-1, 3, 20]), 60];
-    let twins: Vec<_> =
+    let pairs: Vec<_> =
         exponents.into_iter().filter_map(|e| original.with_direction_scaled(e)).collect();
-    round.twins = twins;
+    round.pairs = pairs;
     Ok(round)
 }
 
@@ -188,7 +188,7 @@ fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
         (DVec3::from_array(origin), sign_direction(random))
     })?;
     let original = Original { triangles: &triangles, rays: &round.rays };
-    let twin = original.mirrored(random.below(8) as u8);
-    round.twins.extend(twin);
+    let pair = original.mirrored(random.below(8) as u8);
+    round.pairs.extend(pair);
     Ok(round)
 }

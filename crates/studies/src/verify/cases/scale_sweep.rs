@@ -12,10 +12,10 @@ use super::{point_within, soup_round, toward};
 use crate::case;
 use crate::verify::draw::one_of;
 use crate::verify::meshes::{icosphere, sheet, soup, torus};
+use crate::verify::metamorphic::Original;
 use crate::verify::model::Corners;
 use crate::verify::registry::Case;
 use crate::verify::round::Round;
-use crate::verify::twin::Original;
 use statistics::random::Random;
 
 /// Oracle K of the catalogue, densely.
@@ -58,6 +58,6 @@ fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         from + random.below((to - from) as usize) as i32
     };
     let exponents: Vec<i32> = (0..parts).map(one_of_part).collect();
-    round.twins = exponents.into_iter().filter_map(|e| original.scaled(e)).collect();
+    round.pairs = exponents.into_iter().filter_map(|e| original.scaled(e)).collect();
     Ok(round)
 }

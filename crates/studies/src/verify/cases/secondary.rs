@@ -25,13 +25,13 @@ pub static GROUP: Group =
 const S1: Case = case!(
     "S1",
     "convexity",
-    leaving_a_shape,
+    from_a_shape,
     "rays that leave a convex shape of a size of 10^-8 to 10^8"
 );
 const S2: Case = case!(
     "S2",
     "convexity",
-    leaving_far_away,
+    from_far_away,
     "rays that leave a ball or a mesh up to 10^6 of its sizes from the origin"
 );
 const S3: Case =
@@ -57,8 +57,8 @@ macro_rules! by_default {
 }
 
 by_default!(
-    leaving_a_shape as leaving_a_shape_under,
-    leaving_far_away as leaving_far_away_under,
+    from_a_shape as from_a_shape_under,
+    from_far_away as from_far_away_under,
     between_planes as between_planes_under,
     under_a_ball as under_a_ball_under,
     to_a_light_on_a_surface as to_a_light_on_a_surface_under
@@ -71,15 +71,15 @@ pub type Draw<S> = fn(&mut Random, usize, OffsetRule) -> Result<Round<S>, Primit
 /// same scenes and the same number of rays for each rule.
 pub fn draws<S: Buildable>() -> [(&'static str, Draw<S>); 5] {
     [
-        ("S1", leaving_a_shape_under),
-        ("S2", leaving_far_away_under),
+        ("S1", from_a_shape_under),
+        ("S2", from_far_away_under),
         ("S3", between_planes_under),
         ("S3ball", under_a_ball_under),
         ("S4", to_a_light_on_a_surface_under),
     ]
 }
 
-fn leaving_a_shape_under<S: Buildable>(
+fn from_a_shape_under<S: Buildable>(
     random: &mut Random,
     rays: usize,
     rule: OffsetRule,
@@ -115,7 +115,7 @@ fn leaving_a_shape_under<S: Buildable>(
     offset_rays(random, rays, &scene, at, size, rule)
 }
 
-fn leaving_far_away_under<S: Buildable>(
+fn from_far_away_under<S: Buildable>(
     random: &mut Random,
     rays: usize,
     rule: OffsetRule,

@@ -11,10 +11,10 @@ use super::{point_within, soup_round, toward};
 use crate::case;
 use crate::verify::draw::one_of;
 use crate::verify::meshes::soup;
+use crate::verify::metamorphic::Original;
 use crate::verify::model::Corners;
 use crate::verify::registry::Case;
 use crate::verify::round::Round;
-use crate::verify::twin::Original;
 use statistics::random::Random;
 
 /// Oracle K of the catalogue.
@@ -56,8 +56,8 @@ fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         _ => (&[-200, -27, -1], &[1, 28, 200]),
     };
     let exponents = [one_of(random, down), one_of(random, up)];
-    let twins: Vec<_> = exponents.into_iter().filter_map(|e| original.scaled(e)).collect();
-    round.twins = twins;
+    let pairs: Vec<_> = exponents.into_iter().filter_map(|e| original.scaled(e)).collect();
+    round.pairs = pairs;
     Ok(round)
 }
 
@@ -66,7 +66,7 @@ fn turned<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
     let original = Original { triangles: &triangles, rays: &round.rays };
     let mirrored = original.permuted(0, 1 + random.below(7) as u8);
     let permuted = original.permuted(1 + random.below(5), random.below(8) as u8);
-    let twins: Vec<_> = [mirrored, permuted].into_iter().flatten().collect();
-    round.twins = twins;
+    let pairs: Vec<_> = [mirrored, permuted].into_iter().flatten().collect();
+    round.pairs = pairs;
     Ok(round)
 }

@@ -1,4 +1,4 @@
-//! Rays that are awkward to walk through cells.
+//! Rays that are awkward to take through cells.
 
 use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;
@@ -11,10 +11,10 @@ use crate::case;
 use crate::verify::draw::{one_of, unit, whole};
 use crate::verify::every_hit::{every_hit, first_within};
 use crate::verify::meshes::soup;
-use crate::verify::parts::{kernels, walks};
+use crate::verify::metamorphic::Original;
+use crate::verify::parts::{kernels, traversals};
 use crate::verify::registry::{Case, Group};
 use crate::verify::round::Round;
-use crate::verify::twin::Original;
 use statistics::random::Random;
 
 /// The group.
@@ -23,19 +23,19 @@ pub static GROUP: Group = Group { name: "traversal", cases: &[T1, T2, T3, T4, T5
 const T1: Case = case!(
     "T1",
     "whole numbers",
-    parts walks::LATTICE_RAYS,
+    parts traversals::LATTICE_RAYS,
     "grids of 16^3 to 1024^3, so many rays for each: every cell that is crossed is visited"
 );
 const T3: Case = case!(
     "T3",
     "whole numbers",
-    parts walks::PUBLISHED_RAYS,
+    parts traversals::PUBLISHED_RAYS,
     "two rays that broke other traversals, and rays like them"
 );
 const T4: Case = case!(
     "T4",
     "the ray in f64",
-    parts walks::FAR_ORIGINS,
+    parts traversals::FAR_ORIGINS,
     "origins 10^6 grids away, aimed at the grid's outer planes"
 );
 const T2: Case = case!(
@@ -91,8 +91,8 @@ fn within_planes<S: Buildable>(
         (lattice_point(random) - d * random.below(2 * LATTICE as usize) as f64, d)
     })?;
     let original = Original { triangles: &triangles, rays: &round.rays };
-    let twin = original.mirrored(random.below(8) as u8);
-    round.twins.extend(twin);
+    let pair = original.mirrored(random.below(8) as u8);
+    round.pairs.extend(pair);
     Ok(round)
 }
 

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use accel_core::grid::cell_walk::{CellPosition, CellWalk};
+use accel_core::grid::cell_traversal::{CellPosition, CellTraversal};
 use accel_core::grid::distance_field::{Metric, distances};
-use accel_core::grid::voxel_walk::GridFrame;
+use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::structures::proximity_clouds::Jumps;
 use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
@@ -16,7 +16,7 @@ use statistics::random::Random;
 /// Rays through a cloud, before the next is drawn.
 const RAYS_A_CLOUD: usize = 100;
 
-/// How a field of distances is made: occupied cells, cells an axis, metric, octant.
+/// How a field of distances is made: occupied cells, cells per axis, metric, octant.
 pub type Field = fn(&[bool], [u32; 3], Metric, Option<usize>) -> Vec<u8>;
 
 /// A cloud of that metric.
@@ -161,20 +161,21 @@ impl Cells {
         let bounds = Aabb { min: Vec3::<S>::splat(S::ZERO), max: Vec3::<S>::from_dvec3(size) };
         let frame = GridFrame::new(bounds, self.n);
         let ray = self.ray::<S>(random, size);
-        let (Some(mut steps), Some(mut walk)) = (frame.walk(&ray), frame.walk(&ray)) else {
+        let (Some(mut steps), Some(mut traversal)) = (frame.traversal(&ray), frame.traversal(&ray))
+        else {
             return Ok(0);
         };
         let jumps = Jumps::new(&frame, &ray, metric);
         let mut visited = Vec::new();
         loop {
-            let cell = walk.index();
+            let cell = traversal.index();
             let free = cloud.get(cell).copied().unwrap_or(0);
             if self.occupied[cell] {
                 visited.push(cell);
             }
             let goes_on = match free {
-                0 | 1 => walk.advance(),
-                _ => jumps.jump(&mut walk, i32::from(free)),
+                0 | 1 => traversal.advance(),
+                _ => jumps.jump(&mut traversal, i32::from(free)),
             };
             if !goes_on {
                 break;

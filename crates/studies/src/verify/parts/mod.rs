@@ -1,12 +1,12 @@
-//! Parts of structures that have an oracle of their own: walks through grids, mailboxes, clouds.
+//! Parts of structures that have an oracle of their own: traversals through grids, mailboxes, clouds.
 //!
 //! A case that concerns a part names its subjects itself ([`Part`]); structures are not asked.
 
 pub mod clouds;
-pub mod integer_walk;
+pub mod integer_traversal;
 pub mod kernels;
 pub mod mailboxes;
-pub mod walks;
+pub mod traversals;
 
 use super::mismatch::Mismatch;
 use statistics::random::Random;

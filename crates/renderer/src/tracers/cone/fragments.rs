@@ -24,7 +24,7 @@ const BESIDE: f64 = 2.0;
 
 impl Caster<'_> {
     /// The surfaces that cover a part of a cone. What comes after the cone is full may be missing.
-    pub(super) fn gather(
+    pub(super) fn fragments(
         &self,
         cone: &Cone,
         left: Option<&Left>,
@@ -38,9 +38,9 @@ impl Caster<'_> {
         if end.is_nan() || end <= cone.begin {
             return fragments;
         }
-        let shaft = cone.shaft(end);
+        let frustum = cone.frustum(end);
         let (mut stop, mut sum) = (f64::INFINITY, 0.0);
-        self.over.shafts.gather_in_order(&shaft, &mut scratch.gathered, &mut |ids, depth| {
+        self.over.frusta.query_in_order(&frustum, &mut scratch.candidates, &mut |ids, depth| {
             let before = fragments.len();
             for &id in ids {
                 if is_shadow && self.forms.is_clear(id) {
@@ -93,7 +93,7 @@ impl Caster<'_> {
                 .is_none_or(|depth| depth <= 0.0 || depth >= cone.end)
     }
 
-    /// Combines what was gathered.
+    /// Combines what was found.
     pub(super) fn compose(
         &self,
         cone: &Cone,

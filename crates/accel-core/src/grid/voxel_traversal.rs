@@ -1,11 +1,11 @@
-//! The walk of a ray through a regular grid of voxels by t_next stepping.
+//! The traversal of a ray through a regular grid of voxels by t_next stepping.
 //!
 //! Paper: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
 //! 1987. Deviation: the parameter of the next plane is not accumulated (t += dt drifts by up to tens
-//! of cells on long walks) but recomputed from the plane's index, so that its error
+//! of cells on long traversals) but recomputed from the plane's index, so that its error
 //! does not grow with the number of steps.
 //!
-//! What is guaranteed, in the scalar of the walk and to the ray's end: the part of the ray between
+//! What is guaranteed, in the scalar of the traversal and to the ray's end: the part of the ray between
 //! the exits of two successive cells lies within the second of them, grown by an error that is
 //! independent of the number of steps. Three roundings of positions (plane, from_origin, their sum)
 //! and two of factors (1 / direction, the product with it) keep a plane within 22 epsilon of the
@@ -13,23 +13,23 @@
 //! (`far_ray.rs`). Boxes are inserted padded by 64 of the same (`bounds_rule.rs`). So a cell may be
 //! passed by whose corner or edge the ray cuts by less, never a primitive: what the ray meets in
 //! that cell is listed in the cells before or after it as well, and those are not left before the
-//! parameter of the hit. `rtbench verify --cases T1,T3,T4` holds both walks against exact integers.
+//! parameter of the hit. `rtbench verify --cases T1,T3,T4` compares both traversals with exact integers.
 //!
-//! **Grids within cells.** The walk of an inner grid has planes, and roundings, of its own. A ray
+//! **Grids within cells.** The traversal of an inner grid has planes, and roundings, of its own. A ray
 //! nearly within a side of the outer cell leaves an inner grid of exactly that box, by one rounding,
-//! at any parameter, and what the rest of the cell holds is passed by while the outer walk, by
+//! at any parameter, and what the rest of the cell holds is passed by while the outer traversal, by
 //! another rounding, is still there. So an inner grid is that of the cell grown by the padding of
 //! boxes. Between the cell's entry and exit the ray is within 22 epsilon of the cell, so within the
-//! inner grid's box by 42 on every axis; the inner walk, off by another 22, does not leave that box
-//! before the outer one leaves the cell. Two rules follow for whoever walks both: a hit before an
-//! inner exit ends the inner walk alone, for beyond the outer exit only the outer lists are
-//! complete; and an inner walk starts where the cell is entered, but never before the outer walk
+//! inner grid's box by 42 on every axis; the inner traversal, off by another 22, does not leave that box
+//! before the outer one leaves the cell. Two rules follow for whoever traverses both: a hit before an
+//! inner exit ends the inner traversal alone, for beyond the outer exit only the outer lists are
+//! complete; and an inner traversal starts where the cell is entered, but never before the outer traversal
 //! did, for planes beside the ray may be met at any parameter, even an infinite one.
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::grid::cell_walk::{CellPosition, CellWalk, GridCell};
+use crate::grid::cell_traversal::{CellPosition, CellTraversal, GridCell};
 
 /// Where the cells of a regular grid are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +42,7 @@ pub struct GridFrame<S: Scalar> {
 }
 
 impl<S: Scalar> GridFrame<S> {
-    /// Divides `bounds` into `n` cells an axis; every axis of `bounds` must have a length > 0 and
+    /// Divides `bounds` into `n` cells per axis; every axis of `bounds` must have a length > 0 and
     /// `n` at most [`crate::grid::resolution::MAX_PER_AXIS`].
     pub fn new(bounds: Aabb<S>, n: [u32; 3]) -> Self {
         let (lo, size) = (bounds.min.to_array(), bounds.size().to_array());
@@ -70,7 +70,7 @@ impl<S: Scalar> GridFrame<S> {
         self.n.iter().map(|&n| n as usize).product()
     }
 
-    /// The first and last cell an axis that `b` touches, clamped to the grid.
+    /// The first and last cell per axis that `b` touches, clamped to the grid.
     #[inline(always)]
     pub fn range(&self, b: &Aabb<S>) -> ([i32; 3], [i32; 3]) {
         let (lo, hi) = (b.min.to_array(), b.max.to_array());
@@ -134,28 +134,28 @@ impl<S: Scalar> GridFrame<S> {
         }
     }
 
-    /// Starts a walk, or `None` when the ray misses the box within its interval.
+    /// Starts a traversal, or `None` when the ray misses the box within its interval.
     #[inline(always)]
-    pub fn walk(&self, ray: &Ray<S>) -> Option<VoxelWalk<S>> {
-        self.walk_from(ray, ray.t_min)
+    pub fn traversal(&self, ray: &Ray<S>) -> Option<VoxelTraversal<S>> {
+        self.traversal_from(ray, ray.t_min)
     }
 
-    /// Starts a walk at parameter `t_start` in place of the ray's `t_min`.
+    /// Starts a traversal at parameter `t_start` in place of the ray's `t_min`.
     #[inline(always)]
-    pub fn walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<VoxelWalk<S>> {
+    pub fn traversal_from(&self, ray: &Ray<S>, t_start: S) -> Option<VoxelTraversal<S>> {
         let (t_in, _) = self.bounds.clip(ray.origin, ray.direction, t_start, ray.t_max)?;
-        Some(self.walk_at(ray, inverse_direction(ray), t_in))
+        Some(self.traversal_at(ray, inverse_direction(ray), t_in))
     }
 
-    /// Starts a walk in the cell that holds, or is nearest to, the point of the ray at `t`,
+    /// Starts a traversal in the cell that holds, or is nearest to, the point of the ray at `t`,
     /// whether or not the ray meets the box there. `inverse` is [`inverse_direction`] of the ray.
     #[inline(always)]
-    pub fn walk_at(&self, ray: &Ray<S>, inverse: [S; 3], t: S) -> VoxelWalk<S> {
+    pub fn traversal_at(&self, ray: &Ray<S>, inverse: [S; 3], t: S) -> VoxelTraversal<S> {
         let o = ray.origin.to_array();
         let d = ray.direction.to_array();
         let p = ray.at(t).to_array();
         let stride = [1, self.n[0] as isize, self.n[0] as isize * self.n[1] as isize];
-        let mut walk = VoxelWalk {
+        let mut traversal = VoxelTraversal {
             t_next: [S::INFINITY; 3],
             plane: [S::ZERO; 3],
             plane_step: [S::ZERO; 3],
@@ -173,21 +173,21 @@ impl<S: Scalar> GridFrame<S> {
             at[k] = self.clamped((p[k] - self.lo[k]) * self.inv_cell[k], k);
             // no direction (0 * infinity below would be NaN)
             if !inverse[k].is_finite() {
-                walk.last[k] = at[k];
+                traversal.last[k] = at[k];
                 continue;
             }
             let up = d[k] > S::ZERO;
-            walk.step[k] = if up { 1 } else { -1 };
-            walk.last[k] = if up { self.n[k] - 1 } else { 0 };
-            walk.from_origin[k] = self.lo[k] - o[k];
-            walk.plane[k] = S::from_i32(at[k] + i32::from(up));
-            walk.plane_step[k] = if up { S::ONE } else { -S::ONE };
-            walk.remaining[k] = if up { self.n[k] - 1 - at[k] } else { at[k] };
-            walk.stride[k] = if up { stride[k] } else { -stride[k] };
-            walk.t_next[k] = walk.plane_parameter(k);
+            traversal.step[k] = if up { 1 } else { -1 };
+            traversal.last[k] = if up { self.n[k] - 1 } else { 0 };
+            traversal.from_origin[k] = self.lo[k] - o[k];
+            traversal.plane[k] = S::from_i32(at[k] + i32::from(up));
+            traversal.plane_step[k] = if up { S::ONE } else { -S::ONE };
+            traversal.remaining[k] = if up { self.n[k] - 1 - at[k] } else { at[k] };
+            traversal.stride[k] = if up { stride[k] } else { -stride[k] };
+            traversal.t_next[k] = traversal.plane_parameter(k);
         }
-        walk.offset = self.index(at) as isize;
-        walk
+        traversal.offset = self.index(at) as isize;
+        traversal
     }
 
     /// The same grid in f64, its planes where `S` has them but for the rounding of their sums.
@@ -223,7 +223,7 @@ impl<S: Scalar> CellDivision<S> {
         }
     }
 
-    /// The grid of `n` cells an axis, at least 1, that divides the cell of those coordinates.
+    /// The grid of `n` cells per axis, at least 1, that divides the cell of those coordinates.
     #[inline(always)]
     pub fn grid(&self, coords: [i32; 3], n: [u8; 3]) -> GridFrame<S> {
         let (mut lo, mut hi, mut cell, mut inv_cell) = (self.lo, self.lo, self.side, self.inv_side);
@@ -248,7 +248,7 @@ pub fn inverse_direction<S: Scalar>(ray: &Ray<S>) -> [S; 3] {
 
 /// A ray on its way through a grid.
 #[derive(Debug, Clone, Copy)]
-pub struct VoxelWalk<S: Scalar> {
+pub struct VoxelTraversal<S: Scalar> {
     /// Parameter at which the next plane of each axis is met.
     pub(crate) t_next: [S; 3],
     /// Index of that plane.
@@ -268,7 +268,7 @@ pub struct VoxelWalk<S: Scalar> {
     pub(crate) offset: isize,
 }
 
-impl<S: Scalar> VoxelWalk<S> {
+impl<S: Scalar> VoxelTraversal<S> {
     #[inline(always)]
     fn plane_parameter(&self, k: usize) -> S {
         (self.plane[k] * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
@@ -312,7 +312,7 @@ impl<S: Scalar> VoxelWalk<S> {
     }
 }
 
-impl<S: Scalar> CellPosition for VoxelWalk<S> {
+impl<S: Scalar> CellPosition for VoxelTraversal<S> {
     #[inline(always)]
     fn index(&self) -> usize {
         self.offset as usize
@@ -324,7 +324,7 @@ impl<S: Scalar> CellPosition for VoxelWalk<S> {
     }
 }
 
-impl<S: Scalar> CellWalk<S> for VoxelWalk<S> {
+impl<S: Scalar> CellTraversal<S> for VoxelTraversal<S> {
     #[inline(always)]
     fn t_exit(&self) -> S {
         self.t_next[self.axis()]
@@ -348,10 +348,10 @@ impl<S: Scalar> CellWalk<S> for VoxelWalk<S> {
 mod tests {
     use super::*;
 
-    /// The cells of a walk; its coordinates and exits are held against the indices on the way.
-    fn collect(frame: &GridFrame<f64>, walk: Option<impl CellWalk<f64>>) -> Vec<usize> {
+    /// The cells of a traversal; its coordinates and exits are compared with the indices on the way.
+    fn collect(frame: &GridFrame<f64>, traversal: Option<impl CellTraversal<f64>>) -> Vec<usize> {
         let mut out = Vec::new();
-        let Some(mut w) = walk else { return out };
+        let Some(mut w) = traversal else { return out };
         let mut last_exit = f64::NEG_INFINITY;
         loop {
             assert_eq!(frame.index(w.coords()), w.index());
@@ -364,14 +364,14 @@ mod tests {
         }
     }
 
-    /// The cells of the t_next walk, which those of the driving-axis walk must equal but for the
+    /// The cells of the t_next traversal, which those of the driving-axis traversal must equal but for the
     /// order at ties, where both may touch another cell on an edge or corner.
     fn cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
-        collect(frame, frame.walk(ray))
+        collect(frame, frame.traversal(ray))
     }
 
     fn driven_cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
-        collect(frame, frame.driving_walk_from(ray, ray.t_min))
+        collect(frame, frame.driving_traversal_from(ray, ray.t_min))
     }
 
     fn unit_frame(n: u32) -> GridFrame<f64> {
@@ -440,7 +440,7 @@ mod tests {
     }
 
     #[test]
-    fn lattice_ties_miss_no_pierced_cell_in_either_walk() {
+    fn lattice_ties_miss_no_pierced_cell_in_either_traversal() {
         // HARD_CASES T2: lattice origins, directions {-7..7}^3; half-integer sums keep it exact
         let frame = unit_frame(8);
         for d in (0..15i32.pow(3)).map(|i| [i % 15 - 7, i / 15 % 15 - 7, i / 225 - 7]) {
@@ -470,15 +470,15 @@ mod tests {
 
     #[test]
     fn directions_too_small_to_invert_are_no_directions() {
-        // HARD_CASES R2: 0 * infinity once ended the walk at the first cell
+        // HARD_CASES R2: 0 * infinity once ended the traversal at the first cell
         let bounds = Aabb { min: glam::Vec3::ZERO, max: glam::Vec3::splat(8.0) };
         let frame = GridFrame::<f32>::new(bounds, [8; 3]);
         let ray = Ray::<f32>::new([4.0, -1.0, 4.0].into(), [1e-45, 1.0, -1e-45].into());
-        let mut walk = frame.walk(&ray).unwrap();
-        let mut driven = frame.driving_walk_from(&ray, 0.0).unwrap();
+        let mut traversal = frame.traversal(&ray).unwrap();
+        let mut driven = frame.driving_traversal_from(&ray, 0.0).unwrap();
         for _ in 0..7 {
-            assert!(walk.advance() && driven.advance());
+            assert!(traversal.advance() && driven.advance());
         }
-        assert!(!walk.advance() && !driven.advance());
+        assert!(!traversal.advance() && !driven.advance());
     }
 }

@@ -1,21 +1,25 @@
-//! A shaft's way through a k-d tree: from the root, the near child first.
+//! A frustum's way through a k-d tree: from the root, the near child first.
 
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Vector;
-use crate::query::region::{Shaft, ShaftWalk};
+use crate::query::region::{Frustum, FrustumTraversal};
 use crate::structures::kd_tree::KdTree;
 use crate::structures::kd_tree::cells::Node;
 
-impl ShaftWalk for KdTree<f64> {
-    fn walk_shaft(&self, shaft: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
-        let root = self.bounds.expanded(shaft.tolerance());
-        if !shaft.meets_box(&root) {
+impl FrustumTraversal for KdTree<f64> {
+    fn traverse_frustum(
+        &self,
+        frustum: &Frustum,
+        cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
+    ) {
+        let root = self.bounds.expanded(frustum.tolerance());
+        if !frustum.meets_box(&root) {
             return;
         }
-        let direction = shaft.direction();
+        let direction = frustum.direction();
         // cells that wait, each with the least depth of itself and of those below it
-        let mut stack = vec![(0u32, root, shaft.least_depth(&root))];
+        let mut stack = vec![(0u32, root, frustum.least_depth(&root))];
         while let Some((index, bounds, depth)) = stack.pop() {
             let node = self.cells.nodes[index as usize];
             let axis = (node.link & 3) as usize;
@@ -29,10 +33,10 @@ impl ShaftWalk for KdTree<f64> {
             }
             let (mut lower, mut upper) = (bounds, bounds);
             let mut plane = bounds.max.to_array();
-            plane[axis] = node.plane + shaft.tolerance();
+            plane[axis] = node.plane + frustum.tolerance();
             lower.max = Vector::from_array(plane);
             plane = bounds.min.to_array();
-            plane[axis] = node.plane - shaft.tolerance();
+            plane[axis] = node.plane - frustum.tolerance();
             upper.min = Vector::from_array(plane);
             let child = node.link >> 2;
             let mut children = [(child + 1, upper), (child, lower)];
@@ -42,8 +46,8 @@ impl ShaftWalk for KdTree<f64> {
             // the far child waits below the near one
             let mut below = stack.last().map_or(f64::INFINITY, |s| s.2);
             for (index, bounds) in children {
-                if shaft.meets_box(&bounds) {
-                    below = below.min(shaft.least_depth(&bounds));
+                if frustum.meets_box(&bounds) {
+                    below = below.min(frustum.least_depth(&bounds));
                     stack.push((index, bounds, below));
                 }
             }

@@ -1,8 +1,8 @@
-//! What every walk of a ray through a regular grid offers, and the setting that chooses one.
+//! What every traversal of a ray through a regular grid offers, and the setting that chooses one.
 //!
-//! Two walks are for use: `voxel_walk.rs` (t_next stepping) and `driving_axis_walk.rs` (Fujimoto's
+//! Two traversals are for use: `voxel_traversal.rs` (t_next stepping) and `driving_axis_traversal.rs` (Fujimoto's
 //! synchronised DDAs). Two more are for comparison, in the uniform grid alone:
-//! `accumulating_walk.rs` and `double_walk.rs`. Storages and structures are written once, over [`CellWalk`].
+//! `accumulating_traversal.rs` and `double_traversal.rs`. Storages and structures are written once, over [`CellTraversal`].
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -37,14 +37,14 @@ impl CellPosition for GridCell {
 }
 
 /// A ray on its way through a grid, in one of its cells.
-pub trait CellWalk<S: Scalar>: CellPosition {
+pub trait CellTraversal<S: Scalar>: CellPosition {
     /// Parameter at which the ray leaves the current cell.
     fn t_exit(&self) -> S;
     /// Steps to the next cell; false when that would leave the grid.
     fn advance(&mut self) -> bool;
 }
 
-/// Which walk a grid uses. The first two visit every pierced cell; they differ in time only, and in
+/// Which traversal a grid uses. The first two visit every pierced cell; they differ in time only, and in
 /// which cells they touch where a ray meets an edge or corner of cells exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Traversal {
@@ -68,7 +68,7 @@ impl Traversal {
         kind: ParamKind::Choice(&["t-next", "driving-axis"]),
     };
 
-    /// The same with the walks that are there for comparison.
+    /// The same with the traversals that are there for comparison.
     pub const PARAM_OF_ALL: ParamSpec = ParamSpec {
         summary: "step to the nearest of three planes, or along a driving axis (Fujimoto's \
                   3D-DDA); for comparison: accumulate (as published, passes cells by), f64",

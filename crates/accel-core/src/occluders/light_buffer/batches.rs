@@ -1,17 +1,17 @@
-//! What a face shows of the primitives, in sheets that were made beside one another.
+//! What a face shows of the primitives, in batches that were made beside one another.
 
 use glam::DVec3;
 
 use crate::occluders::light_buffer::facing::Facing;
 use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane};
 
-/// Primitives of a sheet, at most.
-pub(super) const SHEET: usize = 1 << SHEET_BITS;
-const SHEET_BITS: u32 = 12;
+/// Primitives of a batch, at most.
+pub(super) const BATCH: usize = 1 << BATCH_BITS;
+const BATCH_BITS: u32 = 12;
 
-/// What a face shows of up to [`SHEET`] primitives.
+/// What a face shows of up to [`BATCH`] primitives.
 #[derive(Debug, Default)]
-pub(super) struct Sheet {
+pub(super) struct Batch {
     /// One for each primitive that is seen.
     pub(super) footprints: Vec<Footprint>,
     /// Their half-planes.
@@ -27,58 +27,58 @@ pub(super) struct Sheet {
 pub(super) struct Print<'a> {
     /// The footprint.
     pub(super) footprint: &'a Footprint,
-    sheet: &'a Sheet,
+    batch: &'a Batch,
 }
 
 impl<'a> Print<'a> {
     /// Its half-planes.
     pub(super) fn sides(self) -> &'a [HalfPlane] {
         let own = &self.footprint.sides;
-        &self.sheet.sides[own.start as usize..own.end as usize]
+        &self.batch.sides[own.start as usize..own.end as usize]
     }
 
     /// Its plane.
     pub(super) fn plane(self) -> Option<&'a Facing> {
-        self.sheet.planes.get(self.footprint.plane? as usize)
+        self.batch.planes.get(self.footprint.plane? as usize)
     }
 
     /// The planes of its edges.
     pub(super) fn edges(self, plane: &Facing) -> &'a [DVec3] {
-        &self.sheet.edges[plane.edges.start as usize..plane.edges.end as usize]
+        &self.batch.edges[plane.edges.start as usize..plane.edges.end as usize]
     }
 }
 
 /// All that a face shows.
 #[derive(Debug, Default)]
 pub(super) struct Shown {
-    sheets: Vec<Sheet>,
+    batches: Vec<Batch>,
 }
 
 impl Shown {
-    /// Adds the next sheet.
-    pub(super) fn push(&mut self, sheet: Sheet) {
-        self.sheets.push(sheet);
+    /// Adds the next batch.
+    pub(super) fn push(&mut self, batch: Batch) {
+        self.batches.push(batch);
     }
 
-    /// All sheets.
-    pub(super) fn sheets(&self) -> &[Sheet] {
-        &self.sheets
+    /// All batches.
+    pub(super) fn batches(&self) -> &[Batch] {
+        &self.batches
     }
 
     /// All footprints.
     pub(super) fn footprints(&self) -> impl Iterator<Item = &Footprint> {
-        self.sheets.iter().flat_map(|s| &s.footprints)
+        self.batches.iter().flat_map(|s| &s.footprints)
     }
 
-    /// The number by which a footprint of a sheet is known.
-    pub(super) fn number(sheet: usize, footprint: usize) -> u32 {
-        (sheet as u32) << SHEET_BITS | footprint as u32
+    /// The number by which a footprint of a batch is known.
+    pub(super) fn number(batch: usize, footprint: usize) -> u32 {
+        (batch as u32) << BATCH_BITS | footprint as u32
     }
 
     /// The footprint of that number.
     #[inline(always)]
     pub(super) fn print(&self, number: u32) -> Print<'_> {
-        let sheet = &self.sheets[(number >> SHEET_BITS) as usize];
-        Print { footprint: &sheet.footprints[number as usize & (SHEET - 1)], sheet }
+        let batch = &self.batches[(number >> BATCH_BITS) as usize];
+        Print { footprint: &batch.footprints[number as usize & (BATCH - 1)], batch }
     }
 }

@@ -1,4 +1,4 @@
-//! The walk of a ray through a regular grid by two synchronised DDAs: one driving axis, two
+//! The traversal of a ray through a regular grid by two synchronised DDAs: one driving axis, two
 //! passive ones.
 //!
 //! Paper: A. Fujimoto, T. Tanaka, K. Iwata, "ARTS: Accelerated Ray-Tracing System", IEEE Computer
@@ -8,20 +8,20 @@
 //! of cells. An error term for each passive axis says whether its plane is met before the layer
 //! ends; then it steps too. Two planar DDAs share the driving axis.
 //!
-//! Deviations. As a drawing algorithm the scheme lights one cell a column, and two DDAs that both
+//! Deviations. As a drawing algorithm the scheme lights one cell per column, and two DDAs that both
 //! step in one layer do so in a fixed order: either way pierced cells are missed. Here all passive
 //! steps of a layer are made one after the other, the larger error (the earlier plane) first, and
 //! before the driving step. Error terms are kept as parameters, (end of the layer) - (next passive
 //! plane), whose sign is that of Fujimoto's error in cells, and are recomputed from plane indices
-//! instead of accumulated, as in `voxel_walk.rs`; so both walks make the same comparisons.
+//! instead of accumulated, as in `voxel_traversal.rs`; so both traversals make the same comparisons.
 //! Ties: the driving axis goes first, then the lower passive axis.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::grid::cell_walk::{CellPosition, CellWalk};
-use crate::grid::voxel_walk::{GridFrame, VoxelWalk};
+use crate::grid::cell_traversal::{CellPosition, CellTraversal};
+use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 
-/// One axis of the walk.
+/// One axis of the traversal.
 #[derive(Debug, Clone, Copy)]
 struct Axis<S: Scalar> {
     /// Parameter at which its next plane is met.
@@ -38,16 +38,16 @@ struct Axis<S: Scalar> {
 
 impl<S: Scalar> Axis<S> {
     #[inline(always)]
-    fn of(walk: &VoxelWalk<S>, k: usize) -> Self {
+    fn of(traversal: &VoxelTraversal<S>, k: usize) -> Self {
         Self {
-            t_next: walk.t_next[k],
-            plane: walk.plane[k],
-            plane_step: walk.plane_step[k],
-            cell: walk.cell[k],
-            from_origin: walk.from_origin[k],
-            inv_d: walk.inv_d[k],
-            remaining: walk.remaining[k],
-            stride: walk.stride[k],
+            t_next: traversal.t_next[k],
+            plane: traversal.plane[k],
+            plane_step: traversal.plane_step[k],
+            cell: traversal.cell[k],
+            from_origin: traversal.from_origin[k],
+            inv_d: traversal.inv_d[k],
+            remaining: traversal.remaining[k],
+            stride: traversal.stride[k],
         }
     }
 
@@ -66,7 +66,7 @@ impl<S: Scalar> Axis<S> {
 
 /// A ray on its way through a grid, layer by layer of the driving axis.
 #[derive(Debug, Clone, Copy)]
-pub struct DrivingAxisWalk<S: Scalar> {
+pub struct DrivingAxisTraversal<S: Scalar> {
     driving: Axis<S>,
     /// The two others, the lower one first.
     passive: [Axis<S>; 2],
@@ -78,19 +78,24 @@ pub struct DrivingAxisWalk<S: Scalar> {
 }
 
 impl<S: Scalar> GridFrame<S> {
-    /// [`GridFrame::walk_from`] along the driving axis.
+    /// [`GridFrame::traversal_from`] along the driving axis.
     #[inline(always)]
-    pub fn driving_walk_from(&self, ray: &Ray<S>, t_start: S) -> Option<DrivingAxisWalk<S>> {
-        self.walk_from(ray, t_start).map(DrivingAxisWalk::new)
+    pub fn driving_traversal_from(
+        &self,
+        ray: &Ray<S>,
+        t_start: S,
+    ) -> Option<DrivingAxisTraversal<S>> {
+        self.traversal_from(ray, t_start).map(DrivingAxisTraversal::new)
     }
 }
 
-impl<S: Scalar> DrivingAxisWalk<S> {
-    /// Goes on from where `walk` is.
+impl<S: Scalar> DrivingAxisTraversal<S> {
+    /// Goes on from where `traversal` is.
     #[inline(always)]
-    pub fn new(walk: VoxelWalk<S>) -> Self {
+    pub fn new(traversal: VoxelTraversal<S>) -> Self {
         // parameter spent in one cell: least along the driving axis, infinite without direction
-        let per_cell: [S; 3] = std::array::from_fn(|k| (walk.cell[k] * walk.inv_d[k]).abs());
+        let per_cell: [S; 3] =
+            std::array::from_fn(|k| (traversal.cell[k] * traversal.inv_d[k]).abs());
         let [x, y, z] = per_cell;
         let axes = if x <= y && x <= z {
             [0, 1, 2]
@@ -100,12 +105,12 @@ impl<S: Scalar> DrivingAxisWalk<S> {
             [2, 0, 1]
         };
         Self {
-            driving: Axis::of(&walk, axes[0]),
-            passive: [Axis::of(&walk, axes[1]), Axis::of(&walk, axes[2])],
-            offset: walk.offset,
+            driving: Axis::of(&traversal, axes[0]),
+            passive: [Axis::of(&traversal, axes[1]), Axis::of(&traversal, axes[2])],
+            offset: traversal.offset,
             axes,
-            last: walk.last,
-            step: walk.step,
+            last: traversal.last,
+            step: traversal.step,
         }
     }
 
@@ -127,7 +132,7 @@ impl<S: Scalar> DrivingAxisWalk<S> {
     }
 }
 
-impl<S: Scalar> CellPosition for DrivingAxisWalk<S> {
+impl<S: Scalar> CellPosition for DrivingAxisTraversal<S> {
     #[inline(always)]
     fn index(&self) -> usize {
         self.offset as usize
@@ -144,7 +149,7 @@ impl<S: Scalar> CellPosition for DrivingAxisWalk<S> {
     }
 }
 
-impl<S: Scalar> CellWalk<S> for DrivingAxisWalk<S> {
+impl<S: Scalar> CellTraversal<S> for DrivingAxisTraversal<S> {
     #[inline(always)]
     fn t_exit(&self) -> S {
         match self.due() {

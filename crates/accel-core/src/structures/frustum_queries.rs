@@ -1,14 +1,14 @@
-//! The structures that can be asked by shafts ([`crate::query::region`]).
+//! The structures that can be asked by frusta ([`crate::query::region`]).
 
 use super::{bricked_grid, brute_force, hashed_grid, kd_tree, uniform_grid};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::{PrimSet, PrimsRef};
-use crate::query::region::{BoundGatherer, Gatherer, ShaftWalk};
+use crate::query::region::{BoundFrustumQueries, FrustumQueries, FrustumTraversal};
 use crate::registry::{self, Listed};
 use crate::structure::{BuildError, StructureInfo, refuse_unusable};
 
-/// Every structure that can be asked by shafts: one line each.
+/// Every structure that can be asked by frusta: one line each.
 pub static REGISTRY: &[Entry] = &[
     line(&brute_force::INFO, build::<brute_force::BruteForce<f64>>),
     line(&uniform_grid::INFO, build::<uniform_grid::UniformGrid<f64>>),
@@ -23,17 +23,17 @@ pub const fn line(info: &'static StructureInfo, build: Builder) -> Entry {
 }
 
 /// How one is built.
-type Builder = fn(PrimsRef<'_, f64>, &Params) -> Result<Box<dyn Gatherer>, BuildError>;
+type Builder = fn(PrimsRef<'_, f64>, &Params) -> Result<Box<dyn FrustumQueries>, BuildError>;
 
-/// A structure that shafts can be asked of, in f64.
-pub struct Gathering;
+/// A structure that frusta can be asked of, in f64.
+pub struct FrustumAnswering;
 
-impl Listed for Gathering {
+impl Listed for FrustumAnswering {
     type Builder<S: Scalar> = Builder;
 }
 
 /// One line of [`REGISTRY`].
-pub type Entry = registry::Entry<Gathering>;
+pub type Entry = registry::Entry<FrustumAnswering>;
 
 impl Entry {
     /// Builds the structure over the set; it keeps what it needs of the primitives.
@@ -44,7 +44,7 @@ impl Entry {
         &self,
         prims: PrimsRef<'_, f64>,
         params: &Params,
-    ) -> Result<Box<dyn Gatherer>, BuildError> {
+    ) -> Result<Box<dyn FrustumQueries>, BuildError> {
         <f64 as registry::Buildable>::builder(self)(prims, params)
     }
 }
@@ -54,20 +54,20 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     registry::find(REGISTRY, name)
 }
 
-/// Builds `T` over whichever set it is, to be asked by shafts.
+/// Builds `T` over whichever set it is, to be asked by frusta.
 ///
 /// # Errors
 /// [`BuildError`].
-pub fn build<T: ShaftWalk + 'static>(
+pub fn build<T: FrustumTraversal + 'static>(
     prims: PrimsRef<'_, f64>,
     params: &Params,
-) -> Result<Box<dyn Gatherer>, BuildError> {
-    fn over<T: ShaftWalk + 'static, P: PrimSet<f64>>(
+) -> Result<Box<dyn FrustumQueries>, BuildError> {
+    fn over<T: FrustumTraversal + 'static, P: PrimSet<f64>>(
         prims: &P,
         params: &Params,
-    ) -> Result<Box<dyn Gatherer>, BuildError> {
+    ) -> Result<Box<dyn FrustumQueries>, BuildError> {
         refuse_unusable(prims, params)?;
-        Ok(Box::new(BoundGatherer::new(prims, T::build(prims, params)?)))
+        Ok(Box::new(BoundFrustumQueries::new(prims, T::build(prims, params)?)))
     }
     match prims {
         PrimsRef::Watertight(p) => over::<T, _>(p, params),
@@ -83,17 +83,17 @@ mod tests {
     use crate::geometry::ray::Ray;
     use crate::geometry::scalar::Vector;
     use crate::primitives::MixedSet;
-    use crate::query::region::{Gathered, Shaft};
+    use crate::query::region::{Candidates, Frustum};
     use crate::structure::Structure;
     use crate::structures::test_scenes::{Random, hard_scenes, mixed_scene};
     use glam::DVec3;
 
     /// Pyramids into and through the scene, each with some directions within it.
-    fn shafts(set: &MixedSet<f64>, random: &mut Random) -> Vec<(Shaft, DVec3, Vec<DVec3>)> {
+    fn frusta(set: &MixedSet<f64>, random: &mut Random) -> Vec<(Frustum, DVec3, Vec<DVec3>)> {
         let bounds = set.scene_bounds();
         let (lo, size) = (bounds.min.to_dvec3(), bounds.size().to_dvec3());
         let reach = 8.0 * size.length();
-        let shaft = |k: usize| {
+        let frustum = |k: usize| {
             let target = lo + size * random.point([1.0; 3]);
             let apex = lo + size * (random.point([3.0; 3]) - DVec3::ONE);
             let forward = (target - apex).normalize_or(DVec3::X);
@@ -105,21 +105,21 @@ mod tests {
             let within = (0..20)
                 .map(|_| corner(random.unit() * 2.0 - 1.0, random.unit() * 2.0 - 1.0))
                 .collect();
-            (Shaft::pyramid(apex, &corners, reach), apex, within)
+            (Frustum::pyramid(apex, &corners, reach), apex, within)
         };
-        (0..60).map(shaft).collect()
+        (0..60).map(frustum).collect()
     }
 
-    /// Hits that `gatherer` missed, those that came after a depth that excludes them, and all.
-    fn missed_and_late(gatherer: &dyn Gatherer, set: &MixedSet<f64>, seed: u64) -> [u32; 3] {
+    /// Hits that `queries` missed, those that came after a depth that excludes them, and all.
+    fn missed_and_late(queries: &dyn FrustumQueries, set: &MixedSet<f64>, seed: u64) -> [u32; 3] {
         let mut random = Random(seed);
-        let mut gathered = Gathered::default();
+        let mut candidates = Candidates::default();
         let mut counts = [0; 3];
-        for (shaft, apex, directions) in shafts(set, &mut random) {
+        for (frustum, apex, directions) in frusta(set, &mut random) {
             // the depth that was announced when each id came
             let mut depths = vec![None; set.len()];
             let mut bound = f64::NEG_INFINITY;
-            gatherer.gather_in_order(&shaft, &mut gathered, &mut |ids, depth| {
+            queries.query_in_order(&frustum, &mut candidates, &mut |ids, depth| {
                 assert!(depth >= bound, "depths do not decrease");
                 bound = depth;
                 for &id in ids {
@@ -136,8 +136,9 @@ mod tests {
                     match depths[id as usize] {
                         None => counts[0] += 1,
                         Some(depth) => {
-                            let at = shaft.depth(apex + direction * t);
-                            counts[1] += u32::from(at < depth - 1e-9 * shaft.tolerance().max(1.0));
+                            let at = frustum.depth(apex + direction * t);
+                            counts[1] +=
+                                u32::from(at < depth - 1e-9 * frustum.tolerance().max(1.0));
                         }
                     }
                 }
@@ -147,15 +148,15 @@ mod tests {
     }
 
     #[test]
-    fn whatever_a_ray_of_the_shaft_hits_is_gathered_in_order() {
+    fn whatever_a_ray_of_the_frustum_hits_is_found_in_order() {
         let mut sets = hard_scenes::<f64>();
         sets.retain(|(name, _)| *name != "duplicates");
         sets.push(("many", mixed_scene(3000, 5, [1.0, 1.0, 0.2])));
         for entry in REGISTRY {
             let params = entry.params([]).unwrap();
             for (name, set) in &sets {
-                let gatherer = entry.build(PrimsRef::Mixed(set), &params).unwrap();
-                let [missed, late, hits] = missed_and_late(gatherer.as_ref(), set, 3);
+                let queries = entry.build(PrimsRef::Mixed(set), &params).unwrap();
+                let [missed, late, hits] = missed_and_late(queries.as_ref(), set, 3);
                 assert_eq!([missed, late], [0, 0], "{} {name}", entry.info.name);
                 assert!(hits > 100, "{name}: only {hits} hits");
             }
@@ -169,19 +170,19 @@ mod tests {
             fn build<P: PrimSet<f64>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
                 Structure::build(prims, params).map(Self)
             }
-            fn walk<K: crate::query::sink::Sink<f64>>(&self, _: &Ray<f64>, _: &mut K) {}
-            fn shape(&self) -> crate::structure::Shape {
-                self.0.shape()
+            fn traverse<K: crate::query::sink::Sink<f64>>(&self, _: &Ray<f64>, _: &mut K) {}
+            fn stats(&self) -> crate::structure::StructureStats {
+                self.0.stats()
             }
         }
-        impl ShaftWalk for Forgetful {
-            fn walk_shaft(
+        impl FrustumTraversal for Forgetful {
+            fn traverse_frustum(
                 &self,
-                shaft: &Shaft,
+                frustum: &Frustum,
                 cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
             ) {
                 let mut number = 0;
-                self.0.walk_shaft(shaft, &mut |ids, depth| {
+                self.0.traverse_frustum(frustum, &mut |ids, depth| {
                     number += 1;
                     if number % 5 == 0 { ControlFlow::Continue(()) } else { cell(ids, depth) }
                 });
@@ -198,15 +199,15 @@ mod tests {
         let set = mixed_scene(3000, 6, [1.0; 3]);
         let work = |name: &str| {
             let entry = find(name).unwrap();
-            let gatherer = entry.build(PrimsRef::Mixed(&set), &entry.params([]).unwrap()).unwrap();
-            let mut gathered = Gathered::default();
-            for (shaft, _, _) in shafts(&set, &mut Random(4)).iter().filter(|s| s.2.len() == 20) {
-                gatherer.gather(shaft, &mut gathered);
+            let queries = entry.build(PrimsRef::Mixed(&set), &entry.params([]).unwrap()).unwrap();
+            let mut candidates = Candidates::default();
+            for (frustum, _, _) in frusta(&set, &mut Random(4)).iter().filter(|s| s.2.len() == 20) {
+                queries.query(frustum, &mut candidates);
             }
-            gathered.work
+            candidates.work
         };
         let all = work("brute-force");
-        assert_eq!(all.tests, 3000 * all.shafts);
+        assert_eq!(all.tests, 3000 * all.queries);
         for name in ["uniform-grid", "kd-tree"] {
             let work = work(name);
             assert!(2 * work.tests < all.tests, "{name}: {work:?}");

@@ -1,16 +1,16 @@
-//! The walk through voxels: accumulated, recomputed, driven by an axis, in f64; against whole
+//! The traversal through voxels: accumulated, recomputed, driven by an axis, in f64; against whole
 //! numbers.
 //!
 //! The rays that are judged are those of the scene, as seen from the cells of a fine grid and moved to
 //! 1024ths of a cell near by: then the oracle of `verify` says exactly which cells they pierce. A
-//! ray is wrong when its walk passes by a cell that it pierces, however shortly.
+//! ray is wrong when its traversal passes by a cell that it pierces, however shortly.
 
 use accel_core::Ray;
-use accel_core::grid::cell_walk::CellWalk;
-use accel_core::grid::voxel_walk::GridFrame;
+use accel_core::grid::cell_traversal::CellTraversal;
+use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
-use accel_core::variants::double_walk::DoubleWalk;
+use accel_core::variants::double_traversal::DoubleTraversal;
 use accel_core::{Aabb, Vector};
 use glam::{DVec3, Vec3};
 use renderer::RayKind;
@@ -22,7 +22,7 @@ use crate::accuracy::stage::{Replay, Stage, count};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::error::StudyError;
 use crate::verify::draw::point;
-use crate::verify::parts::integer_walk::IntegerRay;
+use crate::verify::parts::integer_traversal::IntegerRay;
 
 /// Registry line.
 pub static AXIS: Axis = Axis {
@@ -45,39 +45,40 @@ const FINE: u32 = 1024;
 /// One trial of so many that are asked for is made: each visits thousands of cells.
 const SHARE: usize = 5;
 
-/// Kinds of walk, as the setting has them.
-const WALKS: [&str; 4] = ["accumulate", "t-next", "driving-axis", "f64"];
+/// Kinds of traversal, as the setting has them.
+const TRAVERSALS: [&str; 4] = ["accumulate", "t-next", "driving-axis", "f64"];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let n = CELLS[usize::from(stage.quick)];
-    let labels = WALKS.map(|walk| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={walk}"));
+    let labels = TRAVERSALS
+        .map(|traversal| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={traversal}"));
     let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
-    let sheets = stage.all_sheets();
+    let batches = stage.all_batches();
     let replays: Vec<_> =
-        built.iter().map(|b| Replay::new(&*b.tracer, &sheets).by_kind()).collect();
+        built.iter().map(|b| Replay::new(&*b.tracer, &batches).by_kind()).collect();
     let differing: Vec<u64> = replays
         .iter()
         .map(|r| replays.last().map_or(0, |reference| r.differing(reference)))
         .collect();
     let aimed = lattice_rays(stage, FINE);
-    let mut found = WALKS.map(|_| (Tally::default(), 0));
+    let mut found = TRAVERSALS.map(|_| (Tally::default(), 0));
     for aim in &aimed {
         let pierced = aim.pierced();
-        for ((tally, missed), walk) in found.iter_mut().zip(WALKS) {
-            let passed_by = aim.passed_by(walk, &pierced);
+        for ((tally, missed), traversal) in found.iter_mut().zip(TRAVERSALS) {
+            let passed_by = aim.passed_by(traversal, &pierced);
             tally.add(passed_by > 0);
             *missed += passed_by;
         }
     }
-    let (mut variants, rays) = (Vec::new(), count(&sheets));
-    let parts = built.iter().zip(replays).zip(WALKS).zip(differing).zip(found);
-    for ((((built, replay), walk), differing), (tally, missed)) in parts {
+    let (mut variants, rays) = (Vec::new(), count(&batches));
+    let parts = built.iter().zip(replays).zip(TRAVERSALS).zip(differing).zip(found);
+    for ((((built, replay), traversal), differing), (tally, missed)) in parts {
         variants.push(Variant {
-            name: walk.into(),
+            name: traversal.into(),
             setting: built.setting(),
             known_defect: built.known_defect,
             is_without: false,
-            is_reference: walk == "f64",
+            is_reference: traversal == "f64",
             error: tally.error(),
             also: vec![
                 ("cells passed by", missed as f64),
@@ -102,7 +103,7 @@ pub struct LatticeRay {
 }
 
 impl LatticeRay {
-    /// In a grid of `n` cells an axis; `None` where the oracle or single precision cannot hold it.
+    /// In a grid of `n` cells per axis; `None` where the oracle or single precision cannot hold it.
     pub fn new(n: u32, origin: DVec3, direction: DVec3) -> Option<Self> {
         let exact = IntegerRay::new(origin, direction)?;
         let ray = Ray::<f32>::new(origin.as_vec3(), direction.as_vec3());
@@ -115,38 +116,38 @@ impl LatticeRay {
         self.exact.pierced(self.n as i32).into_iter().map(|p| p.cell).collect()
     }
 
-    /// The cells that a walk visits.
-    pub fn visited(&self, walk: &str) -> Vec<[i32; 3]> {
+    /// The cells that a traversal visits.
+    pub fn visited(&self, traversal: &str) -> Vec<[i32; 3]> {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(self.n as f32) };
         let frame = GridFrame::<f32>::new(bounds, [self.n; 3]);
-        match walk {
-            "accumulate" => cells(frame.accumulating_walk_from(&self.ray, 0.0)),
-            "driving-axis" => cells(frame.driving_walk_from(&self.ray, 0.0)),
-            "f64" => cells::<f32>(DoubleWalk::from(&frame.in_double(), &self.ray, 0.0)),
-            _ => cells(frame.walk(&self.ray)),
+        match traversal {
+            "accumulate" => cells(frame.accumulating_traversal_from(&self.ray, 0.0)),
+            "driving-axis" => cells(frame.driving_traversal_from(&self.ray, 0.0)),
+            "f64" => cells::<f32>(DoubleTraversal::from(&frame.in_double(), &self.ray, 0.0)),
+            _ => cells(frame.traversal(&self.ray)),
         }
     }
 
-    /// How many pierced cells a walk passes by.
-    fn passed_by(&self, walk: &str, pierced: &[[i32; 3]]) -> usize {
-        let mut visited = self.visited(walk);
+    /// How many pierced cells a traversal passes by.
+    fn passed_by(&self, traversal: &str, pierced: &[[i32; 3]]) -> usize {
+        let mut visited = self.visited(traversal);
         visited.sort_unstable();
         pierced.iter().filter(|cell| visited.binary_search(cell).is_err()).count()
     }
 }
 
-fn cells<S: accel_core::Scalar>(walk: Option<impl CellWalk<S>>) -> Vec<[i32; 3]> {
+fn cells<S: accel_core::Scalar>(traversal: Option<impl CellTraversal<S>>) -> Vec<[i32; 3]> {
     let mut visited = Vec::new();
-    let Some(mut walk) = walk else { return visited };
+    let Some(mut traversal) = traversal else { return visited };
     loop {
-        visited.push(walk.coords());
-        if !walk.advance() {
+        visited.push(traversal.coords());
+        if !traversal.advance() {
             return visited;
         }
     }
 }
 
-/// The scene's closest-hit rays in a grid of `n` cells an axis, moved onto the lattice, each by up to
+/// The scene's closest-hit rays in a grid of `n` cells per axis, moved onto the lattice, each by up to
 /// a cell so that there are as many as are asked for.
 pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
     let bounds = match stage.prepared.geometry.prims() {
@@ -155,8 +156,8 @@ pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
     };
     let (low, size) = (bounds.min.to_dvec3(), bounds.size().to_dvec3());
     let cell = (size / f64::from(n)).max(DVec3::splat(f64::MIN_POSITIVE));
-    let sheets = stage.sheets(stage.aims, |kind| kind != RayKind::Shadow);
-    let rays: Vec<_> = sheets.iter().flat_map(|(_, rays)| rays).collect();
+    let batches = stage.batches(stage.aims, |kind| kind != RayKind::Shadow);
+    let rays: Vec<_> = batches.iter().flat_map(|(_, rays)| rays).collect();
     let mut random = stage.random("lattice");
     let drawn = (0..2 * stage.aims / SHARE).filter_map(|_| {
         let ray = rays.get(random.below(rays.len()))?;
@@ -164,7 +165,7 @@ pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
         let along = ray.direction.to_dvec3() / cell;
         let direction = (along / along.abs().max_element() * f64::from(1 << 16)).round();
         let aim = LatticeRay::new(n, (origin * 1024.0).round() / 1024.0, direction)?;
-        // most that miss the grid would be right whatever the walk
+        // most that miss the grid would be right whatever the traversal
         (!aim.visited("f64").is_empty()).then_some(aim)
     });
     drawn.take(stage.aims / SHARE).collect()

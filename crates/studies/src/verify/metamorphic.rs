@@ -1,4 +1,4 @@
-//! A scene in another guise: scaled, mirrored or renumbered. The answers must stay the same.
+//! Metamorphic tests: a scene scaled, mirrored or renumbered. The answers must stay the same.
 
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
@@ -17,7 +17,7 @@ pub enum Same {
 
 /// The same scene and rays, told differently.
 #[derive(Debug)]
-pub struct Twin<S: Scalar> {
+pub struct MetamorphicPair<S: Scalar> {
     /// What was done to it.
     pub name: String,
     /// What must be the same.
@@ -26,14 +26,14 @@ pub struct Twin<S: Scalar> {
     pub model: Model<S>,
     /// The rays, in the order of the round.
     pub rays: Vec<Ray<S>>,
-    /// A parameter of the round is this much that of the twin: a power of two.
+    /// A parameter of the round is this much that of the pair: a power of two.
     pub factor: f64,
-    /// For each id of the twin, that of the round; empty when they are the same.
+    /// For each id of the pair, that of the round; empty when they are the same.
     pub ids: Vec<u32>,
 }
 
-impl<S: Scalar> Twin<S> {
-    /// The answer of the twin, told as one of the round.
+impl<S: Scalar> MetamorphicPair<S> {
+    /// The answer of the pair, told as one of the round.
     pub fn told_back(&self, hit: Hit<S>) -> Hit<S> {
         let t = S::from_f64(hit.t.to_f64() * self.factor);
         let id =
@@ -42,7 +42,7 @@ impl<S: Scalar> Twin<S> {
     }
 }
 
-/// A scene of triangles and the rays through it, from which twins are made.
+/// A scene of triangles and the rays through it, from which pairs are made.
 #[derive(Debug)]
 pub struct Original<'a, S: Scalar> {
     /// The triangles.
@@ -53,26 +53,26 @@ pub struct Original<'a, S: Scalar> {
 
 impl<S: Scalar> Original<'_, S> {
     /// Everything by `2^exponent`: `t` keeps its bits.
-    pub fn scaled(&self, exponent: i32) -> Option<Twin<S>> {
+    pub fn scaled(&self, exponent: i32) -> Option<MetamorphicPair<S>> {
         let by = 2.0_f64.powi(exponent);
         self.moved(format!("scaled by 2^{exponent}"), 1.0, |p| p * by, |d| d * by)
     }
 
     /// Directions alone by `2^exponent`: `t` becomes `2^-exponent` times as large.
-    pub fn with_direction_scaled(&self, exponent: i32) -> Option<Twin<S>> {
+    pub fn with_direction_scaled(&self, exponent: i32) -> Option<MetamorphicPair<S>> {
         let by = 2.0_f64.powi(exponent);
         self.moved(format!("direction by 2^{exponent}"), by, |p| p, |d| d * by)
     }
 
     /// The axes whose bit is set in `mask`, mirrored.
-    pub fn mirrored(&self, mask: u8) -> Option<Twin<S>> {
+    pub fn mirrored(&self, mask: u8) -> Option<MetamorphicPair<S>> {
         let sign =
             DVec3::from_array([0, 1, 2].map(|k| if mask >> k & 1 == 1 { -1.0 } else { 1.0 }));
         self.moved(format!("mirrored {mask:03b}"), 1.0, |p| p * sign, |d| d * sign)
     }
 
     /// The axes in another order, the `order`-th of six, and mirrored as well.
-    pub fn permuted(&self, order: usize, mask: u8) -> Option<Twin<S>> {
+    pub fn permuted(&self, order: usize, mask: u8) -> Option<MetamorphicPair<S>> {
         const ORDERS: [[usize; 3]; 6] =
             [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let axes = ORDERS.get(order)?;
@@ -80,17 +80,17 @@ impl<S: Scalar> Original<'_, S> {
             let at = |k: usize| if mask >> k & 1 == 1 { -p[axes[k]] } else { p[axes[k]] };
             DVec3::from_array([0, 1, 2].map(at))
         };
-        let twin = self.moved(format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
-        Some(Twin { same: if order == 0 { Same::Bits } else { Same::Ids }, ..twin })
+        let pair = self.moved(format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
+        Some(MetamorphicPair { same: if order == 0 { Same::Bits } else { Same::Ids }, ..pair })
     }
 
     /// The triangles in another order: `order[new] = old`.
-    pub fn renumbered(&self, order: Vec<u32>) -> Option<Twin<S>> {
+    pub fn renumbered(&self, order: Vec<u32>) -> Option<MetamorphicPair<S>> {
         let moved = order.iter().filter_map(|&old| self.triangles.get(old as usize).copied());
         let model = Model::triangles(&moved.collect::<Vec<_>>()).ok()?;
         let name = "renumbered".to_owned();
         let rays = self.rays.to_vec();
-        Some(Twin { name, same: Same::Bits, model, rays, factor: 1.0, ids: order })
+        Some(MetamorphicPair { name, same: Same::Bits, model, rays, factor: 1.0, ids: order })
     }
 
     /// `None` when the numbers do not fit.
@@ -100,7 +100,7 @@ impl<S: Scalar> Original<'_, S> {
         factor: f64,
         point: impl Fn(DVec3) -> DVec3,
         direction: impl Fn(DVec3) -> DVec3,
-    ) -> Option<Twin<S>> {
+    ) -> Option<MetamorphicPair<S>> {
         use accel_core::Vector;
         let triangles: Vec<Corners> = self.triangles.iter().map(|t| t.map(&point)).collect();
         let told = |r: &Ray<S>| {
@@ -110,6 +110,6 @@ impl<S: Scalar> Original<'_, S> {
         };
         let model = Model::triangles(&triangles).ok()?;
         let rays = self.rays.iter().map(told).collect();
-        Some(Twin { name, same: Same::Bits, model, rays, factor, ids: Vec::new() })
+        Some(MetamorphicPair { name, same: Same::Bits, model, rays, factor, ids: Vec::new() })
     }
 }

@@ -1,4 +1,4 @@
-//! The cells that a ray pierces in a regular grid, in whole numbers: the oracle of the walks.
+//! The cells that a ray pierces in a regular grid, in whole numbers: the oracle of the traversals.
 //!
 //! Origin and direction are whole multiples of a power of two. The parameters at which planes are
 //! met are fractions; times the product of the direction's components they are whole numbers too,
@@ -32,7 +32,7 @@ pub struct Pierced {
 
 impl IntegerRay {
     /// `None` where the numbers are not multiples of 2^-24, the origin is more than 2^14 cells away
-    /// (the walk there would be long), or the direction needs more than 26 bits.
+    /// (the traversal there would be long), or the direction needs more than 26 bits.
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Self> {
         let whole = |x: f64, limit: f64| {
             let units = x * UNITS;

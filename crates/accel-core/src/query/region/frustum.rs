@@ -1,12 +1,12 @@
-//! A shaft: the part of space that a beam, a cone or the light towards a surface may touch.
+//! A frustum: the part of space that a beam, a cone or the light towards a surface may touch.
 //!
 //! Papers: P. Heckbert, P. Hanrahan, "Beam Tracing Polygonal Objects", SIGGRAPH 1984 (pyramids);
 //! J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984 (a cone is held by a pyramid around it);
 //! E. Haines, J. Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", Eurographics
-//! Workshop on Rendering 1991 (the name, and the tests by planes). Deviation: a shaft is the hull
+//! Workshop on Rendering 1991 (the name, and the tests by planes). Deviation: a frustum is the hull
 //! of a near and a far outline, not of two boxes.
 //!
-//! All answers are conservative: rounding may add what a shaft just misses, never drop what it
+//! All answers are conservative: rounding may add what a frustum just misses, never drop what it
 //! meets.
 
 use glam::DVec3;
@@ -15,16 +15,16 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Vector;
 use crate::primitives::Ball;
 
-/// Rounding errors of a plane's distance, in epsilons of the shaft's largest coordinate.
+/// Rounding errors of a plane's distance, in epsilons of the frustum's largest coordinate.
 const TOLERANCE: f64 = 64.0 * f64::EPSILON;
 
 /// The convex hull of two outlines with as many corners each, world units: a pyramid, a frustum or
 /// a prism whose sides are flat.
 #[derive(Debug, Clone)]
-pub struct Shaft {
+pub struct Frustum {
     near: Vec<DVec3>,
     far: Vec<DVec3>,
-    /// Unit outward normals, and how far along them the shaft reaches.
+    /// Unit outward normals, and how far along them the frustum reaches.
     planes: Vec<(DVec3, f64)>,
     bounds: Aabb<f64>,
     /// From the near outline to the far one, of unit length.
@@ -32,7 +32,7 @@ pub struct Shaft {
     tolerance: f64,
 }
 
-impl Shaft {
+impl Frustum {
     /// The hull of `near` and `far`: corner `k` of one is joined to corner `k` of the other, and
     /// what they enclose has flat sides. The longer list is cut to the length of the shorter; at
     /// least three corners are needed for a volume. Near corners may all be one point, an apex.
@@ -88,7 +88,7 @@ impl Shaft {
         self.direction
     }
 
-    /// How far along the shaft a point lies; the first near corner has depth 0.
+    /// How far along the frustum a point lies; the first near corner has depth 0.
     pub fn depth(&self, point: DVec3) -> f64 {
         match self.near.first() {
             Some(&first) => (point - first).dot(self.direction),
@@ -102,17 +102,17 @@ impl Shaft {
         self.depth(DVec3::select(self.direction.cmpgt(DVec3::ZERO), lo, hi)) - self.tolerance
     }
 
-    /// The box around the shaft.
+    /// The box around the frustum.
     pub fn bounds(&self) -> Aabb<f64> {
         self.bounds
     }
 
-    /// By how much the shaft is thought larger than it is, world units.
+    /// By how much the frustum is thought larger than it is, world units.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// False only when no point of the box lies in the shaft.
+    /// False only when no point of the box lies in the frustum.
     #[inline]
     pub fn meets_box(&self, cell: &Aabb<f64>) -> bool {
         let (lo, hi) = (cell.min.to_dvec3(), cell.max.to_dvec3());
@@ -126,7 +126,7 @@ impl Shaft {
         })
     }
 
-    /// False when a side of the shaft has all the balls outside, and so their convex hull.
+    /// False when a side of the frustum has all the balls outside, and so their convex hull.
     #[inline]
     pub fn meets_balls(&self, balls: &[Ball]) -> bool {
         self.planes.iter().all(|&(normal, reach)| {
@@ -135,7 +135,7 @@ impl Shaft {
         })
     }
 
-    /// The axis along which the shaft is longest.
+    /// The axis along which the frustum is longest.
     pub fn longest_axis(&self) -> usize {
         let d = self.direction.abs();
         if d.x >= d.y && d.x >= d.z {
@@ -147,7 +147,7 @@ impl Shaft {
         }
     }
 
-    /// The shaft made ready to be cut across an axis.
+    /// The frustum made ready to be cut across an axis.
     pub fn across(&self, axis: usize) -> Across<'_> {
         let upwards = self.direction[axis] >= 0.0;
         let along = |p: DVec3| if upwards { p[axis] } else { -p[axis] };
@@ -160,37 +160,37 @@ impl Shaft {
             least = least.min(n.min(f));
             most = most.max(n.max(f));
         }
-        Across { shaft: self, axis, upwards, near_max, far_min, least, most }
+        Across { frustum: self, axis, upwards, near_max, far_min, least, most }
     }
 }
 
-/// A shaft seen along an axis, mirrored so that it runs upwards.
+/// A frustum seen along an axis, mirrored so that it runs upwards.
 #[derive(Debug, Clone, Copy)]
 pub struct Across<'a> {
-    shaft: &'a Shaft,
+    frustum: &'a Frustum,
     axis: usize,
     upwards: bool,
     /// Where the near outline ends and the far one begins: planes between cut all edges.
     near_max: f64,
     far_min: f64,
-    /// Where the shaft begins and ends.
+    /// Where the frustum begins and ends.
     least: f64,
     most: f64,
 }
 
 impl Across<'_> {
-    /// A box around the part of the shaft between the planes `from <= to` of the axis, if there is
+    /// A box around the part of the frustum between the planes `from <= to` of the axis, if there is
     /// any. It is tight where both outlines lie outside the two planes.
     pub fn slice(&self, from: f64, to: f64) -> Option<Aabb<f64>> {
-        let Self { shaft, near_max, far_min, .. } = *self;
+        let Self { frustum, near_max, far_min, .. } = *self;
         let (from, to) = if self.upwards { (from, to) } else { (-to, -from) };
-        let (from, to) = (from - shaft.tolerance, to + shaft.tolerance);
+        let (from, to) = (from - frustum.tolerance, to + frustum.tolerance);
         if to < self.least || from > self.most {
             return None;
         }
         if near_max > far_min {
             // so oblique that the outlines overlap: no plane cuts all edges
-            return Some(shaft.bounds.expanded(shaft.tolerance));
+            return Some(frustum.bounds.expanded(frustum.tolerance));
         }
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let mut include = |p: DVec3| {
@@ -199,7 +199,7 @@ impl Across<'_> {
         };
         // where the planes cut the edges from near to far; they do, within the two
         let planes = [from.clamp(near_max, far_min), to.clamp(near_max, far_min)];
-        for (&near, &far) in shaft.near.iter().zip(&shaft.far) {
+        for (&near, &far) in frustum.near.iter().zip(&frustum.far) {
             let way = far - near;
             let start = if self.upwards { near[self.axis] } else { -near[self.axis] };
             let length = way[self.axis].abs();
@@ -215,7 +215,7 @@ impl Across<'_> {
             }
         }
         let slice = Aabb::<f64> { min: Vector::from_dvec3(min), max: Vector::from_dvec3(max) };
-        Some(slice.expanded(shaft.tolerance))
+        Some(slice.expanded(frustum.tolerance))
     }
 }
 
@@ -231,7 +231,7 @@ mod tests {
     use crate::structures::test_scenes::Random;
 
     /// A frustum along any axis, and a point within it for two numbers and a share each.
-    fn frustum(random: &mut Random) -> (Shaft, impl Fn(&mut Random) -> DVec3 + use<>) {
+    fn random_frustum(random: &mut Random) -> (Frustum, impl Fn(&mut Random) -> DVec3 + use<>) {
         let apex = random.point([2.0; 3]) - DVec3::ONE;
         let forward = (random.point([2.0; 3]) - DVec3::ONE).normalize();
         let (u, v) = forward.any_orthonormal_pair();
@@ -245,27 +245,27 @@ mod tests {
             let along = begin + (3.0 - begin) * random.unit();
             apex + (forward + (u * a + v * b) * half) * along
         };
-        (Shaft::new(&near, &far), inside)
+        (Frustum::new(&near, &far), inside)
     }
 
     #[test]
-    fn whatever_holds_a_point_of_the_shaft_meets_it() {
+    fn whatever_holds_a_point_of_the_frustum_meets_it() {
         let mut random = Random(11);
         let (mut boxes_missed, mut balls_missed) = (0, 0);
         for _ in 0..400 {
-            let (shaft, inside) = frustum(&mut random);
+            let (frustum, inside) = random_frustum(&mut random);
             for _ in 0..50 {
                 let p = inside(&mut random);
                 let size = random.point([0.2; 3]);
                 let lo = p - size * random.point([1.0; 3]);
                 let cell =
                     Aabb::<f64> { min: Vector::from_dvec3(lo), max: Vector::from_dvec3(lo + size) };
-                assert!(shaft.meets_box(&cell));
-                assert!(shaft.least_depth(&cell) <= shaft.depth(p));
-                assert!(shaft.meets_balls(&[Ball { center: p, radius: 0.0 }]));
+                assert!(frustum.meets_box(&cell));
+                assert!(frustum.least_depth(&cell) <= frustum.depth(p));
+                assert!(frustum.meets_balls(&[Ball { center: p, radius: 0.0 }]));
                 for axis in 0..3 {
                     let (from, to) = (p[axis] - random.unit() * 0.1, p[axis] + random.unit() * 0.1);
-                    let slice = shaft.across(axis).slice(from, to).expect("it holds the point");
+                    let slice = frustum.across(axis).slice(from, to).expect("it holds the point");
                     assert!(
                         slice.min.to_dvec3().cmple(p).all() && slice.max.to_dvec3().cmpge(p).all()
                     );
@@ -275,12 +275,12 @@ mod tests {
                     min: Vector::from_dvec3(elsewhere),
                     max: Vector::from_dvec3(elsewhere + size),
                 };
-                boxes_missed += u32::from(!shaft.meets_box(&away));
+                boxes_missed += u32::from(!frustum.meets_box(&away));
                 let ball = Ball { center: elsewhere, radius: 0.1 };
-                balls_missed += u32::from(!shaft.meets_balls(&[ball]));
+                balls_missed += u32::from(!frustum.meets_balls(&[ball]));
             }
         }
-        // the tests have power: most of 20,000 places are not in the shaft
+        // the tests have power: most of 20,000 places are not in the frustum
         assert!(boxes_missed > 15_000 && balls_missed > 15_000, "{boxes_missed} {balls_missed}");
     }
 
@@ -288,10 +288,10 @@ mod tests {
     fn slices_are_tight_away_from_the_ends() {
         let directions = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)];
         let directions = directions.map(|(y, z)| DVec3::new(1.0, y, z));
-        let shaft = Shaft::pyramid(DVec3::ZERO, &directions, 10.0);
-        let slice = shaft.across(0).slice(4.0, 5.0).unwrap();
+        let frustum = Frustum::pyramid(DVec3::ZERO, &directions, 10.0);
+        let slice = frustum.across(0).slice(4.0, 5.0).unwrap();
         assert!((slice.max.y - 0.5).abs() < 1e-9 && (slice.min.z + 0.5).abs() < 1e-9);
-        let across = shaft.across(0);
+        let across = frustum.across(0);
         assert!(across.slice(10.1, 11.0).is_none() && across.slice(-1.0, -0.1).is_none());
     }
 }

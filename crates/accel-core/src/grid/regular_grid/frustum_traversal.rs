@@ -1,23 +1,27 @@
-//! A shaft's way through a regular grid: slice by slice across its longest axis, and in each the
-//! rectangle of cells around the part of the shaft within.
+//! A frustum's way through a regular grid: slice by slice across its longest axis, and in each the
+//! rectangle of cells around the part of the frustum within.
 
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Vector;
 use crate::grid::regular_grid::{CellStorage, RegularGrid};
-use crate::query::region::{Shaft, ShaftWalk};
+use crate::query::region::{Frustum, FrustumTraversal};
 
 /// Rectangles of more cells than this have each cell tested by itself.
 const FEW_CELLS: i32 = 4;
 
-impl<G: CellStorage> ShaftWalk for RegularGrid<f64, G> {
-    fn walk_shaft(&self, shaft: &Shaft, cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>) {
-        let whole = self.frame.bounds().expanded(shaft.tolerance());
-        if !shaft.meets_box(&whole) {
+impl<G: CellStorage> FrustumTraversal for RegularGrid<f64, G> {
+    fn traverse_frustum(
+        &self,
+        frustum: &Frustum,
+        cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
+    ) {
+        let whole = self.frame.bounds().expanded(frustum.tolerance());
+        if !frustum.meets_box(&whole) {
             return;
         }
-        let axis = shaft.longest_axis();
-        let (first, last) = self.frame.range(&shaft.bounds().expanded(shaft.tolerance()));
+        let axis = frustum.longest_axis();
+        let (first, last) = self.frame.range(&frustum.bounds().expanded(frustum.tolerance()));
         let corner = self.frame.bounds().min.to_array()[axis];
         let thickness = self.frame.cell_size()[axis];
         let plane = |i: i32| corner + f64::from(i) * thickness;
@@ -26,13 +30,13 @@ impl<G: CellStorage> ShaftWalk for RegularGrid<f64, G> {
             lo.cmple(whole.max.to_dvec3()).all() && hi.cmpge(whole.min.to_dvec3()).all()
         };
         let count = last[axis] - first[axis] + 1;
-        let upwards = shaft.direction()[axis] >= 0.0;
-        let across = shaft.across(axis);
+        let upwards = frustum.direction()[axis] >= 0.0;
+        let across = frustum.across(axis);
         let layers = (0..count).map(|i| if upwards { first[axis] + i } else { last[axis] - i });
         let mut slices: Vec<_> = layers
             .filter_map(|i| {
                 let slice = across.slice(plane(i), plane(i + 1)).filter(overlaps)?;
-                Some((i, shaft.least_depth(&slice), slice))
+                Some((i, frustum.least_depth(&slice), slice))
             })
             .collect();
         // what this slice and all later ones do not begin before
@@ -55,7 +59,7 @@ impl<G: CellStorage> ShaftWalk for RegularGrid<f64, G> {
                         }
                         if cells > FEW_CELLS {
                             let bounds = self.frame.cell_bounds(at.index);
-                            if !shaft.meets_box(&bounds.expanded(shaft.tolerance())) {
+                            if !frustum.meets_box(&bounds.expanded(frustum.tolerance())) {
                                 continue;
                             }
                         }

@@ -1,26 +1,26 @@
-//! Walks through regular grids against exact integers (HARD_CASES T1, T3, T4).
+//! Traversals through regular grids against exact integers (HARD_CASES T1, T3, T4).
 //!
 //! Three demands, all for the whole way through the grid, up to a tolerance of a few epsilon of the
 //! largest coordinate (boxes are inserted padded by 64 of them):
 //! * each exactly pierced cell is visited, unless it is crossed for less than the tolerance;
 //! * between the exits of two successive cells the ray stays within the second one, grown by the
-//!   tolerance: what the ray meets is listed there, and the walk does not end before;
+//!   tolerance: what the ray meets is listed there, and the traversal does not end before;
 //! * a step changes one coordinate by one, and there are at most 3 N cells.
 
-use accel_core::grid::cell_walk::CellWalk;
-use accel_core::grid::voxel_walk::GridFrame;
+use accel_core::grid::cell_traversal::CellTraversal;
+use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
 use glam::{DVec3, dvec3};
 
-use super::integer_walk::{IntegerRay, Pierced};
+use super::integer_traversal::{IntegerRay, Pierced};
 use super::{Findings, Part};
 use crate::verify::draw::one_of;
 use statistics::random::Random;
 
-/// Which grids and rays a case draws.
+/// Which grids and rays per case draws.
 type Drawn = fn(&mut Random, usize) -> Vec<Question>;
 
-/// A ray through a grid of `n` cells an axis, in f64; its numbers are those of single precision.
+/// A ray through a grid of `n` cells per axis, in f64; its numbers are those of single precision.
 #[derive(Debug, Clone, Copy)]
 pub struct Question {
     /// Cells an axis.
@@ -35,42 +35,46 @@ pub struct Question {
     pub direction: DVec3,
 }
 
-/// Both walks over the questions of `$drawn`.
-macro_rules! walks {
+/// Both traversals over the questions of `$drawn`.
+macro_rules! traversals {
     ($drawn:path) => {
         &[
             Part {
                 name: "t-next-traversal",
-                single: |r, n| examine::<f32, _>(r, n, $drawn, |f, r| f.walk(r)),
-                double: |r, n| examine::<f64, _>(r, n, $drawn, |f, r| f.walk(r)),
+                single: |r, n| examine::<f32, _>(r, n, $drawn, |f, r| f.traversal(r)),
+                double: |r, n| examine::<f64, _>(r, n, $drawn, |f, r| f.traversal(r)),
             },
             Part {
                 name: "driving-axis-traversal",
-                single: |r, n| examine::<f32, _>(r, n, $drawn, |f, r| f.driving_walk_from(r, 0.0)),
-                double: |r, n| examine::<f64, _>(r, n, $drawn, |f, r| f.driving_walk_from(r, 0.0)),
+                single: |r, n| {
+                    examine::<f32, _>(r, n, $drawn, |f, r| f.driving_traversal_from(r, 0.0))
+                },
+                double: |r, n| {
+                    examine::<f64, _>(r, n, $drawn, |f, r| f.driving_traversal_from(r, 0.0))
+                },
             },
         ]
     };
 }
 
 /// T1.
-pub const LATTICE_RAYS: &[Part] = walks!(lattice_rays);
+pub const LATTICE_RAYS: &[Part] = traversals!(lattice_rays);
 /// T3.
-pub const PUBLISHED_RAYS: &[Part] = walks!(published_rays);
+pub const PUBLISHED_RAYS: &[Part] = traversals!(published_rays);
 /// T4.
-pub const FAR_ORIGINS: &[Part] = walks!(far_origins);
+pub const FAR_ORIGINS: &[Part] = traversals!(far_origins);
 
-/// Draws questions and holds the walks that `walk` starts against the oracle.
-pub fn examine<S: Scalar, W: CellWalk<S>>(
+/// Draws questions and compares the traversals that `start` makes with the oracle.
+pub fn examine<S: Scalar, W: CellTraversal<S>>(
     random: &mut Random,
     rays: usize,
     drawn: Drawn,
-    walk: impl Fn(&GridFrame<S>, &Ray<S>) -> Option<W>,
+    traversal: impl Fn(&GridFrame<S>, &Ray<S>) -> Option<W>,
 ) -> Findings {
     let mut findings = Findings::default();
     for question in drawn(random, rays) {
         let (frame, ray) = question.posed::<S>();
-        let outcome = question.judge(&frame, walk(&frame, &ray));
+        let outcome = question.judge(&frame, traversal(&frame, &ray));
         findings.record(outcome.map_err(|what| format!("{question:?}: {what}")));
     }
     findings
@@ -101,23 +105,23 @@ impl Question {
     fn judge<S: Scalar>(
         &self,
         frame: &GridFrame<S>,
-        walk: Option<impl CellWalk<S>>,
+        traversal: Option<impl CellTraversal<S>>,
     ) -> Result<u64, String> {
         let (origin, direction) = self.in_cells();
         let exact = IntegerRay::new(origin, direction).map(|r| r.pierced(self.n as i32));
         let exact = exact.unwrap_or_default();
-        let visited = match walk {
-            Some(walk) => self.followed(frame, walk)?,
+        let visited = match traversal {
+            Some(traversal) => self.followed(frame, traversal)?,
             None => Vec::new(),
         };
         self.missed::<S>(&visited, &exact)
     }
 
-    /// The cells of a walk, each of which holds its part of the ray.
+    /// The cells of a traversal, each of which holds its part of the ray.
     fn followed<S: Scalar>(
         &self,
         frame: &GridFrame<S>,
-        mut walk: impl CellWalk<S>,
+        mut traversal: impl CellTraversal<S>,
     ) -> Result<Vec<[i32; 3]>, String> {
         let n = self.n as i32;
         let slack = self.tolerance::<S>();
@@ -127,9 +131,9 @@ impl Question {
         let (mut from, end) = within.unwrap_or((f64::NAN, f64::NAN));
         let mut visited: Vec<[i32; 3]> = Vec::new();
         loop {
-            let cell = walk.coords();
-            if cell.iter().any(|c| !(0..n).contains(c)) || frame.index(cell) != walk.index() {
-                return Err(format!("{cell:?} is no cell, or not number {}", walk.index()));
+            let cell = traversal.coords();
+            if cell.iter().any(|c| !(0..n).contains(c)) || frame.index(cell) != traversal.index() {
+                return Err(format!("{cell:?} is no cell, or not number {}", traversal.index()));
             }
             if let Some(last) = visited.last()
                 && (0..3).map(|k| (cell[k] - last[k]).abs()).sum::<i32>() != 1
@@ -140,7 +144,7 @@ impl Question {
             if visited.len() > 3 * n as usize {
                 return Err(format!("more than {} cells", 3 * n));
             }
-            let to = walk.t_exit().to_f64();
+            let to = traversal.t_exit().to_f64();
             let low = DVec3::from_array(cell.map(f64::from)) - slack;
             let high = low + (1.0 + 2.0 * slack);
             for t in [from, to].into_iter().filter(|t| t.is_finite()) {
@@ -149,7 +153,7 @@ impl Question {
                     return Err(format!("at {t:?} the ray is not within {cell:?} but at {p:?}"));
                 }
             }
-            if !walk.advance() {
+            if !traversal.advance() {
                 let left = (end - to) * direction.abs().max_element();
                 return if left > slack { Err(format!("ends at {cell:?}")) } else { Ok(visited) };
             }
@@ -177,7 +181,7 @@ impl Question {
 }
 
 /// Origins in 1024ths of a cell, directions of whole numbers up to 2^20, each ray in a grid of
-/// 16, 32, ... 1024 cells an axis: so many rays for each.
+/// 16, 32, ... 1024 cells per axis: so many rays for each.
 pub fn lattice_rays(random: &mut Random, rays: usize) -> Vec<Question> {
     let sizes = (4..=10).map(|power| 1_u32 << power);
     sizes.flat_map(|n| (0..rays).map(|_| lattice_ray(random, n)).collect::<Vec<_>>()).collect()
@@ -205,7 +209,7 @@ fn lattice_ray(random: &mut Random, n: u32) -> Question {
     Question { n, side: 1.0, low: 0.0, origin: origin / 1024.0, direction }
 }
 
-/// Two rays that are known to have broken walks, through cells of side 16; then the same moved by
+/// Two rays that are known to have broken traversals, through cells of side 16; then the same moved by
 /// whole numbers and mirrored.
 fn published_rays(random: &mut Random, rays: usize) -> Vec<Question> {
     let published = [

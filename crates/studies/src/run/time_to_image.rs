@@ -1,7 +1,7 @@
-//! The time to a picture: the build, one million primary rays, and the shadow rays of their hits.
+//! The time to a image: the build, one million primary rays, and the shadow rays of their hits.
 //!
 //! A structure that traces fast but is built slowly is no gain where the scene changes with every
-//! picture. The sum says what a picture without reflections costs, so that build and trace need not be
+//! image. The sum says what a image without reflections costs, so that build and trace need not be
 //! weighed by taste. It is derived from what rounds measured: rays in the order of the image, each
 //! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all rays
 //! by its ratio to the reference on that sample, as in [`costs`].
@@ -20,12 +20,12 @@ use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
 use statistics::estimate::Estimate;
 use statistics::series::{Series, geometric_mean_of};
 
-/// Primary rays of the picture.
+/// Primary rays of the image.
 pub const PRIMARY_RAYS: f64 = 1e6;
 
 /// What a row takes, round by round.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PictureTime {
+pub struct TimeToImage {
     /// Its seconds.
     pub timed: Timed,
     /// It is a row of obvhs.
@@ -34,7 +34,7 @@ pub struct PictureTime {
     pub may_lead: bool,
 }
 
-impl PictureTime {
+impl TimeToImage {
     /// Of a row that answers all rays rightly, or of obvhs with a known defect; none where primary and shadow rays were not both
     /// timed in the order of the image.
     fn of(scene: &SceneRecord, row: &RowRecord, reference: Option<&RowRecord>) -> Option<Self> {
@@ -55,22 +55,22 @@ impl PictureTime {
 
 /// Those of a scene.
 #[derive(Debug)]
-pub struct PictureTimes<'a> {
+pub struct TimesToImage<'a> {
     scene: &'a SceneRecord,
     /// Of all rows that have one, in the scene's order.
-    times: Vec<PictureTime>,
+    times: Vec<TimeToImage>,
     /// The first of each label.
     places: BTreeMap<String, usize>,
     /// The row of obvhs that is done first.
     obvhs: Option<usize>,
 }
 
-impl<'a> PictureTimes<'a> {
+impl<'a> TimesToImage<'a> {
     /// Of all rows of a scene that have one.
     pub fn of(scene: &'a SceneRecord) -> Self {
         let reference = costs::reference(scene);
-        let times = scene.rows.iter().filter_map(|row| PictureTime::of(scene, row, reference));
-        let times: Vec<PictureTime> = times.collect();
+        let times = scene.rows.iter().filter_map(|row| TimeToImage::of(scene, row, reference));
+        let times: Vec<TimeToImage> = times.collect();
         let mut places = BTreeMap::new();
         for (i, time) in times.iter().enumerate() {
             places.entry(time.timed.label.clone()).or_insert(i);
@@ -85,22 +85,22 @@ impl<'a> PictureTimes<'a> {
     }
 
     /// That of the row with that label.
-    pub fn of_row(&self, label: &str) -> Option<&PictureTime> {
+    pub fn of_row(&self, label: &str) -> Option<&TimeToImage> {
         self.times.get(*self.places.get(label)?)
     }
 
     /// The row of obvhs that is done first.
-    pub fn fastest_obvhs(&self) -> Option<&PictureTime> {
+    pub fn fastest_obvhs(&self) -> Option<&TimeToImage> {
         self.times.get(self.obvhs?)
     }
 
     /// Of all others that are asked so, the one that is done first.
-    pub fn fastest_other(&self, query: Query) -> Option<&PictureTime> {
+    pub fn fastest_other(&self, query: Query) -> Option<&TimeToImage> {
         self.times.get(fastest(&self.times, |time| !time.is_obvhs && time.timed.query == query)?)
     }
 }
 
-fn fastest(times: &[PictureTime], is_meant: impl Fn(&PictureTime) -> bool) -> Option<usize> {
+fn fastest(times: &[TimeToImage], is_meant: impl Fn(&TimeToImage) -> bool) -> Option<usize> {
     let meant = times.iter().enumerate().filter(|(_, time)| is_meant(time));
     meant.min_by(|a, b| a.1.timed.middle.total_cmp(&b.1.timed.middle)).map(|(i, _)| i)
 }
@@ -108,7 +108,7 @@ fn fastest(times: &[PictureTime], is_meant: impl Fn(&PictureTime) -> bool) -> Op
 /// The row's time over that of the fastest row of obvhs, by scene: medians over the rounds by the
 /// name of the scene, and their geometric mean. None where no scene has both.
 pub fn over_scenes(
-    scenes: &[PictureTimes<'_>],
+    scenes: &[TimesToImage<'_>],
     label: &str,
     seed: u64,
 ) -> Option<(BTreeMap<String, f64>, Estimate)> {
@@ -167,9 +167,9 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_the_build_a_million_primary_rays_and_their_shadow_rays() {
+    fn an_image_is_the_build_a_million_primary_rays_and_their_shadow_rays() {
         let record = made(&[("obvhs-cwbvh", &[1.0, 1.0, 1.0])]);
-        let times = PictureTimes::of(&record.scenes[0]).times;
+        let times = TimesToImage::of(&record.scenes[0]).times;
         // 0.1 to build; of half a million rays 1 and of their shadow rays 2, both twice
         assert!((times[0].timed.middle - 6.1).abs() < 1e-12, "{times:?}");
     }
@@ -186,7 +186,7 @@ mod tests {
         record.scenes[0].rows[3].query = Query::Batch;
         // what is wrong is never the fastest
         record.scenes[0].rows[4].verdict = Verdict::WrongAsShipped;
-        let scenes = [PictureTimes::of(&record.scenes[0])];
+        let scenes = [TimesToImage::of(&record.scenes[0])];
         let times = &scenes[0];
         assert_eq!(times.times.len(), 4);
         assert_eq!(times.fastest_obvhs().unwrap().timed.label, "obvhs-bvh2 preset=fastest");
@@ -199,10 +199,10 @@ mod tests {
         // but obvhs with its known defects is what others are compared with
         let fastest = times.fastest_obvhs().unwrap().timed.label.clone();
         record.scenes[0].rows[1].verdict = Verdict::WrongAsShipped;
-        let known = PictureTimes::of(&record.scenes[0]);
+        let known = TimesToImage::of(&record.scenes[0]);
         assert_eq!(known.fastest_obvhs().unwrap().timed.label, fastest);
         record.scenes[0].rows[1].verdict = Verdict::Wrong;
-        let wrong = PictureTimes::of(&record.scenes[0]);
+        let wrong = TimesToImage::of(&record.scenes[0]);
         assert_eq!(wrong.fastest_obvhs().unwrap().timed.label, "obvhs-cwbvh");
     }
 
@@ -214,7 +214,7 @@ mod tests {
         row.stride = 8;
         row.rays_by_kind.values_mut().for_each(|n| *n /= 8);
         row.samples[0].reference_by_kind.values_mut().for_each(|s| *s /= 4.0);
-        let times = PictureTimes::of(&record.scenes[0]).times;
+        let times = TimesToImage::of(&record.scenes[0]).times;
         // 20 times the reference's 3 seconds for all rays, twice; 0.5 to build
         assert!(
             (times[1].timed.middle - (0.5 + 2.0 * (20.0 + 20.0 * 2.0))).abs() < 1e-9,
@@ -223,9 +223,9 @@ mod tests {
     }
 
     #[test]
-    fn without_shadow_rays_there_is_no_picture() {
+    fn without_shadow_rays_there_is_no_image() {
         let mut record = made(&[("obvhs-cwbvh", &[1.0])]);
         record.scenes[0].rows[0].samples[0].trace_s.remove("shadow");
-        assert_eq!(PictureTimes::of(&record.scenes[0]).times, []);
+        assert_eq!(TimesToImage::of(&record.scenes[0]).times, []);
     }
 }

@@ -5,7 +5,7 @@ use crate::comparison::differences::{Difference, other_reference, scenes_of_both
 use measurement::record::metrics::Concerns;
 
 /// What is to be said of two runs that are compared all the same.
-pub fn cautions(
+pub fn notes(
     old: Named<'_>,
     new: Named<'_>,
     choice: &Choice,

@@ -1,20 +1,20 @@
-//! The voxel walk in f64, whatever the scalar of primitives and rays is.
+//! The voxel traversal in f64, whatever the scalar of primitives and rays is.
 //!
 //! Paper: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
-//! 1987, as `voxel_walk.rs` has it. Deviation: the planes are those of the grid in `S`, in f64; only
+//! 1987, as `voxel_traversal.rs` has it. Deviation: the planes are those of the grid in `S`, in f64; only
 //! the parameter at which a cell is left is rounded back.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::grid::cell_walk::{CellPosition, CellWalk};
-use crate::grid::voxel_walk::{GridFrame, VoxelWalk};
+use crate::grid::cell_traversal::{CellPosition, CellTraversal};
+use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 
 /// A ray on its way through a grid.
 #[derive(Debug, Clone, Copy)]
-pub struct DoubleWalk(VoxelWalk<f64>);
+pub struct DoubleTraversal(VoxelTraversal<f64>);
 
-impl DoubleWalk {
-    /// Starts a walk at parameter `t_start`; `frame` is [`GridFrame::in_double`] of the grid's.
+impl DoubleTraversal {
+    /// Starts a traversal at parameter `t_start`; `frame` is [`GridFrame::in_double`] of the grid's.
     #[inline(always)]
     pub fn from<S: Scalar>(frame: &GridFrame<f64>, ray: &Ray<S>, t_start: S) -> Option<Self> {
         let wide = Ray {
@@ -24,11 +24,11 @@ impl DoubleWalk {
             t_max: ray.t_max.to_f64(),
             time: ray.time.to_f64(),
         };
-        frame.walk_from(&wide, t_start.to_f64()).map(Self)
+        frame.traversal_from(&wide, t_start.to_f64()).map(Self)
     }
 }
 
-impl CellPosition for DoubleWalk {
+impl CellPosition for DoubleTraversal {
     #[inline(always)]
     fn index(&self) -> usize {
         self.0.index()
@@ -40,14 +40,14 @@ impl CellPosition for DoubleWalk {
     }
 }
 
-impl<S: Scalar> CellWalk<S> for DoubleWalk {
+impl<S: Scalar> CellTraversal<S> for DoubleTraversal {
     #[inline(always)]
     fn t_exit(&self) -> S {
-        S::from_f64(CellWalk::<f64>::t_exit(&self.0))
+        S::from_f64(CellTraversal::<f64>::t_exit(&self.0))
     }
 
     #[inline(always)]
     fn advance(&mut self) -> bool {
-        CellWalk::<f64>::advance(&mut self.0)
+        CellTraversal::<f64>::advance(&mut self.0)
     }
 }
