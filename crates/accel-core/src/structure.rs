@@ -57,7 +57,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     }
 
     /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed ray by ray.
-    /// With [`Batches::InFlight`] rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
+    /// With [`Batches::Together`] rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
     #[inline(always)]
     fn closest_batch<P: PrimSet<S>>(
         &self,
@@ -97,8 +97,8 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
 pub enum Batches {
     /// Each is traversed ([`Structure::traverse`]) to its end before the next one begins.
     RayByRay,
-    /// Several are in flight, with the answers of [`Structure::traverse`].
-    InFlight,
+    /// Several are in flight, or prepared at once, with the answers of [`Structure::traverse`].
+    Together,
     /// With the triangles, the test and the traversal of the library that the structure is of, and
     /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].
     Library,

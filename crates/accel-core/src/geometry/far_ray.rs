@@ -12,8 +12,10 @@
 //! it. So the primitive is found whatever the length; where the parameter itself cannot be told in
 //! the scalar, it is the nearest that can, zero and infinity included.
 
+use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::scalar::{EightOf, Scalar, Vector};
 
 /// Where a query should start.
 #[derive(Debug, Clone, Copy)]
@@ -63,6 +65,27 @@ pub fn place<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     } else {
         place_of_other(ray, reach)
     }
+}
+
+/// Whether [`place`] finds all of them [near](PlacedRay::Near), and none begins before its origin.
+#[inline(always)]
+pub fn are_near<S: Scalar>(rays: &RayLanes<S>, reach: S) -> bool {
+    let (vector, splat) = (EightOf::<S>::new, EightOf::<S>::splat);
+    let absolute = |lanes: [S; LANES]| vector(lanes).absolute();
+    let is_within = |lanes: [S; LANES]| absolute(lanes).at_most(splat(reach));
+    let ([x, y, z], [dx, dy, dz]) = (rays.origin, rays.direction);
+    let length = absolute(dx) + absolute(dy) + absolute(dz);
+    let [least, most] = S::DIRECTION_LENGTHS.map(splat);
+    let t_min = vector(rays.t_min);
+    // NaN fails all comparisons
+    let near = is_within(x)
+        & is_within(y)
+        & is_within(z)
+        & least.at_most(length)
+        & length.at_most(most)
+        & t_min.at_most(vector(rays.t_max))
+        & splat(S::ZERO).at_most(t_min);
+    near.high_bits() == (1 << LANES) - 1
 }
 
 #[inline(always)]

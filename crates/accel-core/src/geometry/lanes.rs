@@ -58,6 +58,10 @@ pub trait Eight: Lanes + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn below(self, other: Self) -> Self;
     /// Without sign.
     fn absolute(self) -> Self;
+    /// Lanes of `self` where `mask` has all ones, of `other` where it has zeros.
+    fn where_set(self, mask: Self, other: Self) -> Self;
+    /// Rows as columns.
+    fn transposed(rows: [Self; 8]) -> [Self; 8];
     /// The highest bit of each lane, the first lane's lowest.
     fn high_bits(self) -> u32;
 }
@@ -114,6 +118,14 @@ macro_rules! eight {
             #[inline(always)]
             fn absolute(self) -> Self {
                 self.abs()
+            }
+            #[inline(always)]
+            fn where_set(self, mask: Self, other: Self) -> Self {
+                mask.select(self, other)
+            }
+            #[inline(always)]
+            fn transposed(rows: [Self; 8]) -> [Self; 8] {
+                <$vector>::transpose(rows)
             }
             #[inline(always)]
             fn high_bits(self) -> u32 {
@@ -196,6 +208,10 @@ mod tests {
         assert_eq!(a.below(b).high_bits(), 0b0000_0111);
         assert_eq!((a - b).absolute().to_array()[..2], [s(3.0), s(2.0)]);
         assert_eq!(a.at_most(V::splat(s(f64::NAN))).high_bits(), 0);
+        assert_eq!(a.where_set(a.below(b), b).to_array()[2..4], [s(2.0), s(3.0)]);
+        assert_eq!(a.where_set(b.below(a), b).to_array()[3..5], [s(3.0), s(4.0)]);
+        let rows = V::transposed(std::array::from_fn(|i| V::splat(s(i as f64))));
+        assert!(rows.iter().all(|row| row.to_array() == a.to_array()));
     }
 
     #[test]

@@ -5,4 +5,5 @@ pub mod box_test;
 pub mod far_ray;
 pub mod lanes;
 pub mod ray;
+pub mod ray_lanes;
 pub mod scalar;

@@ -9,6 +9,7 @@ pub const MISS: u32 = u32::MAX;
 ///
 /// `direction` need not be of unit length; `t` is measured in multiples of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
 pub struct Ray<S: Scalar> {
     /// Start, world units.
     pub origin: Vec3<S>,
@@ -44,8 +45,7 @@ impl<S: Scalar> Ray<S> {
     /// The power of two that brings the largest component of the direction into [1, 2).
     #[inline(always)]
     pub(crate) fn unit_factor(&self) -> S {
-        let [x, y, z] = self.direction.to_array();
-        x.abs().greater(y.abs()).greater(z.abs()).to_unit_size()
+        unit_factor(self.direction.to_array())
     }
 
     /// The same ray in f64.
@@ -69,6 +69,12 @@ impl<S: Scalar> Ray<S> {
             && self.direction != Vec3::<S>::splat(S::ZERO)
             && self.t_min <= self.t_max
     }
+}
+
+/// [`Ray::unit_factor`] of a ray in this direction.
+#[inline(always)]
+pub(crate) fn unit_factor<S: Scalar>([x, y, z]: [S; 3]) -> S {
+    x.abs().greater(y.abs()).greater(z.abs()).to_unit_size()
 }
 
 /// The answer to a closest-hit query.

@@ -20,6 +20,7 @@ mod prim_set;
 mod prims_ref;
 mod retested;
 mod shear;
+mod shear_lanes;
 mod sphere;
 mod support;
 mod tagged;

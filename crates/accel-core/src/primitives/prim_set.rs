@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vec3};
 use crate::parallel::map_parts;
 use crate::primitives::instances::Instances;
@@ -106,6 +107,15 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     }
     /// Prepares a ray.
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup;
+    /// Prepares eight rays, which `lanes` holds too: what [`PrimSet::setup`] says of each, by lane.
+    #[inline(always)]
+    fn setups(
+        &self,
+        rays: &[Ray<S>; LANES],
+        _lanes: &RayLanes<S>,
+    ) -> impl Fn(usize) -> Self::RaySetup {
+        |lane| self.setup(&rays[lane])
+    }
     /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
     /// Replaces `best` by a closer hit of a primitive of the block within the ray's interval, or by an

@@ -73,7 +73,7 @@ impl<S: Scalar> Shear<S> {
             axes,
             origin,
             shear: [dx * inv, dy * inv, inv],
-            fine: S::from_i32(4) * magnitude,
+            fine: fine(magnitude),
             near: near(magnitude, origin[2]),
         }
     }
@@ -104,10 +104,22 @@ impl<S: Scalar> Shear<S> {
     }
 }
 
+/// [`Shear::fine`] for corners of which no coordinate is larger than `magnitude`.
+#[inline(always)]
+pub(super) fn fine<S: Scalar>(magnitude: S) -> S {
+    S::from_i32(4) * magnitude
+}
+
+/// What [`Shear::near`] is a multiple of.
+#[inline(always)]
+pub(super) fn near_factor<S: Scalar>() -> S {
+    S::from_i32(20) * S::EPSILON
+}
+
 /// [`Shear::near`] for a ray that begins at this depth.
 #[inline(always)]
 fn near<S: Scalar>(magnitude: S, depth: S) -> S {
-    S::from_i32(20) * S::EPSILON * (magnitude + depth.abs())
+    near_factor::<S>() * (magnitude + depth.abs())
 }
 
 /// Coordinates by axis, in that order.

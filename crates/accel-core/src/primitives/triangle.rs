@@ -14,10 +14,12 @@ use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::block_tests;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::shear::Shear;
+use crate::primitives::shear_lanes::ShearLanes;
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::triangle_block::TriangleBlock;
 use crate::primitives::watertight;
@@ -37,6 +39,15 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     #[inline(always)]
     fn setup_beside(ray: &Ray<S>, magnitude: S, _shear: &Shear<S>) -> Self::Setup {
         Self::setup(ray, magnitude)
+    }
+    /// Prepares eight rays, which `lanes` holds too: what [`TriangleTest::setup`] says of each, by lane.
+    #[inline(always)]
+    fn setups(
+        rays: &[Ray<S>; LANES],
+        _lanes: &RayLanes<S>,
+        magnitude: S,
+    ) -> impl Fn(usize) -> Self::Setup {
+        move |lane| Self::setup(&rays[lane], magnitude)
     }
     /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
     fn intersect(v: &[[S; 3]; 3], ray: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S>;
@@ -86,6 +97,16 @@ impl<S: Scalar> TriangleTest<S> for Watertight {
     #[inline(always)]
     fn setup_beside(_: &Ray<S>, _: S, shear: &Shear<S>) -> Shear<S> {
         *shear
+    }
+
+    #[inline(always)]
+    fn setups(
+        rays: &[Ray<S>; LANES],
+        lanes: &RayLanes<S>,
+        magnitude: S,
+    ) -> impl Fn(usize) -> Shear<S> {
+        let shears = ShearLanes::of(rays, lanes, magnitude);
+        move |lane| shears.get(lane)
     }
 
     #[inline(always)]
@@ -280,6 +301,10 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> T::Setup {
         T::setup(ray, self.magnitude)
+    }
+    #[inline(always)]
+    fn setups(&self, rays: &[Ray<S>; LANES], lanes: &RayLanes<S>) -> impl Fn(usize) -> T::Setup {
+        T::setups(rays, lanes, self.magnitude)
     }
     #[inline(always)]
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &T::Setup, t_max: S) -> Option<S> {

@@ -217,9 +217,9 @@ impl<S: Scalar> TriangleBlock<S> {
         let [u, v, w] = products.map(|[p, q]| p - q);
         let zero = splat(S::ZERO);
         let (least, most) = (u.lesser(v).lesser(w), u.greater(v).greater(w));
-        // missed where two of them have different signs, whatever the sign of one that rounds to zero
-        let missed = least.below(zero) & zero.below(most);
-        let alike = !missed.high_bits() & self.filled();
+        // not missed where no two have different signs, whatever the sign of one that rounds to zero; without a
+        // triangle they are NaN, which fails both comparisons
+        let alike = (zero.at_most(least) | most.at_most(zero)).high_bits();
         if alike == 0 {
             return None;
         }
@@ -311,13 +311,17 @@ fn sheared_from<S: Scalar>(
     origin: &[EightOf<S>; 3],
     shear: &Shear<S>,
 ) -> [[EightOf<S>; 3]; 3] {
-    let [kx, ky, kz] = shear.axes.map(|k| k.min(2));
+    let [kx, ky, kz] = shear.axes;
     let factors = shear.shear.map(EightOf::<S>::splat);
     std::array::from_fn(|i| {
         let corner = &corners[i];
-        let z = EightOf::<S>::new(corner[kz]) - origin[2];
-        let x = (EightOf::<S>::new(corner[kx]) - origin[0]) - factors[0] * z;
-        let y = (EightOf::<S>::new(corner[ky]) - origin[1]) - factors[1] * z;
+        // SAFETY: `axes` is only ever set to a permutation of 0, 1, 2
+        let (x, y, z) = unsafe {
+            (corner.get_unchecked(kx), corner.get_unchecked(ky), corner.get_unchecked(kz))
+        };
+        let z = EightOf::<S>::new(*z) - origin[2];
+        let x = (EightOf::<S>::new(*x) - origin[0]) - factors[0] * z;
+        let y = (EightOf::<S>::new(*y) - origin[1]) - factors[1] * z;
         [x, y, z]
     })
 }

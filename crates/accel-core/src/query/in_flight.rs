@@ -2,7 +2,7 @@
 //! processor works on the others.
 //!
 //! A structure whose traversal can be interrupted is [`Resumable`]: one ray is driven to its end by
-//! [`traverse`], a batch by [`closest`] and [`occlusions`]. The steps are the same, and so are answers and
+//! [`traverse`], a batch by [`InFlight`]. The steps are the same, and so are answers and
 //! counters. In a batch, rays that are at the same kind of place take their steps one after the other, and
 //! what kind that is decides no branch: one that waits for memory, and guesses wrong, would keep the others
 //! waiting.
@@ -10,13 +10,11 @@
 use std::ops::ControlFlow;
 
 use crate::geometry::far_ray::{self, PlacedRay};
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::counters::NoCounters;
-use crate::query::mailbox::NoMailbox;
-use crate::query::sink::{AnyHit, ClosestHit, Sink};
-use crate::query::tracer::nearby;
+use crate::query::batch::{Batch, Drive};
+use crate::query::sink::Sink;
 use crate::structure::Structure;
 
 /// A structure whose traversal goes step by step: from inner places to others, and from a leaf on.
@@ -69,7 +67,17 @@ pub(crate) fn traverse<S: Scalar, T: Resumable<S>, K: Sink<S>>(
     ray: &Ray<S>,
     sink: &mut K,
 ) {
-    let mut state = structure.begin(ray, sink.t_max());
+    let state = structure.begin(ray, sink.t_max());
+    run(structure, state, sink);
+}
+
+/// A ray that has begun.
+#[inline(always)]
+pub(super) fn run<S: Scalar, T: Resumable<S>, K: Sink<S>>(
+    structure: &T,
+    mut state: T::State,
+    sink: &mut K,
+) {
     let mut goes_on = !T::is_nowhere(&state);
     let mut room = T::Room::default();
     while goes_on {
@@ -124,25 +132,23 @@ struct Lane<State, Room, K> {
     place: usize,
 }
 
-/// What a batch asks of its rays. Compiled into the loop over rays: a sink that is made elsewhere and moved
-/// in is waited for.
-trait Batch<'r, S: Scalar> {
-    type Sink: Sink<S>;
-    /// The query of a ray.
-    fn sink(&self, ray: &'r Ray<S>) -> Self::Sink;
-    /// Keeps the answer of the ray at that place.
-    fn keep(&mut self, place: usize, sink: &Self::Sink);
-}
-
 /// Answers rays that are near; the places of the others, which are few.
 #[inline(always)]
-fn all<'r, S: Scalar, T: Resumable<S>, B: Batch<'r, S>, const RAYS: usize>(
+fn all_near<
+    'r,
+    S: Scalar,
+    P: PrimSet<S>,
+    T: Resumable<S>,
+    B: Batch<'r, S, P>,
+    const RAYS: usize,
+>(
     structure: &T,
-    rays: &'r [Ray<S>],
+    prims: &'r P,
     reach: S,
     batch: &mut B,
 ) -> Vec<usize> {
     const { assert!(RAYS <= u32::BITS as usize, "a bit for each lane") };
+    let rays = batch.rays();
     let mut far = Vec::new();
     let mut waiting = 0..rays.len();
     let mut next_near = || {
@@ -160,7 +166,7 @@ fn all<'r, S: Scalar, T: Resumable<S>, B: Batch<'r, S>, const RAYS: usize>(
     while lanes.len() < RAYS
         && let Some(place) = next_near()
     {
-        let sink = batch.sink(&rays[place]);
+        let sink = batch.sink(&rays[place], prims.setup(&rays[place]));
         let state = structure.begin(&rays[place], sink.t_max());
         over |= u32::from(T::is_nowhere(&state)) << lanes.len();
         lanes.push(Lane { state, room: T::Room::default(), sink, place });
@@ -178,7 +184,7 @@ fn all<'r, S: Scalar, T: Resumable<S>, B: Batch<'r, S>, const RAYS: usize>(
             let lane = &mut lanes[i];
             batch.keep(lane.place, &lane.sink);
             lane.place = place;
-            lane.sink = batch.sink(&rays[place]);
+            lane.sink = batch.sink(&rays[place], prims.setup(&rays[place]));
             lane.state = structure.begin(&rays[place], lane.sink.t_max());
             over ^= u32::from(!T::is_nowhere(&lane.state)) << i;
         }
@@ -216,88 +222,19 @@ fn all<'r, S: Scalar, T: Resumable<S>, B: Batch<'r, S>, const RAYS: usize>(
     }
 }
 
-struct Closest<'a, S: Scalar, P> {
-    prims: &'a P,
-    rays: &'a [Ray<S>],
-    hits: &'a mut [Hit<S>],
-}
+/// So many rays in flight.
+pub(crate) struct InFlight<const RAYS: usize>;
 
-impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S> for Closest<'r, S, P> {
-    type Sink = ClosestHit<'r, S, P, NoCounters>;
-
+impl<S: Scalar, T: Resumable<S>, const RAYS: usize> Drive<S, T> for InFlight<RAYS> {
     #[inline(always)]
-    fn sink(&self, ray: &'r Ray<S>) -> Self::Sink {
-        ClosestHit::new(self.prims, ray)
-    }
-
-    #[inline(always)]
-    fn keep(&mut self, place: usize, sink: &Self::Sink) {
-        let (found, miss) = (sink.hit(), Hit { t: self.rays[place].t_max, ..Hit::NONE });
-        self.hits[place] = if found.is_hit() { found } else { miss };
-    }
-}
-
-/// Closest hits of a batch, `RAYS` in flight. Compiled for triangles alone: for other sets
-/// [`Structure::batches`] says [`RayByRay`](crate::structure::Batches::RayByRay).
-#[inline(never)]
-pub(crate) fn closest<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usize>(
-    structure: &T,
-    prims: &P,
-    rays: &[Ray<S>],
-    reach: S,
-    hits: &mut [Hit<S>],
-) {
-    if !P::HAS_BLOCKS {
-        return;
-    }
-    let mut batch = Closest { prims, rays, hits };
-    for place in all::<S, T, _, RAYS>(structure, rays, reach, &mut batch) {
-        let (rays, hits) = (&rays[place..=place], &mut batch.hits[place..=place]);
-        nearby::closest(reach, rays, hits, NoMailbox, |ray, _| {
-            let mut sink = ClosestHit::<S, P, NoCounters>::new(prims, ray);
-            structure.traverse(ray, &mut sink);
-            sink.finish().0
-        });
-    }
-}
-
-struct Occlusions<'a, P> {
-    prims: &'a P,
-    blocked: &'a mut [bool],
-}
-
-impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S> for Occlusions<'r, P> {
-    type Sink = AnyHit<'r, S, P, NoCounters>;
-
-    #[inline(always)]
-    fn sink(&self, ray: &'r Ray<S>) -> Self::Sink {
-        AnyHit::new(self.prims, ray)
-    }
-
-    #[inline(always)]
-    fn keep(&mut self, place: usize, sink: &Self::Sink) {
-        self.blocked[place] = sink.is_blocked();
-    }
-}
-
-/// [`closest`] for occlusion by opaque primitives.
-#[inline(never)]
-pub(crate) fn occlusions<S: Scalar, P: PrimSet<S>, T: Resumable<S>, const RAYS: usize>(
-    structure: &T,
-    prims: &P,
-    rays: &[Ray<S>],
-    reach: S,
-    blocked: &mut [bool],
-) {
-    if !P::HAS_BLOCKS {
-        return;
-    }
-    let mut batch = Occlusions { prims, blocked };
-    for place in all::<S, T, _, RAYS>(structure, rays, reach, &mut batch) {
-        batch.blocked[place] = nearby::near(reach, &rays[place], false, |ray, _| {
-            let mut sink = AnyHit::<S, P, NoCounters>::new(prims, ray);
-            structure.traverse(ray, &mut sink);
-            sink.finish().0
-        });
+    fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
+        structure: &T,
+        prims: &'r P,
+        reach: S,
+        batch: &mut B,
+    ) {
+        for place in all_near::<S, P, T, B, RAYS>(structure, prims, reach, batch) {
+            batch.answer(structure, reach, place);
+        }
     }
 }

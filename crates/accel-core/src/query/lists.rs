@@ -63,7 +63,7 @@ impl<S: Scalar> Lists<S> {
                 let n = ids.get(number).map_or(0, |&n| n as usize);
                 sink.test(ids.get(number + 1..number + 1 + n).unwrap_or(&[]))
             }
-            Self::Blocks(blocks) => sink.test_blocks(blocks.get(number..).unwrap_or(&[])),
+            Self::Blocks(blocks) => sink.test_blocks(&blocks[number..]),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Questions to a structure: closest hit, any hit, what a frustum meets; and what answering costs.
 
+pub mod batch;
 pub mod cells;
 pub mod counters;
 pub mod entered;
@@ -7,6 +8,7 @@ pub(crate) mod in_flight;
 pub mod kernel;
 pub(crate) mod lists;
 pub mod mailbox;
+pub(crate) mod prepared;
 pub mod region;
 pub mod sink;
 pub mod tracer;

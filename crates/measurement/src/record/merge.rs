@@ -359,5 +359,7 @@ fn joined_machine(a: &Machine, b: &Machine) -> Machine {
     machine.os = both(&a.os, &b.os);
     machine.governor = a.governor.clone().filter(|_| a.governor == b.governor);
     machine.boost = a.boost.filter(|_| a.boost == b.boost);
+    let avx512 = a.batches_by_avx512.filter(|_| a.batches_by_avx512 == b.batches_by_avx512);
+    machine.batches_by_avx512 = avx512;
     machine
 }

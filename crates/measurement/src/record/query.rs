@@ -1,7 +1,7 @@
 //! How a row is asked: ray by ray, or a batch at a time.
 //!
-//! A call that has several rays in flight hides the time that each of them waits for
-//! memory; one ray alone cannot. The two are different questions, so tables say which one a row
+//! A call that has several rays in flight, or prepares several at once, hides the time that each of them waits
+//! for; one ray alone cannot. The two are different questions, so tables say which one a row
 //! answered. It is read off what was built over the scene, not off names or settings: a structure may
 //! have its batches for triangles alone.
 
@@ -15,7 +15,7 @@ pub enum Query {
     #[default]
     #[serde(rename = "one ray")]
     OneRay,
-    /// A whole batch in one call, several rays in flight.
+    /// A whole batch in one call, its rays together.
     #[serde(rename = "batch")]
     Batch,
 }

@@ -32,6 +32,10 @@ pub struct Machine {
     /// Whether its clock may be raised above its nominal rate, where that is told.
     #[serde(default)]
     pub boost: Option<bool>,
+    /// Whether rows that answer batches did so with AVX-512, which is chosen where they run; records of
+    /// before do not tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub batches_by_avx512: Option<bool>,
 }
 
 /// The compiler.

@@ -3,6 +3,8 @@
 use std::fs;
 use std::sync::OnceLock;
 
+use accel_core::query::batch::has_avx512;
+
 use crate::record::{Load, Machine, Ticks};
 
 /// SHA-256 of the program's file, where it can be read.
@@ -35,6 +37,7 @@ pub fn machine() -> Machine {
         os: os.join(", "),
         governor: line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
         boost: boost(),
+        batches_by_avx512: Some(has_avx512()),
     }
 }
 

@@ -116,6 +116,7 @@ impl Default for FixedWorld {
                 os: "linux".into(),
                 governor: None,
                 boost: None,
+                batches_by_avx512: None,
             },
             processor_features: vec!["avx2", "fma"],
             compiler: Compiler {

@@ -30,10 +30,7 @@ pub static MEANINGS: &[(&str, &str)] = &[
     ("second.", "millions of reflected and refracted rays per second"),
     ("diffuse", "millions of rays per second in random directions from surfaces"),
     ("verdict", "whether every answer was right, and on how many rays that rests where not on all"),
-    (
-        "query",
-        "whether rays were issued to a row one by one, or in batches with several rays in flight",
-    ),
+    ("query", "whether rays were issued to a row one by one, or a batch of them together"),
     ("time to image ms", "build, one million primary rays and their shadow rays, milliseconds"),
     ("to obvhs [95%]", "that time over that of the row of obvhs which is done first"),
     ("least", "the scene with the fewest rays per second over those of the reference"),

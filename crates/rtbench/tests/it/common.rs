@@ -117,7 +117,7 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
     }
 
     fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
-        Batches::InFlight
+        Batches::Together
     }
 
     fn closest_batch<P: PrimSet<S>>(

@@ -187,7 +187,7 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
     }
 
     fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
-        Batches::InFlight
+        Batches::Together
     }
 
     fn closest_batch<P: PrimSet<S>>(

@@ -170,7 +170,7 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
     }
 
     fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
-        Batches::InFlight
+        Batches::Together
     }
 
     fn closest_batch<P: PrimSet<S>>(

@@ -109,6 +109,9 @@ fn facts(run: &RunRecord) -> Vec<String> {
     if let Some(boost) = machine.boost {
         let _ = write!(clock, ", boost {}", if boost { "on" } else { "off" });
     }
+    if machine.batches_by_avx512 == Some(true) {
+        clock.push_str(", batches by AVX-512");
+    }
     let averages = run.load.map(|load| load.average);
     if let [Some(before), Some(after)] = averages {
         let _ = write!(clock, ", load average {before:.2} before, {after:.2} after");

@@ -60,7 +60,7 @@ impl<S: Scalar> Answers<S> {
         tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
         let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
         let mut alone = Vec::new();
-        if tracer.batches() == Batches::InFlight {
+        if tracer.batches() == Batches::Together {
             alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
         }
         Self { closest, counted, blocked, counted_blocked, alone }

@@ -79,7 +79,13 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
     /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self::with_mailbox(prims, ray, NoMailbox)
+        Self::prepared(prims, ray, prims.setup(ray))
+    }
+
+    /// Starts a query of a ray that is prepared for the set.
+    #[inline(always)]
+    pub(crate) fn prepared(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup) -> Self {
+        Self::with_setup(prims, ray, setup, NoMailbox)
     }
 }
 
@@ -87,8 +93,13 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P,
     /// Starts a query with an empty mailbox.
     #[inline(always)]
     pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
+        Self::with_setup(prims, ray, prims.setup(ray), mailbox)
+    }
+
+    #[inline(always)]
+    fn with_setup(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup, mailbox: M) -> Self {
         let best = Hit { t: ray.t_max, id: MISS };
-        Self { mailbox, prims, ray, setup: prims.setup(ray), best, counters: C::default() }
+        Self { mailbox, prims, ray, setup, best, counters: C::default() }
     }
 
     /// The answer so far.
@@ -167,7 +178,13 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
     /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self::with_mailbox(prims, ray, NoMailbox)
+        Self::prepared(prims, ray, prims.setup(ray))
+    }
+
+    /// Starts a query of a ray that is prepared for the set.
+    #[inline(always)]
+    pub(crate) fn prepared(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup) -> Self {
+        Self::with_setup(prims, ray, setup, NoMailbox)
     }
 }
 
@@ -175,8 +192,12 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, 
     /// Starts a query with an empty mailbox.
     #[inline(always)]
     pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
-        let (setup, counters) = (prims.setup(ray), C::default());
-        Self { mailbox, prims, ray, setup, blocked: false, counters }
+        Self::with_setup(prims, ray, prims.setup(ray), mailbox)
+    }
+
+    #[inline(always)]
+    fn with_setup(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup, mailbox: M) -> Self {
+        Self { mailbox, prims, ray, setup, blocked: false, counters: C::default() }
     }
 
     /// The answer so far.

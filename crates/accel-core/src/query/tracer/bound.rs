@@ -208,7 +208,7 @@ where
             let (rays, hits) = (&rays[..n], &mut hits[..n]);
             match self.structure.batches(&*self.prims) {
                 Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
-                Batches::InFlight | Batches::Library => {
+                Batches::Together | Batches::Library => {
                     self.structure.closest_batch(&*self.prims, rays, self.reach, hits);
                 }
             }
@@ -229,7 +229,7 @@ where
             let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
             match self.structure.batches(&*self.prims) {
                 Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
-                Batches::InFlight | Batches::Library => {
+                Batches::Together | Batches::Library => {
                     self.structure.occlusion_batch(&*self.prims, rays, self.reach, blocked);
                 }
             }

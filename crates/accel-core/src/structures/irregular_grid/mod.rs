@@ -40,8 +40,9 @@ use crate::memory::Counted;
 use crate::params::specs;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
+use crate::query::batch;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::in_flight::{self, Resumable};
+use crate::query::in_flight::{self, InFlight, Resumable};
 use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
@@ -225,7 +226,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
-        if P::HAS_BLOCKS && self.is_batch { Batches::InFlight } else { Batches::RayByRay }
+        if P::HAS_BLOCKS && self.is_batch { Batches::Together } else { Batches::RayByRay }
     }
 
     #[inline(always)]
@@ -236,7 +237,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        in_flight::closest::<S, P, Self, RAYS>(self, prims, rays, reach, hits);
+        batch::closest::<InFlight<RAYS>, _, _, _>(self, prims, rays, reach, hits);
     }
 
     #[inline(always)]
@@ -247,7 +248,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         blocked: &mut [bool],
     ) {
-        in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
+        batch::occlusions::<InFlight<RAYS>, _, _, _>(self, prims, rays, reach, blocked);
     }
 
     fn stats(&self) -> StructureStats {

@@ -4,7 +4,8 @@ use glam::{Vec3, Vec3A};
 use obvhs::ray::Ray as ObvhsRay;
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Ray, unit_factor};
+use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vector};
 
 /// How rays are told to obvhs.
@@ -48,6 +49,32 @@ impl<S: Scalar> RaySetup<S> {
         }
     }
 
+    /// [`RaySetup::ray`] of [`Length::Own`] for eight rays whose intervals begin at their origins or later.
+    #[inline(always)]
+    pub(crate) fn ray_lanes(&self, rays: &RayLanes<S>) -> BoxRayLanes<S> {
+        let unit = match *self {
+            Self::AsShipped => S::ONE,
+            Self::Robust { unit } => unit,
+        };
+        let is_own = size_of::<S>() == size_of::<f32>();
+        let mut lanes = BoxRayLanes {
+            origin: [[0.0; LANES]; 3],
+            direction: [[0.0; LANES]; 3],
+            parameters: [BoxParameters { scale: unit, lead: 0.0 }; LANES],
+        };
+        for lane in 0..LANES {
+            let direction = [0, 1, 2].map(|k| rays.direction[k][lane]);
+            let shorter = if is_own { S::ONE } else { unit_factor(direction) };
+            lanes.parameters[lane].scale = unit / shorter;
+            for k in 0..3 {
+                lanes.origin[k][lane] = (rays.origin[k][lane] * unit).to_f64() as f32;
+                // -0 becomes 0
+                lanes.direction[k][lane] = (direction[k] * shorter).to_f64() as f32 + 0.0;
+            }
+        }
+        lanes
+    }
+
     /// Whether obvhs is to get bounds that rounding cannot make too small.
     #[inline(always)]
     pub(crate) fn is_robust(&self) -> bool {
@@ -70,6 +97,13 @@ pub(crate) enum Length {
 pub(crate) struct BoxRay<S: Scalar> {
     pub(crate) ray: ObvhsRay,
     pub(crate) parameters: BoxParameters<S>,
+}
+
+/// Eight of them, by axis and lane.
+pub(crate) struct BoxRayLanes<S: Scalar> {
+    pub(crate) origin: [[f32; LANES]; 3],
+    pub(crate) direction: [[f32; LANES]; 3],
+    pub(crate) parameters: [BoxParameters<S>; LANES],
 }
 
 /// What our parameters are on a [`BoxRay`].

@@ -5,9 +5,14 @@
 //! roots, from the leaves up. Deviations: a leaf costs what its blocks of triangles cost, not its
 //! triangles; children have no order, since traversal sorts them.
 
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use wide::f32x8;
 
+use crate::geometry::lanes::Eight;
 use crate::primitives::TriangleBlock;
+use crate::structures::obvhs::builder::limit_levels;
 use crate::structures::obvhs::items::Groups;
 
 /// Children of a node at most.
@@ -22,104 +27,103 @@ pub(super) struct Costs {
     pub(super) longest_leaf: u32,
 }
 
-/// The least cost of a subtree as at most 1 to [`WIDTH`] roots, and how it is reached.
-#[derive(Debug, Clone, Copy)]
-struct CollapsePlan {
-    cost: [f32; WIDTH],
+/// How the least cost of an inner node's subtree is reached.
+#[derive(Debug, Clone, Copy, Default)]
+struct Choice {
     /// Where at most `i + 1` roots are allowed: how many there are.
     roots: [u8; WIDTH],
     /// Where there are `i + 1` roots, two or more: those on the lower child's side.
     lower: [u8; WIDTH],
+    /// Of a subtree that becomes a leaf, else 0.
+    leaf_primitives: u32,
+}
+
+/// What is known of a subtree once all below it has been looked at.
+#[derive(Debug, Clone, Copy)]
+struct Subtree {
+    /// The least cost as at most 1 to [`WIDTH`] roots.
+    cost: [f32; WIDTH],
     primitives: u32,
-    is_leaf: bool,
+    levels: u32,
 }
 
 /// A binary tree and how it is collapsed.
 pub(super) struct Collapse<'a> {
     bvh: &'a Bvh2,
     groups: &'a Groups,
-    plans: Vec<CollapsePlan>,
+    /// By pairs of children: where their parent keeps its own. Pairs lie side by side, at odd places.
+    choices: Vec<Choice>,
+}
+
+/// The place of an inner node's choice.
+fn pair_of(node: &Bvh2Node) -> usize {
+    node.first_index as usize / 2
+}
+
+/// The items of a leaf.
+fn items<'a>(bvh: &'a Bvh2, leaf: &Bvh2Node) -> &'a [u32] {
+    &bvh.primitive_indices[leaf.first_index as usize..][..leaf.prim_count as usize]
+}
+
+fn primitives_of(bvh: &Bvh2, groups: &Groups, leaf: &Bvh2Node) -> u32 {
+    items(bvh, leaf).iter().map(|item| groups.ids(item).len() as u32).sum()
+}
+
+fn blocks(primitives: u32) -> u32 {
+    primitives.div_ceil(TriangleBlock::<f32>::LANES as u32)
 }
 
 impl<'a> Collapse<'a> {
-    /// Plans all subtrees.
-    pub(super) fn plan(bvh: &'a Bvh2, groups: &'a Groups, costs: Costs) -> Self {
-        let nothing = CollapsePlan {
-            cost: [0.0; WIDTH],
-            roots: [1; WIDTH],
-            lower: [0; WIDTH],
-            primitives: 0,
-            is_leaf: true,
-        };
-        let mut this = Self { bvh, groups, plans: vec![nothing; bvh.nodes.len()] };
-        // parents before children
-        let mut order: Vec<u32> = (0..bvh.nodes.len().min(1) as u32).collect();
-        let mut next = 0;
-        while let Some(&node) = order.get(next) {
-            next += 1;
-            let node = &bvh.nodes[node as usize];
-            if !node.is_leaf() {
-                order.extend([node.first_index, node.first_index + 1]);
-            }
+    /// Plans all subtrees of a tree that is not empty, after those that reach below `levels` have been halved.
+    pub(super) fn plan(bvh: &'a mut Bvh2, groups: &'a Groups, costs: Costs, levels: u32) -> Self {
+        let (mut choices, found) = Self::choices(bvh, groups, costs);
+        if found > levels {
+            limit_levels(bvh, levels);
+            (choices, _) = Self::choices(bvh, groups, costs);
         }
-        for &node in order.iter().rev() {
-            this.plan_one(node as usize, costs);
-        }
-        this
+        Self { bvh, groups, choices }
     }
 
-    fn plan_one(&mut self, index: usize, costs: Costs) {
-        let node = &self.bvh.nodes[index];
-        let area = node.aabb().half_area();
-        let of_leaf =
-            |primitives: u32| area * primitives.div_ceil(TriangleBlock::<f32>::LANES as u32) as f32;
-        if node.is_leaf() {
-            let primitives = self.items(index).map(|i| self.groups.ids(i).len() as u32).sum();
-            let plan = &mut self.plans[index];
-            plan.primitives = primitives;
-            plan.cost = [of_leaf(primitives); WIDTH];
-            return;
-        }
-        let [a, b] = [0, 1].map(|k| &self.plans[node.first_index as usize + k]);
-        let mut plan = CollapsePlan {
-            cost: [f32::INFINITY; WIDTH],
-            roots: [1; WIDTH],
-            lower: [0; WIDTH],
-            primitives: a.primitives + b.primitives,
-            is_leaf: false,
-        };
-        for roots in 2..=WIDTH {
-            for lower in 1..roots {
-                let cost = a.cost[lower - 1] + b.cost[roots - lower - 1];
-                if cost < plan.cost[roots - 1] {
-                    plan.cost[roots - 1] = cost;
-                    plan.lower[roots - 1] = lower as u8;
-                }
+    /// The choices, and the tree's levels. What is not finished is on two stacks, so that each node is read once.
+    fn choices(bvh: &Bvh2, groups: &Groups, costs: Costs) -> (Vec<Choice>, u32) {
+        let mut choices = vec![Choice::default(); bvh.nodes.len() / 2 + 1];
+        let mut done: Vec<Subtree> = Vec::new();
+        // nodes, and whether what is below them is done
+        let mut waiting = vec![(0u32, false)];
+        while let Some((at, is_below_done)) = waiting.pop() {
+            let node = &bvh.nodes[at as usize];
+            if node.is_leaf() {
+                let primitives = primitives_of(bvh, groups, node);
+                let cost = [node.aabb().half_area() * blocks(primitives) as f32; WIDTH];
+                done.push(Subtree { cost, primitives, levels: 1 });
+            } else if !is_below_done {
+                waiting.push((at, true));
+                waiting.extend([(node.first_index + 1, false), (node.first_index, false)]);
+            } else if let (Some(upper), Some(lower)) = (done.pop(), done.pop()) {
+                let choice = &mut choices[pair_of(node)];
+                done.push(joined(&lower, &upper, node.aabb().half_area(), costs, choice));
             }
         }
-        let (as_leaf, as_node) =
-            (of_leaf(plan.primitives), plan.cost[WIDTH - 1] + area * costs.node);
-        plan.is_leaf = plan.primitives <= costs.longest_leaf && as_leaf <= as_node;
-        plan.cost[0] = if plan.is_leaf { as_leaf } else { as_node };
-        for i in 1..WIDTH {
-            plan.roots[i] = i as u8 + 1;
-            if plan.cost[i] >= plan.cost[i - 1] {
-                plan.cost[i] = plan.cost[i - 1];
-                plan.roots[i] = plan.roots[i - 1];
-            }
-        }
-        self.plans[index] = plan;
+        (choices, done.first().map_or(0, |root| root.levels))
     }
 
-    fn items(&self, node: usize) -> impl Iterator<Item = &'a u32> + use<'a> {
-        let node = &self.bvh.nodes[node];
-        let items = node.first_index as usize..(node.first_index + node.prim_count) as usize;
-        self.bvh.primitive_indices[items].iter()
+    /// The box of a subtree.
+    pub(super) fn bounds(&self, node: u32) -> &'a Aabb {
+        self.bvh.nodes[node as usize].aabb()
     }
 
     /// Whether a subtree becomes a leaf.
     pub(super) fn is_leaf(&self, node: u32) -> bool {
-        self.plans[node as usize].is_leaf
+        let node = &self.bvh.nodes[node as usize];
+        node.is_leaf() || self.choices[pair_of(node)].leaf_primitives > 0
+    }
+
+    fn leaf_primitives(&self, node: u32) -> u32 {
+        let node = &self.bvh.nodes[node as usize];
+        match node.is_leaf() {
+            true => primitives_of(self.bvh, self.groups, node),
+            false => self.choices[pair_of(node)].leaf_primitives,
+        }
     }
 
     /// The subtrees that become the children of a node that is no leaf.
@@ -131,39 +135,46 @@ impl<'a> Collapse<'a> {
         let (mut left, mut is_root) = (1, true);
         while left > 0 {
             left -= 1;
-            let (node, allowed) = waiting[left];
-            let plan = &self.plans[node as usize];
-            let roots = if is_root { WIDTH } else { usize::from(plan.roots[allowed - 1]) };
+            let (at, allowed) = waiting[left];
+            let node = &self.bvh.nodes[at as usize];
+            let choice = match node.is_leaf() {
+                true => None,
+                false => Some(&self.choices[pair_of(node)]),
+            };
+            let roots = match choice {
+                _ if is_root => WIDTH,
+                Some(choice) => usize::from(choice.roots[allowed - 1]),
+                None => 1,
+            };
             is_root = false;
-            if roots == 1 {
-                children[n] = node;
+            let (Some(choice), 2..) = (choice, roots) else {
+                children[n] = at;
                 n += 1;
                 continue;
-            }
-            let lower = usize::from(plan.lower[roots - 1]);
-            let first = self.bvh.nodes[node as usize].first_index;
-            waiting[left] = (first + 1, roots - lower);
-            waiting[left + 1] = (first, lower);
+            };
+            let lower = usize::from(choice.lower[roots - 1]);
+            waiting[left] = (node.first_index + 1, roots - lower);
+            waiting[left + 1] = (node.first_index, lower);
             left += 2;
         }
         (children, n)
     }
 
-    /// How many nodes there will be, and how many blocks of triangles in all leaves.
-    pub(super) fn sizes(&self) -> (usize, usize) {
-        let (mut nodes, mut blocks) = (0, 0);
+    /// The children of all nodes that are no leaves, in the order in which a stack leads to them from the root;
+    /// and how many blocks of triangles there are in all leaves.
+    pub(super) fn nodes(&self) -> (Vec<([u32; WIDTH], usize)>, usize) {
+        let (mut nodes, mut all_blocks) = (Vec::new(), 0);
         let mut waiting = vec![0];
         while let Some(node) = waiting.pop() {
-            let plan = &self.plans[node as usize];
-            if plan.is_leaf {
-                blocks += plan.primitives.div_ceil(TriangleBlock::<f32>::LANES as u32) as usize;
-            } else {
-                nodes += 1;
-                let (children, n) = self.children(node);
-                waiting.extend_from_slice(&children[..n]);
+            if self.is_leaf(node) {
+                all_blocks += blocks(self.leaf_primitives(node)) as usize;
+                continue;
             }
+            let (children, n) = self.children(node);
+            waiting.extend_from_slice(&children[..n]);
+            nodes.push((children, n));
         }
-        (nodes, blocks)
+        (nodes, all_blocks)
     }
 
     /// The ids of a subtree's primitives.
@@ -172,10 +183,50 @@ impl<'a> Collapse<'a> {
         while let Some(node) = waiting.pop() {
             let inner = &self.bvh.nodes[node as usize];
             if inner.is_leaf() {
-                self.items(node as usize).for_each(|i| ids.extend_from_slice(self.groups.ids(i)));
+                let items = items(self.bvh, inner).iter();
+                items.for_each(|item| ids.extend_from_slice(self.groups.ids(item)));
             } else {
                 waiting.extend([inner.first_index + 1, inner.first_index]);
             }
         }
     }
+}
+
+/// The subtree of an inner node whose box has this half area, from those of its children.
+fn joined(
+    lower: &Subtree,
+    upper: &Subtree,
+    area: f32,
+    costs: Costs,
+    choice: &mut Choice,
+) -> Subtree {
+    let primitives = lower.primitives + upper.primitives;
+    // so many roots of the lower child's: the others are the upper one's, so many lanes further on
+    let mut shifted = [f32::INFINITY; 2 * WIDTH];
+    shifted[WIDTH..].copy_from_slice(&upper.cost);
+    let (mut best, mut sides) = (f32x8::splat(f32::INFINITY), f32x8::splat(0.0));
+    for of_lower in 1..WIDTH {
+        let mut lanes = [0.0; WIDTH];
+        lanes.copy_from_slice(&shifted[WIDTH - of_lower..][..WIDTH]);
+        let cost = f32x8::splat(lower.cost[of_lower - 1]) + f32x8::new(lanes);
+        let is_less = cost.below(best);
+        best = cost.where_set(is_less, best);
+        sides = f32x8::splat(of_lower as f32).where_set(is_less, sides);
+    }
+    let mut cost = best.to_array();
+    choice.lower = sides.to_array().map(|side| side as u8);
+    let as_leaf = area * blocks(primitives) as f32;
+    let as_node = cost[WIDTH - 1] + area * costs.node;
+    let is_leaf = primitives <= costs.longest_leaf && as_leaf <= as_node;
+    choice.leaf_primitives = if is_leaf { primitives } else { 0 };
+    cost[0] = if is_leaf { as_leaf } else { as_node };
+    choice.roots[0] = 1;
+    for i in 1..WIDTH {
+        choice.roots[i] = i as u8 + 1;
+        if cost[i] >= cost[i - 1] {
+            cost[i] = cost[i - 1];
+            choice.roots[i] = choice.roots[i - 1];
+        }
+    }
+    Subtree { cost, primitives, levels: 1 + lower.levels.max(upper.levels) }
 }

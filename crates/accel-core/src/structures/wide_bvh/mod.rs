@@ -13,6 +13,7 @@
 
 mod collapse;
 mod node;
+mod node_ray_lanes;
 mod refit;
 mod stack;
 
@@ -20,25 +21,26 @@ use std::ops::ControlFlow;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, TriangleBlock};
+use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
+use crate::query::prepared::{OneByOne, Prepared};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{PRESET, UNPADDED, build_params, is_unpadded};
-use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length, RaySetup};
-use crate::structures::obvhs::builder::{limit_levels, reinserted};
+use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length, RaySetup};
+use crate::structures::obvhs::builder::reinserted;
 use crate::structures::obvhs::items::{Padding, items_of};
 use crate::update::{Change, REBUILD_AT, REFIT, is_refitted};
 use collapse::{Collapse, Costs, WIDTH};
 use node::{LEAF, Node, NodeRay};
+use node_ray_lanes::NodeRayLanes;
 use stack::{LEVELS, Room, Stack};
-
-/// Rays of a batch in flight.
-const RAYS: usize = 16;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -49,7 +51,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec {
             name: "query",
-            summary: "one ray after the other, or 16 rays of a batch in flight",
+            summary: "rays derived one by one, or those of a batch eight at a time",
             default: "one",
             kind: ParamKind::Choice(&["one", "batch"]),
         },
@@ -111,12 +113,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         let structure = params.structure();
         let items = items_of(prims, params, padding_of(params))?;
         let mut bvh = reinserted(&items.boxes, &build_params(params), true);
-        limit_levels(&mut bvh, LEVELS);
-        let costs = costs_of(params);
-        let collapse = Collapse::plan(&bvh, &items.groups, costs);
+        let collapse = Collapse::plan(&mut bvh, &items.groups, costs_of(params), LEVELS);
         let mut lists = Lists::begun(prims);
-        let (mut bytes, blocks) = collapse.sizes();
-        bytes *= size_of::<Node>();
+        let (collapsed, blocks) = collapse.nodes();
+        let mut bytes = collapsed.len() * size_of::<Node>();
         if matches!(lists, Lists::Blocks(_)) {
             bytes += blocks * size_of::<TriangleBlock<S>>();
         }
@@ -137,24 +137,24 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
                 },
             )
         };
-        let mut nodes: Vec<Node> = Vec::new();
+        let mut nodes: Vec<Node> = Vec::with_capacity(collapsed.len());
         let mut waiting = Vec::new();
         let root = if collapse.is_leaf(0) {
             LEAF | leaf(0, &mut stats)?
         } else {
             nodes.push(Node::empty());
-            waiting.push((0u32, 0usize));
+            waiting.push(0);
             0
         };
-        while let Some((from, into)) = waiting.pop() {
-            let (children, n) = collapse.children(from);
+        for (children, n) in collapsed {
+            let Some(into) = waiting.pop() else { break };
             for (k, &child) in children[..n].iter().enumerate() {
-                let aabb = bvh.nodes[child as usize].aabb();
+                let aabb = collapse.bounds(child);
                 nodes[into].set_box(k, aabb.min.to_array(), aabb.max.to_array());
                 nodes[into].children[k] = if collapse.is_leaf(child) {
                     LEAF | leaf(child, &mut stats)?
                 } else {
-                    waiting.push((child, nodes.len()));
+                    waiting.push(nodes.len());
                     nodes.push(Node::empty());
                     nodes.len() as u32 - 1
                 };
@@ -203,7 +203,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
-        if P::HAS_BLOCKS && self.is_batch { Batches::InFlight } else { Batches::RayByRay }
+        let is_batch = P::HAS_BLOCKS && self.is_batch;
+        #[cfg(feature = "compiled-tests")]
+        let is_batch = is_batch && !self.is_plain;
+        if is_batch { Batches::Together } else { Batches::RayByRay }
     }
 
     #[inline(always)]
@@ -214,7 +217,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        in_flight::closest::<S, P, Self, RAYS>(self, prims, rays, reach, hits);
+        batch::closest::<OneByOne, _, _, _>(self, prims, rays, reach, hits);
     }
 
     #[inline(always)]
@@ -225,7 +228,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         blocked: &mut [bool],
     ) {
-        in_flight::occlusions::<S, P, Self, RAYS>(self, prims, rays, reach, blocked);
+        batch::occlusions::<OneByOne, _, _, _>(self, prims, rays, reach, blocked);
     }
 
     fn stats(&self) -> StructureStats {
@@ -268,6 +271,34 @@ pub struct State<S: Scalar> {
     waiting: usize,
 }
 
+impl<S: Scalar> WideBvh<S> {
+    #[inline(always)]
+    fn at_root(&self, parameters: BoxParameters<S>, ray: NodeRay, t_max: S) -> State<S> {
+        State { parameters, ray, end: parameters.bound(t_max), at: self.root, waiting: 0 }
+    }
+}
+
+/// What nodes need of eight rays.
+pub struct EightRays<S: Scalar> {
+    rays: NodeRayLanes,
+    parameters: [BoxParameters<S>; LANES],
+}
+
+impl<S: Scalar> Prepared<S> for WideBvh<S> {
+    type Eight = EightRays<S>;
+
+    #[inline(always)]
+    fn prepare(&self, rays: &RayLanes<S>) -> EightRays<S> {
+        let BoxRayLanes { origin, direction, parameters } = self.setup.ray_lanes(rays);
+        EightRays { rays: NodeRayLanes::of(&origin, &direction, self.is_exact), parameters }
+    }
+
+    #[inline(always)]
+    fn begin_prepared(&self, eight: &EightRays<S>, lane: usize, t_max: S) -> State<S> {
+        self.at_root(eight.parameters[lane & (LANES - 1)], eight.rays.get(lane), t_max)
+    }
+}
+
 impl<S: Scalar> Resumable<S> for WideBvh<S> {
     type State = State<S>;
     type Room = Room;
@@ -282,7 +313,7 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
             true => NodeRay::plain(ray.origin, ray.direction),
             false => of_nodes,
         };
-        State { parameters, ray: of_nodes, end: parameters.bound(t_max), at: self.root, waiting: 0 }
+        self.at_root(parameters, of_nodes, t_max)
     }
 
     #[inline(always)]

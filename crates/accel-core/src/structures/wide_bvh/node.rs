@@ -53,12 +53,12 @@ impl Node {
 ///   origin's coordinate. No more, so that a ray which leaves a face is not within the boxes of that face. A
 ///   triangle whose box ends behind the origin is not hit: that holds of the watertight test in f32; for other
 ///   primitives both ends are shifted.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NodeRay {
-    /// A plane is met at `plane * inverse - product`: planes where boxes are entered, and those where they are
+    /// A plane is met at `plane * inverse + offset`: planes where boxes are entered, and those where they are
     /// left.
     inverse: [[f32x8; 3]; 2],
-    product: [[f32x8; 3]; 2],
+    offset: [[f32x8; 3]; 2],
     /// Of the planes where boxes are entered, by axis, and of those where they are left: see [`PLANES`].
     planes: &'static [[usize; 3]; 2],
 }
@@ -83,20 +83,21 @@ static PLANES: [[[usize; 3]; 2]; OCTANTS] = {
     all
 };
 
+pub(super) const EPSILON: f32 = f32::EPSILON;
 /// Components of a direction that are a smaller part of the largest one make too large a factor.
-const LEAST_PART: f32 = 1.0 / 512.0;
+pub(super) const LEAST_PART: f32 = 1.0 / 512.0;
 /// More than the reciprocal of any component that counts, and less than overflows in a scene of unit
 /// size.
-const LARGE: f32 = 1e37;
-/// Where a plane's product is rounded before the ray's is subtracted: coordinates are below 2.
-const PLANE_ROUNDING: f32 = if cfg!(target_feature = "fma") { 0.0 } else { f32::EPSILON };
+pub(super) const LARGE: f32 = 1e37;
+/// Where a plane's product is rounded before the ray's offset is added: coordinates are below 2.
+pub(super) const PLANE_ROUNDING: f32 =
+    if cfg!(target_feature = "fma") { 0.0 } else { f32::EPSILON };
 
 impl NodeRay {
     /// Of a ray in a scene of unit size, its direction neither longer than 1e18 nor shorter than 1e-18, no
     /// component -0. `is_exact`: a triangle that ends behind the origin is not hit.
     #[inline(always)]
     pub(super) fn of(o: Vec3A, d: Vec3A, is_exact: bool) -> Self {
-        const EPSILON: f32 = f32::EPSILON;
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
         // 24 epsilons of the largest coordinate, below 2, for weights; 5 of distances for corners; 4 for
         // the slab; 1 of each for products; the rounding of the origin in f64
@@ -113,18 +114,24 @@ impl NodeRay {
         let leave_inverse = inverse * longer;
         let leave = leave_origin * leave_inverse;
         let rounding = leave.abs() * (2.0 * EPSILON) + leave_inverse.abs() * PLANE_ROUNDING;
-        Self::with([inverse, leave_inverse], [(o + shift) * inverse, leave - rounding])
+        let enter_offset = -((o + shift) * inverse);
+        let leave_offset = rounding - leave;
+        Self::with(
+            [inverse.to_array(), leave_inverse.to_array()],
+            [enter_offset.to_array(), leave_offset.to_array()],
+            inverse.is_negative_bitmask(),
+        )
     }
 
+    /// Of what it is made of; of the octant that it runs into, see [`OCTANTS`].
     #[inline(always)]
-    fn with(inverse: [Vec3A; 2], product: [Vec3A; 2]) -> Self {
+    pub(super) fn with(inverse: [[f32; 3]; 2], offset: [[f32; 3]; 2], octant: u32) -> Self {
         // one by one: `map` of arrays of arrays becomes a call
-        let splat = |v: Vec3A| [f32x8::splat(v.x), f32x8::splat(v.y), f32x8::splat(v.z)];
-        let octant = inverse[0].is_negative_bitmask() as usize;
+        let splat = |[x, y, z]: [f32; 3]| [f32x8::splat(x), f32x8::splat(y), f32x8::splat(z)];
         Self {
             inverse: [splat(inverse[0]), splat(inverse[1])],
-            product: [splat(product[0]), splat(product[1])],
-            planes: &PLANES[octant & (OCTANTS - 1)],
+            offset: [splat(offset[0]), splat(offset[1])],
+            planes: &PLANES[octant as usize & (OCTANTS - 1)],
         }
     }
 
@@ -133,7 +140,8 @@ impl NodeRay {
     #[inline(always)]
     pub(super) fn plain(o: Vec3A, d: Vec3A) -> Self {
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
-        Self::with([inverse; 2], [o * inverse; 2])
+        let offset = (-(o * inverse)).to_array();
+        Self::with([inverse.to_array(); 2], [offset; 2], inverse.is_negative_bitmask())
     }
 
     /// Boxes that the ray meets up to parameter `end`, a bit each, and where it enters them.
@@ -143,7 +151,7 @@ impl NodeRay {
             // SAFETY: `PLANES` has the places of planes, which come first in a node
             let plane =
                 unsafe { *std::ptr::from_ref(node).byte_add(self.planes[side][k]).cast::<f32x8>() };
-            plane.mul_sub(self.inverse[side][k], self.product[side][k])
+            plane.mul_add(self.inverse[side][k], self.offset[side][k])
         };
         let enter = plane(0, 0).greater(plane(1, 0));
         let enter = enter.greater(plane(2, 0).greater(f32x8::ZERO));

@@ -1,0 +1,58 @@
+//! The rays of a batch prepared eight at a time, in lanes; each then goes to its end before the next one begins.
+//!
+//! What a structure and a triangle test derive from a ray is a quarter of the instructions of a closest hit in a
+//! wide BVH, and a third of an occlusion's, and it is waited for: nothing can be fetched before. In lanes it is
+//! the work of one ray for eight, and done when a ray begins. Steps, answers and counters are those of
+//! [`in_flight::traverse`]. To have several prepared rays in flight besides was a loss (two 0.85 to 1.0, four
+//! 0.77 to 0.88 of one after the other).
+
+use crate::geometry::far_ray;
+use crate::geometry::ray_lanes::RayLanes;
+use crate::geometry::scalar::Scalar;
+use crate::primitives::PrimSet;
+use crate::query::batch::{Batch, Drive};
+use crate::query::in_flight::{self, Resumable};
+
+/// A structure that derives what it needs of eight rays at once.
+pub(crate) trait Prepared<S: Scalar>: Resumable<S> {
+    /// What it derives.
+    type Eight;
+
+    /// Prepares rays that are near ([`far_ray::are_near`]).
+    fn prepare(&self, rays: &RayLanes<S>) -> Self::Eight;
+    /// Sets one of them on its way, as [`Resumable::begin`] does.
+    fn begin_prepared(&self, eight: &Self::Eight, lane: usize, t_max: S) -> Self::State;
+}
+
+/// One prepared ray after the other.
+pub(crate) struct OneByOne;
+
+impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
+    #[inline(always)]
+    fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
+        structure: &T,
+        prims: &'r P,
+        reach: S,
+        batch: &mut B,
+    ) {
+        let (eights, rest) = batch.rays().as_chunks();
+        for (number, rays) in eights.iter().enumerate() {
+            let first = number * rays.len();
+            let lanes = RayLanes::of(rays);
+            if !far_ray::are_near(&lanes, reach) {
+                (first..first + rays.len()).for_each(|place| batch.answer(structure, reach, place));
+                continue;
+            }
+            let setups = prims.setups(rays, &lanes);
+            let eight = structure.prepare(&lanes);
+            for (lane, ray) in rays.iter().enumerate() {
+                let mut sink = batch.sink(ray, setups(lane));
+                let state = structure.begin_prepared(&eight, lane, ray.t_max);
+                in_flight::run(structure, state, &mut sink);
+                batch.keep(first + lane, &sink);
+            }
+        }
+        let all = batch.rays().len();
+        (all - rest.len()..all).for_each(|place| batch.answer(structure, reach, place));
+    }
+}

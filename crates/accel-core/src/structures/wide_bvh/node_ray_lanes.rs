@@ -1,0 +1,99 @@
+//! Eight rays as nodes are tested with them, made in lanes: the same as [`NodeRay::of`] to the last bit.
+
+use wide::f32x8;
+
+use super::node::{EPSILON, LARGE, LEAST_PART, NodeRay, PLANE_ROUNDING};
+use crate::geometry::lanes::{Eight, Lanes};
+use crate::geometry::ray_lanes::LANES;
+
+/// By axis and lane; of planes where boxes are entered, and of those where they are left.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+pub(super) struct NodeRayLanes {
+    inverse: [[[f32; LANES]; 3]; 2],
+    offset: [[[f32; LANES]; 3]; 2],
+}
+
+impl NodeRayLanes {
+    /// As [`NodeRay::of`] takes them, by axis and lane.
+    #[inline(always)]
+    pub(super) fn of(
+        origin: &[[f32; LANES]; 3],
+        direction: &[[f32; LANES]; 3],
+        is_exact: bool,
+    ) -> Self {
+        let splat = f32x8::splat;
+        let vectors =
+            |v: &[[f32; LANES]; 3]| [f32x8::new(v[0]), f32x8::new(v[1]), f32x8::new(v[2])];
+        let largest =
+            |v: &[f32x8; 3]| v[0].absolute().greater(v[1].absolute()).greater(v[2].absolute());
+        let (o, d) = (vectors(origin), vectors(direction));
+        let longest = largest(&d);
+        let shift = (splat(66.0) + splat(10.0) * largest(&o)) * splat(EPSILON);
+        // of a ray that is not exact all axes
+        let least = if is_exact { longest * splat(LEAST_PART) } else { splat(f32::INFINITY) };
+        let (turn, longer) = (longest * splat(5.0 * EPSILON), splat(1.0 + 4.0 * EPSILON));
+        let nothing = [[[0.0; LANES]; 3]; 2];
+        let mut this = Self { inverse: nothing, offset: nothing };
+        for k in 0..3 {
+            let inverse = (splat(1.0) / d[k]).lesser(splat(LARGE)).greater(splat(-LARGE));
+            let shift = shift.copysign(d[k]);
+            let is_shifted = d[k].absolute().below(least);
+            let angle = inverse.absolute() * turn + splat(1.0 + 3.0 * EPSILON);
+            let leave_origin = o[k] - (shift & is_shifted);
+            let leave_inverse = inverse * longer.where_set(is_shifted, angle);
+            let leave = leave_origin * leave_inverse;
+            let rounding = leave.absolute() * splat(2.0 * EPSILON)
+                + leave_inverse.absolute() * splat(PLANE_ROUNDING);
+            this.inverse[0][k] = inverse.to_array();
+            this.inverse[1][k] = leave_inverse.to_array();
+            this.offset[0][k] = (-((o[k] + shift) * inverse)).to_array();
+            this.offset[1][k] = (rounding - leave).to_array();
+        }
+        this
+    }
+
+    /// That of a ray.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> NodeRay {
+        let lane = lane & (LANES - 1);
+        let of = |v: &[[f32; LANES]; 3]| [v[0][lane], v[1][lane], v[2][lane]];
+        let [inverse, offset] = [&self.inverse, &self.offset];
+        let enter = of(&inverse[0]);
+        let is_negative = |k: usize| u32::from(enter[k].is_sign_negative()) << k;
+        let octant = is_negative(0) | is_negative(1) | is_negative(2);
+        NodeRay::with([enter, of(&inverse[1])], [of(&offset[0]), of(&offset[1])], octant)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+
+    use super::*;
+    use crate::structures::test_scenes::Random;
+
+    #[test]
+    fn rays_in_lanes_are_those_of_single_rays() {
+        let mut random = Random(12);
+        for round in 0..2000 {
+            let mut number = |scale: f64| {
+                let x = (random.unit() * 2.0 - 1.0) * scale;
+                if random.unit() < 0.2 { 0.0 } else { x as f32 }
+            };
+            let origin = [0; 3].map(|_| [0; LANES].map(|_| number(16.0)));
+            let mut direction = [0; 3].map(|_| [0; LANES].map(|_| number(1.0)));
+            direction[round % 3] = [0; LANES].map(|_| 1e-3 + number(1e-4).abs());
+            // no component is -0
+            direction = direction.map(|lanes| lanes.map(|x| x + 0.0));
+            for is_exact in [true, false] {
+                let lanes = NodeRayLanes::of(&origin, &direction, is_exact);
+                for lane in 0..LANES {
+                    let of = |v: &[[f32; LANES]; 3]| Vec3A::new(v[0][lane], v[1][lane], v[2][lane]);
+                    let expected = NodeRay::of(of(&origin), of(&direction), is_exact);
+                    assert_eq!(lanes.get(lane), expected, "{round} {lane}");
+                }
+            }
+        }
+    }
+}
