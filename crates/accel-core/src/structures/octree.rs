@@ -26,12 +26,14 @@ mod point_location;
 mod subdivide;
 mod top_down;
 
+use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::config::Settings;
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamKind, ParamSpec};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
@@ -41,6 +43,45 @@ use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, Content, DEEPEST};
 
+config! {
+    /// How an octree is built and traversed.
+    pub struct OctreeConfig {
+        /// cuts at the cell's centre, or between it and the objects' by least cost
+        adaptive: bool = ParamSpec::choice("subdivision", "centre", &["centre", "adaptive"]) => |s| s == "adaptive",
+        /// point-location from the root (Glassner 1984), neighbour finding (Samet 1989), top-down (Gargantini,
+        /// Atkinson 1993)
+        traversal: Traversal = ParamSpec::choice(
+            "traversal", "top-down", &["point-location", "neighbour", "top-down"]
+        ) => |traversal| match traversal {
+            "point-location" => Traversal::PointLocation,
+            "neighbour" => Traversal::Neighbour,
+            _ => Traversal::TopDown,
+        },
+        /// depth of the smallest cells; the root has depth 0
+        max_depth: u64 = ParamSpec::integer("max-depth", "16", 0, DEEPEST as u64),
+        /// a cell with at most this many references is not cut
+        max_leaf: usize = ParamSpec::integer("max-leaf", "6", 0, 1 << 20),
+        /// cuts in one line of descent that may fail to lower the expected cost
+        useless_splits: u64 = ParamSpec::integer("useless-splits", "1", 0, DEEPEST as u64),
+        /// what the cuts in one line of descent may multiply references by, and so most references to a primitive
+        /// on average; no limit for historical boxes
+        max_growth: f64 = ParamSpec::real("max-growth", "256", 1.0, 1e9),
+        historical: bool = specs::BOXES => specs::is_historical,
+        /// order of ids in a leaf: as in the file or reversed; alternate turns it round from each level to the next,
+        /// as in 1999
+        order: Order = ParamSpec {
+            kind: ParamKind::Choice(&["file", "reverse", "alternate", "alternate-reverse"]),
+            ..specs::ORDER
+        } => |order| Order {
+            alternates: order.starts_with("alternate"),
+            is_reversed: order.ends_with("reverse"),
+        },
+        max_cells: u64 = specs::max_cells(specs::MAX_CELLS.default, 1 << 30),
+        max_references: u64 = specs::max_references("268435456", (1 << 31) - 1),
+    }
+    and kernel::PARAM, mailbox::PARAM, mailbox::SLOTS_PARAM
+}
+
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "octree",
@@ -48,62 +89,7 @@ pub static INFO: StructureInfo = StructureInfo {
     paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
     deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay or \
                  that multiply references",
-    params: &[
-        ParamSpec {
-            name: "subdivision",
-            summary: "cuts at the cell's centre, or between it and the objects' by least cost",
-            default: "centre",
-            kind: ParamKind::Choice(&["centre", "adaptive"]),
-        },
-        ParamSpec {
-            name: "traversal",
-            summary: "point-location from the root (Glassner 1984), neighbour finding (Samet \
-                      1989), top-down (Gargantini, Atkinson 1993)",
-            default: "top-down",
-            kind: ParamKind::Choice(&["point-location", "neighbour", "top-down"]),
-        },
-        ParamSpec {
-            name: "max-depth",
-            summary: "depth of the smallest cells; the root has depth 0",
-            default: "16",
-            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
-        },
-        ParamSpec {
-            name: "max-leaf",
-            summary: "a cell with at most this many references is not cut",
-            default: "6",
-            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
-        },
-        ParamSpec {
-            name: "useless-splits",
-            summary: "cuts in one line of descent that may fail to lower the expected cost",
-            default: "1",
-            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
-        },
-        ParamSpec {
-            name: "max-growth",
-            summary: "what the cuts in one line of descent may multiply references by, and so \
-                      most references to a primitive on average; no limit for historical boxes",
-            default: "256",
-            kind: ParamKind::Real { min: 1.0, max: 1e9 },
-        },
-        specs::BOXES,
-        ParamSpec {
-            summary: "order of ids in a leaf: as in the file or reversed; alternate turns it round from \
-                      each level to the next, as in 1999",
-            kind: ParamKind::Choice(&["file", "reverse", "alternate", "alternate-reverse"]),
-            ..specs::ORDER
-        },
-        ParamSpec { kind: ParamKind::Integer { min: 1, max: 1 << 30 }, ..specs::MAX_CELLS },
-        ParamSpec {
-            default: "268435456",
-            kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
-            ..specs::MAX_REFERENCES
-        },
-        kernel::PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+    params: OctreeConfig::PARAMS,
     variants: &[""],
     also_tested: &[
         "kernel=block",
@@ -132,6 +118,15 @@ enum Traversal {
     PointLocation,
     Neighbour,
     TopDown,
+}
+
+/// The order of ids in leaves.
+#[derive(Debug, Clone, Copy)]
+struct Order {
+    /// The lists of children are in the reverse order of their parent's.
+    alternates: bool,
+    /// The root's list is not in that of the file.
+    is_reversed: bool,
 }
 
 /// An octree.
@@ -165,9 +160,13 @@ fn without_thin_axes<S: Scalar>(scene: Aabb<S>) -> Aabb<S> {
 impl<S: Scalar> Structure<S> for Octree<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
-        let historical = params.text("boxes") == "historical";
+    type Config = OctreeConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<OctreeConfig>,
+    ) -> Result<Self, BuildError> {
+        let (structure, historical) = (settings.structure(), settings.historical);
         let rule = if historical {
             BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
         } else {
@@ -177,17 +176,12 @@ impl<S: Scalar> Structure<S> for Octree<S> {
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
         let all: Vec<Aabb<S>> = (0..prims.len() as u32).map(|id| boxes.of(id)).collect();
-        let cells = subdivide::cells(&all, bounds, params)?;
-        let traversal = match params.text("traversal") {
-            "point-location" => Traversal::PointLocation,
-            "neighbour" => Traversal::Neighbour,
-            _ => Traversal::TopDown,
-        };
+        let cells = subdivide::cells(&all, bounds, settings)?;
         // the parameters of two planes are off by 1.5 epsilon each: at this distance by 9 together,
         // of the 22 that the padding of boxes leaves them (`bounds_rule.rs`)
         let three = S::from_i32(3);
         let reach = if historical { S::INFINITY } else { three * bounds.magnitude() };
-        Ok(Self { bounds, cells, traversal, historical, reach })
+        Ok(Self { bounds, cells, traversal: settings.traversal, historical, reach })
     }
 
     #[inline(always)]

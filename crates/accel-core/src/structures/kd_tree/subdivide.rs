@@ -5,9 +5,10 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
 use crate::parallel::{forks, is_worth_a_fork};
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::room::Room;
 use crate::structure::BuildError;
+use crate::structures::kd_tree::KdTreeConfig;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
 use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
 
@@ -16,19 +17,20 @@ use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
 pub(super) fn cells<S: Scalar>(
     boxes: &[Aabb<S>],
     bounds: Aabb<S>,
-    params: &Params,
+    settings: &Settings<KdTreeConfig>,
 ) -> Result<Cells<S>, BuildError> {
-    let max_depth = match params.integer("max-depth") {
+    let max_depth = match settings.max_depth {
         0 => (8.0 + 1.3 * (boxes.len().max(1) as f64).log2()) as usize,
-        depth => depth as usize,
+        depth => depth,
     };
     let rules = Rules {
         boxes,
-        params,
+        config: settings,
         max_depth: max_depth.min(DEEPEST),
-        max_leaf: params.integer("max-leaf") as usize,
-        useless_splits: params.integer("useless-splits"),
-        room: Room::new(params, [&CELLS, &REFERENCES]),
+        room: Room::new(
+            settings.limits(),
+            [(&CELLS, settings.max_cells), (&REFERENCES, settings.max_references)],
+        ),
     };
     let root = || Task { ids: (0..boxes.len() as u32).collect(), bounds, depth: 0, useless: 0 };
     match forks() {
@@ -45,10 +47,8 @@ static REFERENCES: Counted = Counted::references("references in cells");
 /// What does not change during a build.
 struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
-    params: &'a Params,
+    config: &'a KdTreeConfig,
     max_depth: usize,
-    max_leaf: usize,
-    useless_splits: u64,
     room: Room,
 }
 
@@ -65,7 +65,7 @@ impl<S: Scalar> Rules<'_, S> {
     fn alone(&self, task: Task<S>) -> Result<Cells<S>, BuildError> {
         let mut builder = Builder {
             rules: self,
-            heuristic: Heuristic::new(self.params),
+            heuristic: Heuristic::new(self.config),
             cells: Cells { nodes: vec![Node::leaf(0)], starts: vec![0], ids: Vec::new() },
             waiting: task.ids,
         };
@@ -78,7 +78,7 @@ impl<S: Scalar> Rules<'_, S> {
         if forks == 0 || !is_worth_a_fork(task.ids.len()) {
             return self.alone(task);
         }
-        let mut heuristic = Heuristic::new(self.params);
+        let mut heuristic = Heuristic::new(self.config);
         let decided = self.cut(&mut heuristic, &task.ids, &task.bounds, task.depth, task.useless);
         let Some((cut, useless)) = decided else { return self.alone(task) };
         let side = |side: usize| {
@@ -103,12 +103,12 @@ impl<S: Scalar> Rules<'_, S> {
         depth: usize,
         useless: u64,
     ) -> Option<(Cut<S>, u64)> {
-        if ids.len() <= self.max_leaf || depth == self.max_depth {
+        if ids.len() <= self.config.max_leaf || depth == self.max_depth {
             return None;
         }
         let cut = heuristic.best_cut(self.boxes, ids, bounds)?;
         let useless = useless + u64::from(cut.cost >= ids.len() as f64);
-        (useless <= self.useless_splits).then_some((cut, useless))
+        (useless <= self.config.useless_splits).then_some((cut, useless))
     }
 
     /// Whether a primitive reaches to a side of a cut.

@@ -7,9 +7,10 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
 use crate::parallel::{forks, is_worth_a_fork};
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::room::Room;
 use crate::structure::BuildError;
+use crate::structures::octree::OctreeConfig;
 use crate::structures::octree::cells::{Cells, LEAF};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
@@ -17,25 +18,20 @@ use crate::structures::octree::cells::{Cells, LEAF};
 pub(super) fn cells<S: Scalar>(
     boxes: &[Aabb<S>],
     bounds: Aabb<S>,
-    params: &Params,
+    settings: &Settings<OctreeConfig>,
 ) -> Result<Cells<S>, BuildError> {
     let rules = Rules {
         boxes,
-        adaptive: params.text("subdivision") == "adaptive",
-        historical: params.text("boxes") == "historical",
-        max_depth: params.integer("max-depth"),
-        max_leaf: params.integer("max-leaf") as usize,
-        useless_splits: params.integer("useless-splits"),
-        max_growth: match params.text("boxes") {
-            "historical" => f64::INFINITY,
-            _ => params.real("max-growth"),
-        },
-        alternates: params.text("order").starts_with("alternate"),
-        room: Room::new(params, [&CELLS, &REFERENCES]),
+        config: settings,
+        max_growth: if settings.historical { f64::INFINITY } else { settings.max_growth },
+        room: Room::new(
+            settings.limits(),
+            [(&CELLS, settings.max_cells), (&REFERENCES, settings.max_references)],
+        ),
     };
     let root = || {
         let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
-        if params.text("order").ends_with("reverse") {
+        if settings.order.is_reversed {
             ids.reverse();
         }
         Task { ids, bounds, depth: 0, descent: Descent::ROOT }
@@ -54,15 +50,9 @@ static REFERENCES: Counted = Counted::references("references in cells");
 /// What does not change during a build.
 struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
-    adaptive: bool,
-    /// As fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
+    /// If `historical`, as fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
     /// and faces across the axis only count half.
-    historical: bool,
-    /// The lists of children are in the reverse order of their parent's.
-    alternates: bool,
-    max_depth: u64,
-    max_leaf: usize,
-    useless_splits: u64,
+    config: &'a OctreeConfig,
     max_growth: f64,
     room: Room,
 }
@@ -137,7 +127,7 @@ impl<S: Scalar> Builder<'_, S> {
         self.cells.links.resize(9 + 8 * inner, LEAF);
         for octant in 0..8 {
             for i in from..end {
-                let i = if self.rules.alternates { from + end - 1 - i } else { i };
+                let i = if self.rules.config.order.alternates { from + end - 1 - i } else { i };
                 let id = self.waiting[i];
                 if touches(&self.rules.boxes[id as usize], &planes, octant) {
                     self.waiting.push(id);
@@ -179,7 +169,7 @@ impl<S: Scalar> Rules<'_, S> {
         let below = |octant: usize| {
             let inside = |id: &u32| touches(&self.boxes[*id as usize], &planes, octant);
             let mut ids: Vec<u32> = task.ids.iter().copied().filter(inside).collect();
-            if self.alternates {
+            if self.config.order.alternates {
                 ids.reverse();
             }
             let bounds = octant_of(&task.bounds, &planes, octant);
@@ -205,7 +195,7 @@ impl<S: Scalar> Rules<'_, S> {
         depth: u64,
         descent: Descent,
     ) -> Option<([S; 3], Descent)> {
-        if ids.len() <= self.max_leaf || depth == self.max_depth {
+        if ids.len() <= self.config.max_leaf || depth == self.config.max_depth {
             return None;
         }
         let planes = self.cuts(bounds, ids);
@@ -215,7 +205,7 @@ impl<S: Scalar> Rules<'_, S> {
         let useless = descent.useless + u64::from(is_useless);
         let below: f64 = counts.iter().copied().map(f64::from).sum();
         let growth = descent.growth * below / references;
-        let pays = useless <= self.useless_splits && growth <= self.max_growth;
+        let pays = useless <= self.config.useless_splits && growth <= self.max_growth;
         pays.then_some((planes, Descent { useless, growth }))
     }
 
@@ -225,7 +215,8 @@ impl<S: Scalar> Rules<'_, S> {
         let (lo, hi) = (bounds.min.to_array(), bounds.max.to_array());
         std::array::from_fn(|k| {
             let centre = (lo[k] + hi[k]) * half;
-            let cut = if self.adaptive { self.least_cost(bounds, ids, k, centre) } else { centre };
+            let cut =
+                if self.config.adaptive { self.least_cost(bounds, ids, k, centre) } else { centre };
             cut.greater(lo[k]).lesser(hi[k])
         })
     }
@@ -234,7 +225,7 @@ impl<S: Scalar> Rules<'_, S> {
     /// the least sum of area times references on both sides; of equal ones the first.
     fn least_cost(&self, bounds: &Aabb<S>, ids: &[u32], k: usize, centre: S) -> S {
         let rounded = |x: S| {
-            if self.historical { S::from_f64(f64::from(x.to_f64() as f32)) } else { x }
+            if self.config.historical { S::from_f64(f64::from(x.to_f64() as f32)) } else { x }
         };
         let (lo, hi) = (bounds.min.to_array()[k], bounds.max.to_array()[k]);
         let interval = |&id: &u32| {
@@ -266,7 +257,7 @@ impl<S: Scalar> Rules<'_, S> {
             let cost = self.area_with_side(bounds, k, x - lo) * f64::from(below[i])
                 + self.area_with_side(bounds, k, hi - x) * f64::from(above[i]);
             // so that planes that are alike by symmetry stay equal
-            let cost = if self.historical { f64::from(cost as f32) } else { cost };
+            let cost = if self.config.historical { f64::from(cost as f32) } else { cost };
             if cost < best.0 {
                 best = (cost, x);
             }
@@ -278,7 +269,7 @@ impl<S: Scalar> Rules<'_, S> {
     fn area_with_side(&self, cell: &Aabb<S>, k: usize, side: S) -> f64 {
         let s = cell.size().to_dvec3();
         let (u, v) = (s[(k + 1) % 3], s[(k + 2) % 3]);
-        let faces_across = if self.historical { 0.5 } else { 1.0 };
+        let faces_across = if self.config.historical { 0.5 } else { 1.0 };
         faces_across * u * v + (u + v) * side.to_f64()
     }
 
