@@ -222,8 +222,13 @@ mod tests {
         for list in lists.iter().filter(|list| !list.is_empty()) {
             let found = blocks.behind(list).unwrap();
             let n = found.iter().position(|b| !b.has_next()).unwrap() + 1;
-            let held: Vec<u32> =
-                found[..n].iter().flat_map(|b| b.triangles().map(|(id, _)| id)).collect();
+            let held: Vec<u32> = found[..n]
+                .iter()
+                .flat_map(|block| {
+                    let (ids, n) = block.ids();
+                    ids.into_iter().take(n)
+                })
+                .collect();
             assert_eq!(held, **list);
         }
         // what is no list has no blocks: within one, behind all, elsewhere

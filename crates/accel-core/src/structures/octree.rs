@@ -58,7 +58,7 @@ config! {
             _ => Traversal::TopDown,
         },
         /// depth of the smallest cells; the root has depth 0
-        max_depth: u64 = ParamSpec::integer("max-depth", "16", 0, DEEPEST as u64),
+        max_depth: usize = ParamSpec::integer("max-depth", "16", 0, DEEPEST as u64),
         /// a cell with at most this many references is not cut
         max_leaf: usize = ParamSpec::integer("max-leaf", "6", 0, 1 << 20),
         /// cuts in one line of descent that may fail to lower the expected cost
