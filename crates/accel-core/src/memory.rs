@@ -96,6 +96,28 @@ fn reason(limit: Option<u64>) -> String {
     }
 }
 
+/// Which structure is built, and how much memory it may take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    pub(crate) structure: &'static str,
+    pub(crate) memory: MemoryLimit,
+}
+
+impl Limits {
+    /// Whether a part of so many bytes may be taken, and can be had now.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn fits(&self, bytes: u128) -> Result<(), OutOfMemory> {
+        self.memory.fits(self.structure, bytes)
+    }
+
+    /// The most of what is counted that a setting allows and memory has room for.
+    pub(crate) fn most(&self, counted: &Counted, setting: u64) -> u64 {
+        setting.min(self.memory.count(counted.bytes))
+    }
+}
+
 /// Something that a structure has many of.
 #[derive(Debug, Clone, Copy)]
 pub struct Counted {

@@ -1,7 +1,7 @@
 //! Room for structures that grow in cells and references, part by part.
 
+use crate::memory::Limits;
 use crate::memory::{Counted, OutOfMemory};
-use crate::params::config::Limits;
 use crate::structure::BuildError;
 
 /// How many cells and references a structure may have: of each what its setting says, of both together what

@@ -2,8 +2,9 @@
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
 use crate::memory::{Counted, OutOfMemory};
-use crate::params::config::{Config, Limits, Settings};
+use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};

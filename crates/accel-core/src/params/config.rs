@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use super::Params;
 use crate::grid::resolution::ResolutionRule;
-use crate::memory::{Counted, MemoryLimit, OutOfMemory};
+use crate::memory::{Limits, MemoryLimit, OutOfMemory};
 
 /// The settings of a structure, typed; [`config!`](crate::config) writes them with their parameters.
 pub trait Config: Clone + Send + Sync + 'static {
@@ -87,28 +87,6 @@ impl<C> Deref for Settings<C> {
     }
 }
 
-/// Which structure is built, and how much memory it may take.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
-    pub(crate) structure: &'static str,
-    pub(crate) memory: MemoryLimit,
-}
-
-impl Limits {
-    /// See [`Settings::fits`].
-    ///
-    /// # Errors
-    /// [`OutOfMemory`].
-    pub fn fits(&self, bytes: u128) -> Result<(), OutOfMemory> {
-        self.memory.fits(self.structure, bytes)
-    }
-
-    /// The most of what is counted that a setting allows and memory has room for.
-    pub(crate) fn most(&self, counted: &Counted, setting: u64) -> u64 {
-        setting.min(self.memory.count(counted.bytes))
-    }
-}
-
 /// Settings of a structure and the parameters that they are read from: the constant `PARAMS` of the type, and its
 /// [`Config`](crate::params::config::Config). The text above a field is the summary of its parameter, which keeps
 /// its own where there is none; `=>` reads a word. Parameters that others read stand last, after `and`.
@@ -139,14 +117,14 @@ macro_rules! config {
     (
         $(#[$meta:meta])*
         $visible:vis struct $name:ident {
-            $($(#[doc = $summary:literal])* $field:ident: $type:ty = $spec:expr $(=> $read:expr)?,)*
+            $($(#[doc = $summary:literal])* $own:vis $field:ident: $type:ty = $spec:expr $(=> $read:expr)?,)*
         }
         $(and $($(#[$condition:meta])* $other:expr),* $(,)?)?
     ) => {
         $(#[$meta])*
         #[derive(Debug, Clone)]
         $visible struct $name {
-            $($field: $type,)*
+            $($own $field: $type,)*
         }
 
         impl $name {

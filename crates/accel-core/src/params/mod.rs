@@ -7,8 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::grid::resolution::ResolutionRule;
-use crate::memory::MemoryLimit;
-use config::Limits;
+use crate::memory::{Limits, MemoryLimit};
 
 /// What values a parameter takes.
 #[derive(Debug, Clone, Copy, PartialEq)]

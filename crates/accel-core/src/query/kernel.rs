@@ -11,9 +11,9 @@
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
 use crate::memory::OutOfMemory;
 use crate::params::ParamSpec;
-use crate::params::config::Limits;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
 use crate::structure::Structure;

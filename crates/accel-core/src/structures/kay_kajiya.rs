@@ -13,35 +13,20 @@
 //! Counters: a node taken from the queue is a step, an elementary one if it is a leaf; nodes that
 //! were tested and missed, or were left in the queue, are none.
 
+mod config;
 mod entry_queue;
 mod hierarchy;
 
+use self::config::KayKajiyaConfig;
 use self::hierarchy::Hierarchy;
-use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::params::ParamSpec;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
-use crate::structures::bounding_volumes::{DIRECTIONS, MAX_CELLS};
-
-config! {
-    /// How the hierarchy is built.
-    pub struct KayKajiyaConfig {
-        directions: u64 = DIRECTIONS,
-        /// primitives that a leaf may hold
-        leaf_size: usize = ParamSpec::integer("leaf-size", "1", 1, 1 << 20),
-        /// children that a node may have
-        branching: usize = ParamSpec::choice("branching", "2", &["2", "4", "8"]),
-        max_cells: u64 = MAX_CELLS,
-    }
-    and kernel::PARAM
-}
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

@@ -14,47 +14,23 @@
 //! plane, or one that only grazes a cell, visits both sides.
 
 mod cells;
+mod config;
 mod frustum_traversal;
 mod subdivide;
 mod surface_area;
 
-use crate::config;
+use self::config::KdTreeConfig;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::params::ParamSpec;
 use crate::params::config::Settings;
-use crate::params::specs;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, DEEPEST, Node};
-
-config! {
-    /// How a k-d tree is built.
-    pub struct KdTreeConfig {
-        /// depth of the smallest cells; 0 for 8 + 1.3 log2(primitives)
-        max_depth: usize = ParamSpec::integer("max-depth", "0", 0, DEEPEST as u64),
-        /// a cell with at most this many references is not cut
-        max_leaf: usize = ParamSpec::integer("max-leaf", "1", 0, 1 << 20),
-        /// cost of going through an inner cell, in tests of primitives
-        traversal_cost: f64 = ParamSpec::real("traversal-cost", "1", 0.0, 1e6),
-        /// part of the cost that a cut which makes an empty cell is spared
-        empty_bonus: f64 = ParamSpec::real("empty-bonus", "0.2", 0.0, 0.99),
-        /// cuts in one line of descent that may fail to lower the expected cost
-        useless_splits: u64 = ParamSpec::integer("useless-splits", "2", 0, DEEPEST as u64),
-        /// cells with at most this many references try every side of every box; larger ones 32 planes per axis
-        exact_below: usize = ParamSpec::integer("exact-below", "64", 0, 1 << 32),
-        max_cells: u64 = specs::max_cells(specs::MAX_CELLS.default, 1 << 29),
-        max_references: u64 = specs::max_references("268435456", (1 << 31) - 1),
-    }
-    and kernel::PARAM, mailbox::PARAM, mailbox::SLOTS_PARAM
-}
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {

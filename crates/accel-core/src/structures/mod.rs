@@ -135,12 +135,16 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 /// before, and boxed as a tracer.
 pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> Prepared<S> {
     let (settings, testing) = (Settings::of(params), Testing::of(params));
-    Box::new(move |prims, before| build_tracer::<S, T>(prims, (&settings, &testing), before))
+    let segments = time_segments::of(params);
+    Box::new(move |prims, before| {
+        build_tracer::<S, T>(prims, (&settings, &testing), segments, before)
+    })
 }
 
 fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     prims: PrimsRef<'a, S>,
     how: (&Settings<T::Config>, &Testing),
+    segments: usize,
     before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let (settings, testing) = how;
@@ -148,7 +152,7 @@ fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     match (prims, testing.choice) {
         (PrimsRef::Mixed(p), choice) if p.has_motion() => {
             let mailbox = testing.mailbox::<S, _>(p, limits)?;
-            let segments = TimeSegments::<S, T>::build(p, settings, testing)?;
+            let segments = TimeSegments::<S, T>::build(p, settings, testing, segments)?;
             Ok(match choice {
                 None => Box::new(BoundInMotion::new(p.in_motion(), segments, mailbox)),
                 Some(choice) => {
@@ -184,10 +188,11 @@ pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> Prepared<f32> {
     #[cfg(feature = "compiled-tests")]
     {
         let (settings, testing) = (Settings::of(params), Testing::of(params));
+        let segments = time_segments::of(params);
         Box::new(move |prims, before| {
             let how = (&settings, &testing);
             crate::variants::compiled_tests::build::<T>(prims, how)
-                .unwrap_or_else(|| build_tracer::<f32, T>(prims, how, before))
+                .unwrap_or_else(|| build_tracer::<f32, T>(prims, how, segments, before))
         })
     }
 }

@@ -21,66 +21,24 @@
 //! cell's exit.
 
 mod cells;
+mod config;
 mod neighbour;
 mod point_location;
 mod subdivide;
 mod top_down;
 
-use crate::config;
+use self::config::{OctreeConfig, Traversal};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::params::config::Settings;
-use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::ray_planes::RayPlanes;
-use cells::{Cells, Content, DEEPEST};
-
-config! {
-    /// How an octree is built and traversed.
-    pub struct OctreeConfig {
-        /// cuts at the cell's centre, or between it and the objects' by least cost
-        adaptive: bool = ParamSpec::choice("subdivision", "centre", &["centre", "adaptive"]) => |s| s == "adaptive",
-        /// point-location from the root (Glassner 1984), neighbour finding (Samet 1989), top-down (Gargantini,
-        /// Atkinson 1993)
-        traversal: Traversal = ParamSpec::choice(
-            "traversal", "top-down", &["point-location", "neighbour", "top-down"]
-        ) => |traversal| match traversal {
-            "point-location" => Traversal::PointLocation,
-            "neighbour" => Traversal::Neighbour,
-            _ => Traversal::TopDown,
-        },
-        /// depth of the smallest cells; the root has depth 0
-        max_depth: usize = ParamSpec::integer("max-depth", "16", 0, DEEPEST as u64),
-        /// a cell with at most this many references is not cut
-        max_leaf: usize = ParamSpec::integer("max-leaf", "6", 0, 1 << 20),
-        /// cuts in one line of descent that may fail to lower the expected cost
-        useless_splits: u64 = ParamSpec::integer("useless-splits", "1", 0, DEEPEST as u64),
-        /// what the cuts in one line of descent may multiply references by, and so most references to a primitive
-        /// on average; no limit for historical boxes
-        max_growth: f64 = ParamSpec::real("max-growth", "256", 1.0, 1e9),
-        historical: bool = specs::BOXES => specs::is_historical,
-        /// order of ids in a leaf: as in the file or reversed; alternate turns it round from each level to the next,
-        /// as in 1999
-        order: Order = ParamSpec {
-            kind: ParamKind::Choice(&["file", "reverse", "alternate", "alternate-reverse"]),
-            ..specs::ORDER
-        } => |order| Order {
-            alternates: order.starts_with("alternate"),
-            is_reversed: order.ends_with("reverse"),
-        },
-        max_cells: u64 = specs::max_cells(specs::MAX_CELLS.default, 1 << 30),
-        max_references: u64 = specs::max_references("268435456", (1 << 31) - 1),
-    }
-    and kernel::PARAM, mailbox::PARAM, mailbox::SLOTS_PARAM
-}
+use cells::{Cells, Content};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -111,23 +69,6 @@ const HISTORICAL_NUDGE: f64 = 1e-6;
 /// Where on every ray, those from the eye too, the top-down traversal began in 1999; the others began at
 /// the origin.
 const HISTORICAL_START: f64 = 0.01;
-
-/// How a ray finds the cells it meets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Traversal {
-    PointLocation,
-    Neighbour,
-    TopDown,
-}
-
-/// The order of ids in leaves.
-#[derive(Debug, Clone, Copy)]
-struct Order {
-    /// The lists of children are in the reverse order of their parent's.
-    alternates: bool,
-    /// The root's list is not in that of the file.
-    is_reversed: bool,
-}
 
 /// An octree.
 pub struct Octree<S: Scalar> {

@@ -68,8 +68,8 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
         set: &'a MixedSet<S>,
         settings: &Settings<T::Config>,
         testing: &Testing,
+        n: usize,
     ) -> Result<Self, BuildError> {
-        let n = testing.time_segments;
         if n == 1 {
             return Ok(Self { set, segments: vec![Segment::build(set, settings, testing)?] });
         }

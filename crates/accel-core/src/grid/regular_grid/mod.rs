@@ -16,8 +16,9 @@ use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, r
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
+use crate::memory::Limits;
 use crate::params::Params;
-use crate::params::config::{Config, Limits, Settings};
+use crate::params::config::{Config, Settings};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;

@@ -4,13 +4,13 @@
 use super::kept::{Before, Parts};
 use super::{Bound, Tracer};
 use crate::geometry::scalar::Scalar;
-use crate::params::config::{Config, Limits, Settings};
+use crate::memory::Limits;
+use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox::{self, Setting};
 use crate::structure::{BuildError, Structure, refuse_unusable};
-use crate::structures::time_segments;
 use crate::update::Change;
 use crate::variants::chosen_tests::Choice;
 
@@ -24,7 +24,6 @@ pub(crate) struct Testing {
     pub(crate) has_blocks: bool,
     /// Both were asked for.
     is_contradictory: bool,
-    pub(crate) time_segments: usize,
     /// A library's own traversal and test were asked for.
     #[cfg(feature = "compiled-tests")]
     pub(crate) is_direct: bool,
@@ -40,7 +39,6 @@ impl Config for Testing {
             mailbox,
             has_blocks: params.get(kernel::PARAM.name) == Some("block") && !has_mailbox,
             is_contradictory: is_given && has_mailbox,
-            time_segments: time_segments::of(params),
             #[cfg(feature = "compiled-tests")]
             is_direct: params.get("adapter") == Some("direct"),
         }

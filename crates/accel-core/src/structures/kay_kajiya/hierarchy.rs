@@ -1,6 +1,6 @@
 //! The hierarchy: built from the top by median cuts, traversed nearest entry first.
 
-use super::KayKajiyaConfig;
+use super::config::KayKajiyaConfig;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsOf;

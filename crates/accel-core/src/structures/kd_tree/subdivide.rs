@@ -6,8 +6,8 @@ use crate::memory::Counted;
 use crate::params::config::Settings;
 use crate::room::Room;
 use crate::structure::BuildError;
-use crate::structures::kd_tree::KdTreeConfig;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
+use crate::structures::kd_tree::config::KdTreeConfig;
 use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
 use crate::tree::build::{self, Cell, CellStore, Division};
 

@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::structures::kd_tree::KdTreeConfig;
+use crate::structures::kd_tree::config::KdTreeConfig;
 
 /// A plane that cuts a cell.
 #[derive(Debug, Clone, Copy)]

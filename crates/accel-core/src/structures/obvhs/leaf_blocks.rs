@@ -8,8 +8,8 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
 use crate::memory::OutOfMemory;
-use crate::params::config::Limits;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::structures::obvhs::adapter::AdapterConfig;
 use crate::structures::obvhs::items::Groups;

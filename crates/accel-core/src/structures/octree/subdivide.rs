@@ -6,8 +6,8 @@ use crate::memory::Counted;
 use crate::params::config::Settings;
 use crate::room::Room;
 use crate::structure::BuildError;
-use crate::structures::octree::OctreeConfig;
 use crate::structures::octree::cells::{Cells, LEAF};
+use crate::structures::octree::config::OctreeConfig;
 use crate::tree::build::{self, Cell, CellStore, Division};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
