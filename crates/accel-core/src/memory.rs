@@ -1,9 +1,8 @@
 //! How much memory a structure may take: asked before it is taken, so that what does not fit is an error
 //! and no end of the program.
 //!
-//! A structure asks where its sizes come from settings and scenes: [`Params::fits`](crate::params::Params::fits)
-//! for a list of known length, [`Params::most`](crate::params::Params::most) for one that grows; a structure that
-//! grows in cells and references has room for both together.
+//! A structure asks where its sizes come from settings and scenes: [`Settings::fits`](crate::params::config::Settings::fits)
+//! for a list of known length; a structure that grows in cells and references has room for both together.
 
 use std::hint::black_box;
 
@@ -97,26 +96,46 @@ fn reason(limit: Option<u64>) -> String {
     }
 }
 
-/// Something that a structure has many of: what a setting limits, and memory.
+/// Which structure is built, and how much memory it may take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    pub(crate) structure: &'static str,
+    pub(crate) memory: MemoryLimit,
+}
+
+impl Limits {
+    /// Whether a part of so many bytes may be taken, and can be had now.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn fits(&self, bytes: u128) -> Result<(), OutOfMemory> {
+        self.memory.fits(self.structure, bytes)
+    }
+
+    /// The most of what is counted that a setting allows and memory has room for.
+    pub(crate) fn most(&self, counted: &Counted, setting: u64) -> u64 {
+        setting.min(self.memory.count(counted.bytes))
+    }
+}
+
+/// Something that a structure has many of.
 #[derive(Debug, Clone, Copy)]
 pub struct Counted {
     /// In errors: `number of cells`.
     pub what: &'static str,
-    /// The setting that limits it.
-    pub setting: &'static str,
     /// Bytes of each.
     pub bytes: u64,
 }
 
 impl Counted {
-    /// Cells, under the setting that all structures have for them.
+    /// Cells of so many bytes each.
     pub const fn cells(what: &'static str, bytes: u64) -> Self {
-        Self { what, setting: "max-cells", bytes }
+        Self { what, bytes }
     }
 
     /// Ids in cells.
     pub const fn references(what: &'static str) -> Self {
-        Self { what, setting: "max-references", bytes: 4 }
+        Self { what, bytes: 4 }
     }
 }
 

@@ -5,11 +5,11 @@
 //! [`StructureInfo`] and of [`StructureStats`], and errors may be added. `peers/rust-template` is built and
 //! measured in CI against it. Whatever is not here may change at any time.
 
-pub use crate::entry;
 pub use crate::geometry::aabb::Aabb;
 pub use crate::geometry::ray::{Hit, MISS, Ray};
 pub use crate::geometry::scalar::{Scalar, Vec3, Vector};
 pub use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+pub use crate::params::config::{Config, Settings};
 pub use crate::params::{ParamError, ParamKind, ParamSpec, Params};
 pub use crate::primitives::{PrimSet, PrimsRef, TriangleSet};
 pub use crate::query::sink::Sink;
@@ -18,3 +18,4 @@ pub use crate::structure::{
     Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect,
 };
 pub use crate::structures::{Entry, REGISTRY, find};
+pub use crate::{config, entry};

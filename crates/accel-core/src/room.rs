@@ -1,27 +1,23 @@
 //! Room for structures that grow in cells and references, part by part.
 
-use crate::memory::{Counted, MemoryLimit, OutOfMemory};
-use crate::params::Params;
+use crate::memory::Limits;
+use crate::memory::{Counted, OutOfMemory};
 use crate::structure::BuildError;
 
 /// How many cells and references a structure may have: of each what its setting says, of both together what
 /// memory has room for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Room {
-    structure: &'static str,
-    memory: MemoryLimit,
+    limits: Limits,
     /// Each with the most that there may be; they are numbered in 32 bits.
     parts: [(&'static Counted, u64); 2],
 }
 
 impl Room {
-    pub(crate) fn new(params: &Params, parts: [&'static Counted; 2]) -> Self {
-        let most = |part: &Counted| params.integer(part.setting).min(u64::from(u32::MAX) - 1);
-        Self {
-            structure: params.structure(),
-            memory: params.memory(),
-            parts: parts.map(|part| (part, most(part))),
-        }
+    /// Of parts with their settings.
+    pub(crate) fn new(limits: Limits, parts: [(&'static Counted, u64); 2]) -> Self {
+        let parts = parts.map(|(part, most)| (part, most.min(u64::from(u32::MAX) - 1)));
+        Self { limits, parts }
     }
 
     /// Refuses so many cells and references.
@@ -31,14 +27,15 @@ impl Room {
         // of numbers of 32 bits and a few bytes each
         let fits = needed[0] <= most_cells
             && needed[1] <= most_references
-            && cells.bytes * needed[0] + references.bytes * needed[1] <= self.memory.count(1);
+            && cells.bytes * needed[0] + references.bytes * needed[1]
+                <= self.limits.memory.count(1);
         if fits { Ok(()) } else { Err(self.refused(needed)) }
     }
 
     /// The error where so many are too many.
     #[cold]
     pub(crate) fn refused(&self, needed: [u64; 2]) -> BuildError {
-        let structure = self.structure;
+        let structure = self.limits.structure;
         let all = || self.parts.into_iter().zip(needed);
         let bytes = all().map(|((part, _), n)| u128::from(part.bytes) * u128::from(n)).sum();
         for ((part, limit), needed) in all() {
@@ -47,7 +44,7 @@ impl Room {
                 return BuildError::TooLarge { structure, what: part.what, needed, limit };
             }
         }
-        OutOfMemory { structure, needed: bytes, limit: self.memory.bytes() }.into()
+        OutOfMemory { structure, needed: bytes, limit: self.limits.memory.bytes() }.into()
     }
 
     /// The most cells, were there no references.
@@ -58,14 +55,14 @@ impl Room {
     /// The most cells beside so many references.
     pub(crate) fn cells_beside(&self, references: u64) -> u64 {
         let [(cells, most), (counted, _)] = self.parts;
-        let left = self.memory.beside(counted.bytes.saturating_mul(references));
+        let left = self.limits.memory.beside(counted.bytes.saturating_mul(references));
         most.min(left.count(cells.bytes))
     }
 
     /// The most references beside so many cells.
     pub(crate) fn references_beside(&self, cells: u64) -> u64 {
         let [(counted, _), (references, most)] = self.parts;
-        let left = self.memory.beside(counted.bytes.saturating_mul(cells));
+        let left = self.limits.memory.beside(counted.bytes.saturating_mul(cells));
         most.min(left.count(references.bytes))
     }
 }
@@ -73,18 +70,15 @@ impl Room {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structures::find;
+    use crate::memory::MemoryLimit;
 
     #[test]
     fn cells_and_references_share_memory() {
         static CELLS: Counted = Counted::cells("number of cells", 16);
         static REFERENCES: Counted = Counted::references("references in cells");
-        let entry = find("kd-tree").unwrap();
-        let of = |settings: &[(&str, &str)], bytes: u64| {
-            entry.params(settings.iter().copied()).unwrap().within(MemoryLimit::new(bytes))
-        };
-        let params = of(&[("max-cells", "10"), ("max-references", "20")], 200);
-        let room = Room::new(&params, [&CELLS, &REFERENCES]);
+        let within = |memory| Limits { structure: "kd-tree", memory };
+        let limits = within(MemoryLimit::new(200));
+        let room = Room::new(limits, [(&CELLS, 10), (&REFERENCES, 20)]);
         assert_eq!((room.most_cells(), room.references_beside(10)), (10, 10));
         assert_eq!((room.references_beside(0), room.references_beside(100)), (20, 0));
         assert_eq!(
@@ -99,9 +93,8 @@ mod tests {
             assert!(said(needed).contains(what), "{}", said(needed));
         }
         // no limit of memory: those of settings alone
-        let params = entry.params([]).unwrap();
-        let room = Room::new(&params, [&CELLS, &REFERENCES]);
-        assert_eq!(room.most_cells(), params.integer("max-cells"));
-        assert_eq!(room.references_beside(u64::MAX), params.integer("max-references"));
+        let limits = within(MemoryLimit::NONE);
+        let room = Room::new(limits, [(&CELLS, 1000), (&REFERENCES, 2000)]);
+        assert_eq!((room.most_cells(), room.references_beside(u64::MAX)), (1000, 2000));
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
 use crate::memory::{Counted, OutOfMemory};
+use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
@@ -19,11 +21,17 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// Whether [`Structure::lists`] has lists, and [`PARAM`](crate::query::kernel::PARAM) is among its parameters.
     const HAS_LISTS: bool = false;
 
+    /// Its settings, which are read before anything is built: `()` where it has none.
+    type Config: Config;
+
     /// Builds the structure over all primitives of the set.
     ///
     /// # Errors
     /// [`BuildError`] when the set or the settings cannot be served; never a panic.
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError>;
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<Self::Config>,
+    ) -> Result<Self, BuildError>;
 
     /// Takes the structure to the next frame: to what [`Structure::build`] would make of these primitives, or what
     /// answers for them as well. They are those that it was made for, under the same ids, as many, but for what
@@ -34,10 +42,10 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     fn update<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<Self::Config>,
         _moved: &[u32],
     ) -> Result<Change, BuildError> {
-        *self = Self::build(prims, params)?;
+        *self = Self::build(prims, settings)?;
         Ok(Change::Rebuilt)
     }
 
@@ -249,14 +257,14 @@ impl StructureInfo {
 /// Refuses a set that no structure serves: without primitives, or out of scale.
 pub(crate) fn refuse_unusable<S: Scalar, P: PrimSet<S>>(
     prims: &P,
-    params: &Params,
+    limits: Limits,
 ) -> Result<(), BuildError> {
     if prims.is_empty() {
-        return Err(BuildError::NoPrimitives { structure: params.structure() });
+        return Err(BuildError::NoPrimitives { structure: limits.structure });
     }
     // an id of each
-    params.fits(4 * prims.len() as u128)?;
-    refuse_out_of_scale::<S, S>(prims.magnitude(), params.structure())
+    limits.fits(4 * prims.len() as u128)?;
+    refuse_out_of_scale::<S, S>(prims.magnitude(), limits.structure)
 }
 
 /// Refuses a scene whose largest coordinate lies outside [`Scalar::SCENE_EXPONENTS`] of the scalar
@@ -275,15 +283,14 @@ pub(crate) fn refuse_out_of_scale<S: Scalar, C: Scalar>(
     Err(BuildError::OutOfScale { structure, exponent, precision: C::NAME, served })
 }
 
-/// The error where something is more than [`Params::most`] of it: out of memory, where the setting would
+/// The error where something is more than [`Limits::most`] of it: out of memory, where its own limit would
 /// allow it.
-pub(crate) fn too_many(params: &Params, counted: &Counted, needed: u64) -> BuildError {
-    let (structure, limit) = (params.structure(), params.integer(counted.setting));
+pub(crate) fn too_many(limits: Limits, counted: &Counted, limit: u64, needed: u64) -> BuildError {
     let bytes = u128::from(needed) * u128::from(counted.bytes);
-    match params.fits(bytes) {
+    match limits.fits(bytes) {
         Err(error) if needed <= limit => error.into(),
         _ => BuildError::TooLarge {
-            structure,
+            structure: limits.structure,
             what: counted.what,
             needed: u128::from(needed),
             limit: u128::from(limit),

@@ -9,39 +9,28 @@
 //! 28(6), 2009, has what is known of these.
 
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 
 /// The setting of a structure that can be refitted; of no effect on a scene at rest.
-pub const REFIT: ParamSpec = ParamSpec {
-    name: "update",
-    summary: "between frames: built anew, or boxes alone are (built anew as rebuild-at says)",
-    default: REBUILD,
-    kind: ParamKind::Choice(&[REBUILD, "refit"]),
-};
+pub const REFIT: ParamSpec = ParamSpec::choice("update", REBUILD, &[REBUILD, "refit"])
+    .about("between frames: built anew, or boxes alone are (built anew as rebuild-at says)");
 
 /// The setting of a grid whose lists can be changed cell by cell; of no effect on a scene at rest.
-pub const INCREMENTAL: ParamSpec = ParamSpec {
-    name: "update",
-    summary: "between frames: built anew, or the lists alone that something moved into or out of (built \
+pub const INCREMENTAL: ParamSpec = ParamSpec::choice("update", REBUILD, &[REBUILD, "incremental"])
+    .about(
+        "between frames: built anew, or the lists alone that something moved into or out of (built \
               anew where the grid's box or resolution changes, or most primitives move)",
-    default: REBUILD,
-    kind: ParamKind::Choice(&[REBUILD, "incremental"]),
-};
+    );
 
 /// The setting of a structure of two levels; of no effect on a scene at rest.
-pub const INSTANCES: ParamSpec = ParamSpec {
-    name: "update",
-    summary: "between frames: built anew, or the upper level alone is, over rigid parts where they stand now",
-    default: REBUILD,
-    kind: ParamKind::Choice(&[REBUILD, "instances"]),
-};
+pub const INSTANCES: ParamSpec = ParamSpec::choice("update", REBUILD, &[REBUILD, "instances"]).about("between frames: built anew, or the upper level alone is, over rigid parts where they stand now");
 
 const REBUILD: &str = "rebuild";
 
-/// Whether boxes alone are to be made anew.
-pub(crate) fn is_refitted(params: &Params) -> bool {
-    params.get(REFIT.name) == Some("refit")
+/// Where boxes alone are to be made anew: by what factor the expected cost may grow until the tree is.
+pub(crate) fn refitted_until(params: &Params) -> Option<f64> {
+    (params.get(REFIT.name) == Some("refit")).then(|| params.real(REBUILD_AT.name))
 }
 
 /// Whether the upper level alone is to be made anew.
@@ -55,18 +44,13 @@ pub(crate) fn is_incremental(params: &Params) -> bool {
 }
 
 /// Whether lists are to be changed where so many of the primitives moved: of most, a build is no more work.
-pub(crate) fn is_worth_changing(params: &Params, moved: usize, primitives: usize) -> bool {
-    is_incremental(params) && moved <= primitives / 2
+pub(crate) fn is_worth_changing(moved: usize, primitives: usize) -> bool {
+    moved <= primitives / 2
 }
 
 /// When a refitted tree is built anew.
-pub const REBUILD_AT: ParamSpec = ParamSpec {
-    name: "rebuild-at",
-    summary: "of update=refit: a tree is built anew where its expected cost exceeds so many times that of the \
-              tree built last",
-    default: "1.5",
-    kind: ParamKind::Real { min: 1.0, max: 1e9 },
-};
+pub const REBUILD_AT: ParamSpec = ParamSpec::real("rebuild-at", "1.5", 1.0, 1e9).about("of update=refit: a tree is built anew where its expected cost exceeds so many times that of the \
+              tree built last");
 
 /// What [`Structure::update`](crate::structure::Structure::update) did.
 #[derive(Debug)]

@@ -10,9 +10,9 @@ use std::time::Duration;
 
 use accel_core::params::{ParamSpec, Params};
 use accel_core::primitives::PrimsRef;
-use accel_core::query::tracer::{Before, Origin, Tracer};
+use accel_core::query::tracer::Origin;
 use accel_core::structure::{BuildError, StructureInfo, no_defect};
-use accel_core::structures::{COMMON, Entry};
+use accel_core::structures::{COMMON, Entry, Prepared};
 use accel_core::variants::chosen_tests;
 
 use crate::description::{Description, leak};
@@ -119,27 +119,26 @@ fn described(launch: &Launch) -> Result<Description, PluginError> {
 }
 
 /// The builder of every plugin's line, which builds anew whatever was before.
-fn built<'a>(
-    prims: PrimsRef<'a, f32>,
-    params: &Params,
-    _: Option<Before<'_>>,
-) -> Result<Box<dyn Tracer<f32> + 'a>, BuildError> {
-    let structure = params.structure();
-    let refused = |message: &str| BuildError::Library { structure, message: message.to_owned() };
+fn built(params: &Params) -> Prepared<f32> {
+    let (structure, row, memory) = (params.structure(), params.to_string(), params.memory());
+    let refused =
+        move |message: &str| BuildError::Library { structure, message: message.to_owned() };
+    let is_test_chosen = chosen_tests::Choice::of(params).is_some();
     let plugin = plugins().get(structure).cloned();
-    let plugin = plugin.ok_or_else(|| refused("there is no plugin of that name"))?;
-    let PrimsRef::Watertight(set) = prims else {
-        return Err(refused(
-            "plugins serve scenes of triangles at rest; scenes named ...-tess are tessellated",
-        ));
-    };
-    if chosen_tests::Choice::of(params).is_some() {
-        return Err(refused("plugins serve no triangle-test and no sphere-test of ours"));
-    }
-    let settings = plugin.description.settings.iter();
+    let settings = plugin.iter().flat_map(|plugin| &plugin.description.settings);
     let values: Vec<String> = settings.map(|s| params.text(&s.name).to_owned()).collect();
-    let tracer = PluginTracer::build(plugin, set, params.to_string(), &values, params.memory())?;
-    Ok(Box::new(tracer))
+    Box::new(move |prims, _| {
+        let plugin = plugin.clone().ok_or_else(|| refused("there is no plugin of that name"))?;
+        let PrimsRef::Watertight(set) = prims else {
+            return Err(refused(
+                "plugins serve scenes of triangles at rest; scenes named ...-tess are tessellated",
+            ));
+        };
+        if is_test_chosen {
+            return Err(refused("plugins serve no triangle-test and no sphere-test of ours"));
+        }
+        Ok(Box::new(PluginTracer::build(plugin, set, row.clone(), &values, memory)?))
+    })
 }
 
 /// The name of a file without its folders.
@@ -147,11 +146,10 @@ fn file_name(file: &Path) -> String {
     file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-fn refused_f64<'a>(
-    _: PrimsRef<'a, f64>,
-    params: &Params,
-    _: Option<Before<'_>>,
-) -> Result<Box<dyn Tracer<f64> + 'a>, BuildError> {
-    let message = "plugins serve f32 only: leave out --precision f64".to_owned();
-    Err(BuildError::Library { structure: params.structure(), message })
+fn refused_f64(params: &Params) -> Prepared<f64> {
+    let structure = params.structure();
+    Box::new(move |_, _| {
+        let message = "plugins serve f32 only: leave out --precision f64".to_owned();
+        Err(BuildError::Library { structure, message })
+    })
 }

@@ -7,7 +7,7 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -34,9 +34,14 @@ struct Slowed<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for Slowed<S> {
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+    type Config = <UniformGrid<S> as Structure<S>>::Config;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<Self::Config>,
+    ) -> Result<Self, BuildError> {
         let loops = std::env::var("PLANTED_LOOPS").ok().and_then(|n| n.parse().ok()).unwrap_or(0);
-        Ok(Self { grid: UniformGrid::build(prims, params)?, loops })
+        Ok(Self { grid: UniformGrid::build(prims, settings)?, loops })
     }
 
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {

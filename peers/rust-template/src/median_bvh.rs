@@ -2,14 +2,17 @@
 
 use rtbench::accel_core::prelude::*;
 
+config! {
+    /// How a tree is built.
+    pub struct MedianBvhConfig {
+        /// most primitives of a leaf
+        leaf: usize = ParamSpec::integer("leaf", "4", 1, 64),
+    }
+}
+
 /// What tables, `rtbench list` and the parser of settings say of it.
 pub static INFO: StructureInfo = StructureInfo {
-    params: &[ParamSpec {
-        name: "leaf",
-        summary: "most primitives of a leaf",
-        default: "4",
-        kind: ParamKind::Integer { min: 1, max: 64 },
-    }],
+    params: MedianBvhConfig::PARAMS,
     // what is measured where nothing is said; and what `verify --also-tested` goes through besides
     variants: &["", "leaf=8"],
     also_tested: &["leaf=1", "leaf=64"],
@@ -36,8 +39,13 @@ impl<S: Scalar> Structure<S> for MedianBvh<S> {
     // no id is in two leaves: mailboxes have nothing to spare
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = MedianBvhConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<MedianBvhConfig>,
+    ) -> Result<Self, BuildError> {
+        let structure = settings.structure();
         if prims.is_empty() {
             return Err(BuildError::NoPrimitives { structure });
         }
@@ -46,7 +54,7 @@ impl<S: Scalar> Structure<S> for MedianBvh<S> {
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let mut ids: Vec<u32> = (0..prims.len() as u32).collect();
         let mut nodes = Vec::new();
-        divide(&boxes, params.integer("leaf") as usize, &mut nodes, &mut ids, 0);
+        divide(&boxes, settings.leaf, &mut nodes, &mut ids, 0);
         Ok(Self { nodes, ids })
     }
 

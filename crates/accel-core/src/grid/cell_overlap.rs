@@ -11,7 +11,7 @@
 use glam::DVec3;
 
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
 /// Which cells a primitive goes to.
@@ -30,13 +30,15 @@ pub enum Insertion {
 
 impl Insertion {
     /// The setting, for the parameter list of a structure.
-    pub const PARAM: ParamSpec = ParamSpec {
-        name: "insertion",
-        summary: "cells of a primitive: of its padded box, or overlapped with the same margin; for \
+    pub const PARAM: ParamSpec = ParamSpec::choice(
+        "insertion",
+        "padded-box",
+        &["padded-box", "box", "exact", "padded-exact"],
+    )
+    .about(
+        "cells of a primitive: of its padded box, or overlapped with the same margin; for \
                   comparison: without a margin (both lose hits on cell planes)",
-        default: "padded-box",
-        kind: ParamKind::Choice(&["padded-box", "box", "exact", "padded-exact"]),
-    };
+    );
 
     /// What the settings ask for; padded boxes for a structure that does not list the parameter.
     pub fn of(params: &Params) -> Self {

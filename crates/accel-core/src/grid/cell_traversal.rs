@@ -61,12 +61,10 @@ pub enum Traversal {
 
 impl Traversal {
     /// The setting, for the parameter list of a structure.
-    pub const PARAM: ParamSpec = ParamSpec {
-        name: "traversal",
-        summary: "step to the nearest of three planes, or along a driving axis (Fujimoto's 3D-DDA)",
-        default: "t-next",
-        kind: ParamKind::Choice(&["t-next", "driving-axis"]),
-    };
+    pub const PARAM: ParamSpec =
+        ParamSpec::choice("traversal", "t-next", &["t-next", "driving-axis"]).about(
+            "step to the nearest of three planes, or along a driving axis (Fujimoto's 3D-DDA)",
+        );
 
     /// The same with the traversals that are there for comparison.
     pub const PARAM_OF_ALL: ParamSpec = ParamSpec {
@@ -76,12 +74,12 @@ impl Traversal {
         ..Self::PARAM
     };
 
-    /// What the settings ask for; the structure declares [`Traversal::PARAM`].
+    /// What the settings ask for; steps to the nearest plane for a structure that does not list the parameter.
     pub fn of(params: &Params) -> Self {
-        match params.text(Self::PARAM.name) {
-            "driving-axis" => Self::DrivingAxis,
-            "accumulate" => Self::Accumulate,
-            "f64" => Self::Double,
+        match params.get(Self::PARAM.name) {
+            Some("driving-axis") => Self::DrivingAxis,
+            Some("accumulate") => Self::Accumulate,
+            Some("f64") => Self::Double,
             _ => Self::TNext,
         }
     }

@@ -27,14 +27,25 @@ pub static REGISTRY: &[Entry] = &[occluder!(light_buffer::build, light_buffer::I
 pub struct Occluding;
 
 impl Listed for Occluding {
-    type Builder<S: Scalar> =
-        for<'a> fn(PrimsRef<'a, S>, &[DVec3], &Params) -> Result<BoxedOccluder<'a, S>, BuildError>;
+    type Builder<S: Scalar> = fn(&Params) -> Prepared<S>;
 }
+
+/// An occluder whose settings have been read. What is left is the build, which alone is timed.
+pub type Prepared<S> = Box<
+    dyn for<'a> Fn(PrimsRef<'a, S>, &[DVec3]) -> Result<BoxedOccluder<'a, S>, BuildError>
+        + Send
+        + Sync,
+>;
 
 /// One line of [`REGISTRY`].
 pub type Entry = registry::Entry<Occluding>;
 
 impl Entry {
+    /// Reads the settings.
+    pub fn prepare<S: Buildable>(&self, params: &Params) -> Prepared<S> {
+        S::builder(self)(params)
+    }
+
     /// Builds the occluder over the set for point lights at these places.
     ///
     /// # Errors
@@ -45,7 +56,7 @@ impl Entry {
         lights: &[DVec3],
         params: &Params,
     ) -> Result<BoxedOccluder<'a, S>, BuildError> {
-        S::builder(self)(prims, lights, params)
+        self.prepare(params)(prims, lights)
     }
 }
 
@@ -60,8 +71,14 @@ macro_rules! occluder {
     ($build:path, $info:path) => {
         $crate::occluders::Entry::new(
             &$info,
-            |prims, lights, params| $build(prims, lights, params),
-            |prims, lights, params| $build(prims, lights, params),
+            |params| {
+                let settings = $crate::params::config::Settings::of(params);
+                Box::new(move |prims, lights| $build(prims, lights, &settings))
+            },
+            |params| {
+                let settings = $crate::params::config::Settings::of(params);
+                Box::new(move |prims, lights| $build(prims, lights, &settings))
+            },
         )
     };
 }

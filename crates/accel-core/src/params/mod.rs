@@ -1,12 +1,13 @@
 //! Settings of a structure: named, typed, with defaults and ranges.
 
+pub mod config;
 pub mod specs;
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::grid::resolution::ResolutionRule;
-use crate::memory::{Counted, MemoryLimit, OutOfMemory};
+use crate::memory::{Limits, MemoryLimit};
 
 /// What values a parameter takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,6 +58,33 @@ pub struct ParamSpec {
     pub kind: ParamKind,
 }
 
+impl ParamSpec {
+    /// A whole number from `min` to `max`, its summary to be given.
+    pub const fn integer(name: &'static str, default: &'static str, min: u64, max: u64) -> Self {
+        Self { name, summary: "", default, kind: ParamKind::Integer { min, max } }
+    }
+
+    /// A real number likewise.
+    pub const fn real(name: &'static str, default: &'static str, min: f64, max: f64) -> Self {
+        Self { name, summary: "", default, kind: ParamKind::Real { min, max } }
+    }
+
+    /// One of these words likewise.
+    pub const fn choice(
+        name: &'static str,
+        default: &'static str,
+        words: &'static [&'static str],
+    ) -> Self {
+        Self { name, summary: "", default, kind: ParamKind::Choice(words) }
+    }
+
+    /// The same with this summary, where it is one.
+    #[must_use]
+    pub const fn about(self, summary: &'static str) -> Self {
+        if summary.is_empty() { self } else { Self { summary: summary.trim_ascii(), ..self } }
+    }
+}
+
 /// A setting that cannot be used; names what is valid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ParamError {
@@ -88,7 +116,8 @@ fn valid_names(valid: &[&str]) -> String {
     if valid.is_empty() { "it has none".into() } else { format!("it has {}", valid.join(", ")) }
 }
 
-/// Validated settings: every parameter of a structure has a value.
+/// Validated settings as they are typed: every parameter of a structure has a value. A build is given
+/// [`config::Settings`], which are read off these before.
 ///
 /// ```
 /// use accel_core::structures::uniform_grid::INFO;
@@ -101,11 +130,10 @@ fn valid_names(valid: &[&str]) -> String {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Params {
-    structure: &'static str,
+    limits: Limits,
     /// Its own, and those that it has in common with others.
     specs: [&'static [ParamSpec]; 2],
     values: BTreeMap<&'static str, String>,
-    memory: MemoryLimit,
 }
 
 impl Params {
@@ -128,7 +156,8 @@ impl Params {
         common: &'static [ParamSpec],
     ) -> Self {
         let values = own.iter().chain(common).map(|s| (s.name, s.default.to_owned())).collect();
-        Self { structure, specs: [own, common], values, memory: MemoryLimit::NONE }
+        let limits = Limits { structure, memory: MemoryLimit::NONE };
+        Self { limits, specs: [own, common], values }
     }
 
     /// The same with a parameter at this value: a number, a word, or what the command line would say.
@@ -140,14 +169,14 @@ impl Params {
         let Some(spec) = self.specs().find(|s| s.name == name) else {
             let valid = self.specs().map(|s| s.name).collect();
             return Err(ParamError::Unknown {
-                structure: self.structure,
+                structure: self.structure(),
                 name: name.into(),
                 valid,
             });
         };
         if !is_valid(spec.kind, &value) {
             let expected = spec.kind.to_string();
-            let (structure, name) = (self.structure, spec.name);
+            let (structure, name) = (self.structure(), spec.name);
             return Err(ParamError::Invalid { structure, name, value, expected });
         }
         self.values.insert(spec.name, value);
@@ -165,6 +194,15 @@ impl Params {
         settings.into_iter().try_fold(self, |params, (name, value)| params.set(name, value))
     }
 
+    /// The same with values that were validated as those of another structure.
+    pub(crate) fn taken<'s>(
+        mut self,
+        values: impl IntoIterator<Item = (&'static str, &'s str)>,
+    ) -> Self {
+        self.values.extend(values.into_iter().map(|(name, value)| (name, value.to_owned())));
+        self
+    }
+
     fn specs(&self) -> impl Iterator<Item = &'static ParamSpec> + use<> {
         self.specs.into_iter().flatten()
     }
@@ -172,31 +210,17 @@ impl Params {
     /// The same for a structure that may take so much memory.
     #[must_use]
     pub fn within(self, memory: MemoryLimit) -> Self {
-        Self { memory, ..self }
-    }
-
-    /// Whether a part of so many bytes may be taken, and can be had now.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`].
-    pub fn fits(&self, bytes: u128) -> Result<(), OutOfMemory> {
-        self.memory.fits(self.structure, bytes)
+        Self { limits: Limits { memory, ..self.limits }, ..self }
     }
 
     /// How much memory the structure may take.
-    #[inline]
     pub fn memory(&self) -> MemoryLimit {
-        self.memory
-    }
-
-    /// The most that the setting allows and memory has room for. Panics as [`Params::real`].
-    pub fn most(&self, counted: &Counted) -> u64 {
-        self.integer(counted.setting).min(self.memory.count(counted.bytes))
+        self.limits.memory
     }
 
     /// The structure these belong to.
     pub fn structure(&self) -> &'static str {
-        self.structure
+        self.limits.structure
     }
 
     /// A value as text.
@@ -205,7 +229,7 @@ impl Params {
     /// When the structure did not declare `name`: a mistake in its source, not in any input.
     pub fn text(&self, name: &str) -> &str {
         self.values.get(name).unwrap_or_else(|| {
-            panic!("structure {} reads undeclared parameter {name}", self.structure)
+            panic!("structure {} reads undeclared parameter {name}", self.structure())
         })
     }
 
@@ -232,7 +256,7 @@ impl Params {
     fn parsed<T: std::str::FromStr>(&self, name: &str) -> T {
         let text = self.text(name);
         text.parse().unwrap_or_else(|_| {
-            panic!("structure {} declared {name} as another kind: {text}", self.structure)
+            panic!("structure {} declared {name} as another kind: {text}", self.structure())
         })
     }
 
@@ -246,7 +270,7 @@ impl Params {
 
     /// The structure and what differs from its defaults: `uniform-grid density=4`.
     pub fn label(&self) -> String {
-        format!("{} {self}", self.structure).trim_end().to_owned()
+        format!("{} {self}", self.structure()).trim_end().to_owned()
     }
 }
 

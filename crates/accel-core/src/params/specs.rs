@@ -12,41 +12,37 @@ pub const RESOLUTION: ParamSpec = ParamSpec {
 };
 
 /// Voxels per primitive.
-pub const DENSITY: ParamSpec = ParamSpec {
-    name: "density",
-    summary: "voxels per primitive, D, for the rules that have it",
-    default: "2",
-    kind: ParamKind::Real { min: 1e-6, max: 1e6 },
-};
+pub const DENSITY: ParamSpec = ParamSpec::real("density", "2", 1e-6, 1e6)
+    .about("voxels per primitive, D, for the rules that have it");
 
 /// Padded or historical boxes.
-pub const BOXES: ParamSpec = ParamSpec {
-    name: "boxes",
-    summary: "boxes of primitives: padded by ulps, or as in 1999",
-    default: "padded",
-    kind: ParamKind::Choice(&["padded", "historical"]),
-};
+pub const BOXES: ParamSpec = ParamSpec::choice("boxes", "padded", &["padded", "historical"])
+    .about("boxes of primitives: padded by ulps, or as in 1999");
+
+/// Reads [`BOXES`].
+pub(crate) fn is_historical(boxes: &str) -> bool {
+    boxes == "historical"
+}
 
 /// Order of ids in a voxel.
-pub const ORDER: ParamSpec = ParamSpec {
-    name: "order",
-    summary: "order of ids in a voxel: as in the file, or reversed as in 1999",
-    default: "file",
-    kind: ParamKind::Choice(&["file", "reverse"]),
-};
+pub const ORDER: ParamSpec = ParamSpec::choice("order", "file", &["file", "reverse"])
+    .about("order of ids in a voxel: as in the file, or reversed as in 1999");
 
 /// Limit for cells that take memory each.
-pub const MAX_CELLS: ParamSpec = ParamSpec {
-    name: "max-cells",
-    summary: "upper limit for the number of voxels",
-    default: "67108864",
-    kind: ParamKind::Integer { min: 1, max: 1 << 32 },
-};
+pub const MAX_CELLS: ParamSpec = ParamSpec::integer("max-cells", "67108864", 1, 1 << 32)
+    .about("upper limit for the number of voxels");
+
+/// Another default and another largest limit for cells.
+pub(crate) const fn max_cells(default: &'static str, max: u64) -> ParamSpec {
+    ParamSpec { default, kind: ParamKind::Integer { min: 1, max }, ..MAX_CELLS }
+}
+
+/// The same for references.
+pub(crate) const fn max_references(default: &'static str, max: u64) -> ParamSpec {
+    ParamSpec { default, kind: ParamKind::Integer { min: 1, max }, ..MAX_REFERENCES }
+}
 
 /// Limit for references.
-pub const MAX_REFERENCES: ParamSpec = ParamSpec {
-    name: "max-references",
-    summary: "upper limit for the references in all voxels together",
-    default: "536870912",
-    kind: ParamKind::Integer { min: 1, max: (1 << 32) - 1 },
-};
+pub const MAX_REFERENCES: ParamSpec =
+    ParamSpec::integer("max-references", "536870912", 1, (1 << 32) - 1)
+        .about("upper limit for the references in all voxels together");

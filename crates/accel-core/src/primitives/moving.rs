@@ -14,6 +14,7 @@ use glam::DVec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::primitives::prim_set::as_its_set;
 use crate::primitives::triangle_block::{StartLanes, TriangleBlock};
 use crate::primitives::watertight;
 use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind, Shear};
@@ -64,34 +65,7 @@ impl<S: Scalar> PrimSet<S> for InMotion<S> {
     /// The shear, and the moment.
     type RaySetup = (Shear<S>, S);
 
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.set.len()
-    }
-
-    fn bounds(&self, id: u32) -> Aabb<S> {
-        self.set.bounds(id)
-    }
-
-    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
-        self.set.extent(id, direction)
-    }
-
-    fn farthest(&self, id: u32, from: DVec3) -> f64 {
-        self.set.farthest(id, from)
-    }
-
-    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
-        self.set.hull(id, balls);
-    }
-
-    fn moves(&self, id: u32) -> bool {
-        PrimSet::moves(&self.set, id)
-    }
-
-    fn kind(&self, id: u32) -> PrimitiveKind {
-        self.set.kind(id)
-    }
+    as_its_set!(S);
 
     const HAS_BLOCKS: bool = true;
 
@@ -133,19 +107,6 @@ impl<S: Scalar> PrimSet<S> for InMotion<S> {
     ) -> bool {
         let hits = self.hits_in(block, ray, setup, ray.t_max);
         hits.is_some_and(|(lanes, _)| block.any_of(lanes, |id| self.is_opaque(id)))
-    }
-
-    #[inline(always)]
-    fn is_opaque(&self, id: u32) -> bool {
-        self.set.is_opaque(id)
-    }
-
-    fn magnitude(&self) -> S {
-        self.set.magnitude()
-    }
-
-    fn bytes(&self) -> usize {
-        self.set.bytes()
     }
 }
 

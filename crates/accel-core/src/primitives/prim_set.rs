@@ -152,7 +152,7 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     }
     /// False for primitives that let shadow rays pass.
     fn is_opaque(&self, id: u32) -> bool;
-    /// The largest absolute coordinate of any bounds; known without a walk over the set.
+    /// The largest absolute coordinate of any bounds; known without a pass over the set.
     fn magnitude(&self) -> S;
     /// Bytes the set occupies.
     fn bytes(&self) -> usize;
@@ -164,6 +164,54 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
         map_parts(self.len(), of_part).into_iter().fold(Aabb::empty(), Aabb::union)
     }
 }
+
+/// What a view of a set, its field `set`, says as the set itself does.
+macro_rules! as_its_set {
+    ($scalar:ty) => {
+        #[inline(always)]
+        fn len(&self) -> usize {
+            self.set.len()
+        }
+
+        fn bounds(&self, id: u32) -> Aabb<$scalar> {
+            self.set.bounds(id)
+        }
+
+        fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
+            self.set.extent(id, direction)
+        }
+
+        fn farthest(&self, id: u32, from: DVec3) -> f64 {
+            self.set.farthest(id, from)
+        }
+
+        fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
+            self.set.hull(id, balls);
+        }
+
+        fn moves(&self, id: u32) -> bool {
+            PrimSet::moves(&self.set, id)
+        }
+
+        fn kind(&self, id: u32) -> PrimitiveKind {
+            self.set.kind(id)
+        }
+
+        #[inline(always)]
+        fn is_opaque(&self, id: u32) -> bool {
+            self.set.is_opaque(id)
+        }
+
+        fn magnitude(&self) -> $scalar {
+            self.set.magnitude()
+        }
+
+        fn bytes(&self) -> usize {
+            self.set.bytes()
+        }
+    };
+}
+pub(crate) use as_its_set;
 
 /// The set of primitives that let shadow rays pass: empty in most scenes.
 #[derive(Debug, Clone, Default)]

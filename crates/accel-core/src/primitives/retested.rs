@@ -12,6 +12,7 @@ use glam::DVec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3};
+use crate::primitives::prim_set::as_its_set;
 use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind, Shear, SphereTest, TriangleTest};
 
 /// A mixed set, its triangles tested by `T`, its spheres by `Q`.
@@ -33,37 +34,10 @@ impl<S: Scalar> MixedSet<S> {
 impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for Retested<S, T, Q> {
     type RaySetup = (Shear<S>, T::Setup);
 
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.set.len()
-    }
-
-    fn bounds(&self, id: u32) -> Aabb<S> {
-        self.set.bounds(id)
-    }
-
-    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
-        self.set.extent(id, direction)
-    }
-
-    fn farthest(&self, id: u32, from: DVec3) -> f64 {
-        self.set.farthest(id, from)
-    }
-
-    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
-        self.set.hull(id, balls);
-    }
+    as_its_set!(S);
 
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         self.set.corners(id)
-    }
-
-    fn moves(&self, id: u32) -> bool {
-        PrimSet::moves(&self.set, id)
-    }
-
-    fn kind(&self, id: u32) -> PrimitiveKind {
-        self.set.kind(id)
     }
 
     #[inline(always)]
@@ -75,18 +49,5 @@ impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for Retested<S,
     #[inline(always)]
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S> {
         self.set.tested::<T, Q>(id, ray, &setup.0, &setup.1, t_max)
-    }
-
-    #[inline(always)]
-    fn is_opaque(&self, id: u32) -> bool {
-        self.set.is_opaque(id)
-    }
-
-    fn magnitude(&self) -> S {
-        self.set.magnitude()
-    }
-
-    fn bytes(&self) -> usize {
-        self.set.bytes()
     }
 }

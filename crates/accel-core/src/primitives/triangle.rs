@@ -51,6 +51,13 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     }
     /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
     fn intersect(v: &[[S; 3]; 3], ray: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S>;
+    /// Lanes of a block whose triangles are hit so, with their parameters; `None` or no lanes where none is.
+    fn hits_in_block(
+        block: &TriangleBlock<S>,
+        ray: &Ray<S>,
+        setup: &Self::Setup,
+        t_max: S,
+    ) -> Option<(u32, [S; 8])>;
     /// Replaces `best` by a closer hit of a triangle of the block, or by an equal one of a lower id.
     #[inline(always)]
     fn closest_in_block(
@@ -59,12 +66,8 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
         setup: &Self::Setup,
         best: &mut Hit<S>,
     ) {
-        for (id, corners) in block.triangles() {
-            if let Some(t) = Self::intersect(&corners, ray, setup, best.t)
-                && (t < best.t || id < best.id)
-            {
-                *best = Hit { t, id };
-            }
+        if let Some((lanes, t)) = Self::hits_in_block(block, ray, setup, best.t) {
+            block.take_closest(lanes, &t, best);
         }
     }
     /// Whether the ray meets a triangle of the block of which `counts` holds.
@@ -75,9 +78,8 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
         setup: &Self::Setup,
         counts: impl Fn(u32) -> bool,
     ) -> bool {
-        block.triangles().any(|(id, corners)| {
-            Self::intersect(&corners, ray, setup, ray.t_max).is_some() && counts(id)
-        })
+        let hits = Self::hits_in_block(block, ray, setup, ray.t_max);
+        hits.is_some_and(|(lanes, _)| block.any_of(lanes, counts))
     }
 }
 
@@ -115,23 +117,13 @@ impl<S: Scalar> TriangleTest<S> for Watertight {
     }
 
     #[inline(always)]
-    fn closest_in_block(
+    fn hits_in_block(
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
         shear: &Shear<S>,
-        best: &mut Hit<S>,
-    ) {
-        block.closest(ray, shear, best);
-    }
-
-    #[inline(always)]
-    fn any_in_block(
-        block: &TriangleBlock<S>,
-        ray: &Ray<S>,
-        shear: &Shear<S>,
-        counts: impl Fn(u32) -> bool,
-    ) -> bool {
-        block.any(ray, shear, counts)
+        t_max: S,
+    ) -> Option<(u32, [S; 8])> {
+        block.hits(ray, shear, t_max)
     }
 }
 
@@ -152,20 +144,13 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
     }
 
     #[inline(always)]
-    fn closest_in_block(block: &TriangleBlock<S>, ray: &Ray<S>, _: &(), best: &mut Hit<S>) {
-        let (lanes, t) = block_tests::moeller_trumbore(block, ray, best.t, S::ZERO);
-        block.take_closest(lanes, &t, best);
-    }
-
-    #[inline(always)]
-    fn any_in_block(
+    fn hits_in_block(
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
         _: &(),
-        counts: impl Fn(u32) -> bool,
-    ) -> bool {
-        let (lanes, _) = block_tests::moeller_trumbore(block, ray, ray.t_max, S::ZERO);
-        block.any_of(lanes, counts)
+        t_max: S,
+    ) -> Option<(u32, [S; 8])> {
+        Some(block_tests::moeller_trumbore(block, ray, t_max, S::ZERO))
     }
 }
 

@@ -85,13 +85,6 @@ impl<S: Scalar> TriangleBlock<S> {
         (ids, ids.iter().take_while(|id| **id | MARKS != MISS).count())
     }
 
-    /// Its triangles with their ids.
-    pub fn triangles(&self) -> impl Iterator<Item = (u32, [[S; 3]; 3])> {
-        let (ids, n) = self.ids();
-        (0..n)
-            .map(move |lane| (ids[lane], self.corners.map(|corner| corner.map(|axis| axis[lane]))))
-    }
-
     /// The id in a lane that has one.
     #[inline(always)]
     pub(crate) fn id(&self, lane: usize) -> u32 {
@@ -115,21 +108,6 @@ impl<S: Scalar> TriangleBlock<S> {
     pub(crate) fn widened(&self) -> TriangleBlock<f64> {
         let corners = self.corners.map(|corner| corner.map(|axis| axis.map(S::to_f64)));
         TriangleBlock { corners, ids: self.ids }
-    }
-
-    /// Replaces `best` by a closer hit within the ray's interval, or by an equal one of a lower id.
-    #[inline(always)]
-    pub fn closest(&self, ray: &Ray<S>, shear: &Shear<S>, best: &mut Hit<S>) {
-        if let Some((lanes, t)) = self.hits(ray, shear, best.t) {
-            self.take_closest(lanes, &t, best);
-        }
-    }
-
-    /// Whether the ray meets a triangle of which `counts` holds.
-    #[inline(always)]
-    pub fn any(&self, ray: &Ray<S>, shear: &Shear<S>, counts: impl Fn(u32) -> bool) -> bool {
-        let tested = self.hits(ray, shear, ray.t_max);
-        tested.is_some_and(|(lanes, _)| self.any_of(lanes, counts))
     }
 
     /// Lanes that the watertight test says are hit, with their parameters; `None` or no lanes where
@@ -329,6 +307,7 @@ fn sheared_from<S: Scalar>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::primitives::{TriangleTest, Watertight};
     use crate::structures::test_scenes::Random;
 
     /// Corners and rays on a coarse lattice, so that edges are met exactly and twins tie; rays with
@@ -378,10 +357,10 @@ mod tests {
                 }
             }
             let mut best = Hit { t: ray.t_max, id: MISS };
-            block.closest(&ray, &shear, &mut best);
+            Watertight::closest_in_block(&block, &ray, &shear, &mut best);
             assert_eq!(best, expected, "{round}");
-            assert_eq!(block.any(&ray, &shear, |_| true), expected.is_hit());
-            assert!(!block.any(&ray, &shear, |_| false));
+            assert_eq!(Watertight::any_in_block(&block, &ray, &shear, |_| true), expected.is_hit());
+            assert!(!Watertight::any_in_block(&block, &ray, &shear, |_| false));
             hits += usize::from(best.is_hit());
             ties += usize::from(best.id == 87);
             let tested = block.test(&StartLanes::same(&shear), ray.t_min, &shear, ray.t_max);

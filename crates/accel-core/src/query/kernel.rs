@@ -11,8 +11,9 @@
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
 use crate::memory::OutOfMemory;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::ParamSpec;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
 use crate::structure::Structure;
@@ -20,12 +21,8 @@ use crate::update::ChangedLists;
 
 /// The setting, for the parameter list of a structure whose lists are short, or so many that blocks of
 /// them take too much memory: 320 bytes for a list in f32, however short.
-pub const PARAM: ParamSpec = ParamSpec {
-    name: "kernel",
-    summary: "triangles of a list: tested one by one, or as blocks of eight (not with a mailbox)",
-    default: "scalar",
-    kind: ParamKind::Choice(&["scalar", "block"]),
-};
+pub const PARAM: ParamSpec = ParamSpec::choice("kernel", "scalar", &["scalar", "block"])
+    .about("triangles of a list: tested one by one, or as blocks of eight (not with a mailbox)");
 
 /// The same for a structure that blocks make faster on every scene. A mailbox takes precedence.
 pub const BLOCK_PARAM: ParamSpec = ParamSpec { default: "block", ..PARAM };
@@ -46,18 +43,18 @@ impl<S: Scalar> ListBlocks<S> {
     /// Of the lists of a structure over this set, where it has lists and blocks serve the set.
     ///
     /// # Errors
-    /// [`OutOfMemory`] where the limit of `params` does not allow them.
+    /// [`OutOfMemory`] where memory does not allow them.
     pub(crate) fn of_structure<P: PrimSet<S>, T: Structure<S>>(
         prims: &P,
         structure: &T,
-        params: &Params,
+        limits: Limits,
     ) -> Result<Option<Self>, OutOfMemory> {
         if !T::HAS_LISTS {
             return Ok(None);
         }
         let mut lists = Vec::new();
         structure.lists(&mut |list| lists.push(list));
-        params.fits(Self::bytes_for(&lists))?;
+        limits.fits(Self::bytes_for(&lists))?;
         Ok(Self::of(prims, &lists))
     }
 
@@ -225,8 +222,13 @@ mod tests {
         for list in lists.iter().filter(|list| !list.is_empty()) {
             let found = blocks.behind(list).unwrap();
             let n = found.iter().position(|b| !b.has_next()).unwrap() + 1;
-            let held: Vec<u32> =
-                found[..n].iter().flat_map(|b| b.triangles().map(|(id, _)| id)).collect();
+            let held: Vec<u32> = found[..n]
+                .iter()
+                .flat_map(|block| {
+                    let (ids, n) = block.ids();
+                    ids.into_iter().take(n)
+                })
+                .collect();
             assert_eq!(held, **list);
         }
         // what is no list has no blocks: within one, behind all, elsewhere

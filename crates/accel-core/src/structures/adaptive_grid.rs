@@ -16,6 +16,7 @@
 
 use std::collections::{HashSet, VecDeque};
 
+use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
@@ -23,8 +24,9 @@ use crate::grid::cell_lists::ListOrder;
 use crate::grid::nested_grids::{NestedGrids, NoMailbox, Rules};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::voxel_traversal::GridFrame;
+use crate::params::ParamSpec;
+use crate::params::config::Settings;
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
@@ -36,66 +38,37 @@ use crate::structures::hug::{Boxes, boxes_of, historical_frame, useful_frame};
 use crate::tree::cluster_bvh::{ClusterBvh, Item};
 use crate::tree::clustering::agglomerate::{MergeRule, agglomerate, surface};
 
+config! {
+    /// How adaptive grids are built.
+    pub struct AdaptiveGridConfig {
+        /// clusters merge while surface / (sum of both surfaces) is below it
+        f: f64 = ParamSpec::real("f", "1.5", 0.0, 1e6),
+        /// largest surface of a cluster, as a fraction of the scene's
+        m: f64 = ParamSpec::real("m", "0.5", 0.0, 1e6),
+        /// primitives without cluster share a grid, o=+; else they are leaves, o=-
+        has_orphan_grid: bool = ParamSpec::choice("orphan-grid", "off", &["on", "off"]) => |grid| grid == "on",
+        /// voxels per primitive of a grid
+        density: f64 = ParamSpec { default: "1", ..specs::DENSITY },
+        /// a voxel with this many primitives is divided again
+        split: usize = ParamSpec::integer("split", "4", 2, 1 << 32),
+        /// levels of sub-voxel grids
+        levels: u64 = ParamSpec::integer("levels", "3", 0, 8),
+        /// up to this many clusters the best of all pairs is merged, beyond it locally
+        exact_clusters: usize = ParamSpec::integer("exact-clusters", "256", 2, 1 << 16),
+        historical: bool = specs::BOXES => specs::is_historical,
+        max_cells: u64 = specs::max_cells("134217728", (1 << 32) - 2),
+        max_references: u64 = specs::MAX_REFERENCES,
+    }
+    and kernel::PARAM, mailbox::PARAM, mailbox::SLOTS_PARAM
+}
+
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "adaptive-grid",
     summary: "grids over clusters, crowded voxels divided again, a hierarchy of boxes over all",
     paper: "Klimaszewski, Sederberg 1997",
     deviations: "binary hierarchy; large scenes clustered locally; useless sub-voxel grids left out",
-    params: &[
-        ParamSpec {
-            name: "f",
-            summary: "clusters merge while surface / (sum of both surfaces) is below it",
-            default: "1.5",
-            kind: ParamKind::Real { min: 0.0, max: 1e6 },
-        },
-        ParamSpec {
-            name: "m",
-            summary: "largest surface of a cluster, as a fraction of the scene's",
-            default: "0.5",
-            kind: ParamKind::Real { min: 0.0, max: 1e6 },
-        },
-        ParamSpec {
-            name: "orphan-grid",
-            summary: "primitives without cluster share a grid, o=+; else they are leaves, o=-",
-            default: "off",
-            kind: ParamKind::Choice(&["on", "off"]),
-        },
-        ParamSpec {
-            name: "density",
-            summary: "voxels per primitive of a grid",
-            default: "1",
-            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
-        },
-        ParamSpec {
-            name: "split",
-            summary: "a voxel with this many primitives is divided again",
-            default: "4",
-            kind: ParamKind::Integer { min: 2, max: 1 << 32 },
-        },
-        ParamSpec {
-            name: "levels",
-            summary: "levels of sub-voxel grids",
-            default: "3",
-            kind: ParamKind::Integer { min: 0, max: 8 },
-        },
-        ParamSpec {
-            name: "exact-clusters",
-            summary: "up to this many clusters the best of all pairs is merged, beyond it locally",
-            default: "256",
-            kind: ParamKind::Integer { min: 2, max: 1 << 16 },
-        },
-        specs::BOXES,
-        ParamSpec {
-            default: "134217728",
-            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 },
-            ..specs::MAX_CELLS
-        },
-        specs::MAX_REFERENCES,
-        kernel::PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+    params: AdaptiveGridConfig::PARAMS,
     variants: &[""],
     also_tested: &[
         "kernel=block",
@@ -147,14 +120,19 @@ struct Maker<'a, S: Scalar> {
 impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let historical = params.text("boxes") == "historical";
+    type Config = AdaptiveGridConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<AdaptiveGridConfig>,
+    ) -> Result<Self, BuildError> {
+        let historical = settings.historical;
         let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
-            .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
+            .map_err(|id| BuildError::NonFiniteBounds { structure: settings.structure(), id })?;
         let rule = MergeRule {
-            ratio: params.real("f"),
-            max_surface: params.real("m") * surface(&scene),
-            exact_up_to: params.integer("exact-clusters") as usize,
+            ratio: settings.f,
+            max_surface: settings.m * surface(&scene),
+            exact_up_to: settings.exact_clusters,
         };
         let fewest = if historical { HISTORICAL_CLUSTER } else { 2 };
         let (clusters, orphans): (Vec<_>, Vec<_>) =
@@ -164,19 +142,22 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
             boxes: &boxes,
             padding,
             historical,
-            density: params.real("density"),
-            split: params.integer("split") as usize,
-            levels: params.integer("levels"),
+            density: settings.density,
+            split: settings.split,
+            levels: settings.levels,
             rules: Rules {
                 order: if historical { ListOrder::Reverse } else { ListOrder::File },
                 by_division: historical,
-                room: Room::new(params, [&VOXELS, &REFERENCES]),
+                room: Room::new(
+                    settings.limits(),
+                    [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)],
+                ),
             },
         };
         let (cluster_count, orphan_count) = (clusters.len() as u64, orphans.len() as u64);
         let mut items = Vec::new();
         let mut crowds = clusters;
-        if params.text("orphan-grid") == "on" && !orphans.is_empty() {
+        if settings.has_orphan_grid && !orphans.is_empty() {
             crowds.push(orphans);
         } else {
             items.extend(orphans.iter().map(|&id| (Item::Orphan(id), boxes[id as usize])));

@@ -33,7 +33,9 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::memory::Limits;
+use crate::params::config::{Config, Settings};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
@@ -42,20 +44,12 @@ use crate::structure::too_many;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 
 /// How many plane directions slabs have.
-pub(super) const DIRECTIONS: ParamSpec = ParamSpec {
-    name: "directions",
-    summary: "plane directions of slabs: 3 axes, 4 diagonals of the cube, or all 7",
-    default: "7",
-    kind: ParamKind::Choice(&["3", "4", "7"]),
-};
+pub(super) const DIRECTIONS: ParamSpec = ParamSpec::choice("directions", "7", &["3", "4", "7"])
+    .about("plane directions of slabs: 3 axes, 4 diagonals of the cube, or all 7");
 
 /// Limit for volumes.
-pub(super) const MAX_CELLS: ParamSpec = ParamSpec {
-    name: "max-cells",
-    summary: "upper limit for the number of volumes",
-    default: "67108864",
-    kind: ParamKind::Integer { min: 1, max: 1 << 31 },
-};
+pub(super) const MAX_CELLS: ParamSpec = ParamSpec::integer("max-cells", "67108864", 1, 1 << 31)
+    .about("upper limit for the number of volumes");
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -66,20 +60,12 @@ pub static INFO: StructureInfo = StructureInfo {
     deviations: "one kind of volume a scene; padded; groups cut at medians of centres",
     params: &[
         kernel::PARAM,
-        ParamSpec {
-            name: "volume",
-            summary: "kind of volume; slabs have the directions given",
-            default: "box",
-            kind: ParamKind::Choice(&["box", "sphere", "slabs"]),
-        },
+        ParamSpec::choice("volume", "box", &["box", "sphere", "slabs"])
+            .about("kind of volume; slabs have the directions given"),
         DIRECTIONS,
         BOX_TEST,
-        ParamSpec {
-            name: "group",
-            summary: "primitives in a volume: 1 for one around each, more for neighbours",
-            default: "1",
-            kind: ParamKind::Integer { min: 1, max: 1 << 20 },
-        },
+        ParamSpec::integer("group", "1", 1, 1 << 20)
+            .about("primitives in a volume: 1 for one around each, more for neighbours"),
         MAX_CELLS,
     ],
     variants: &["volume=sphere", "volume=slabs group=16"],
@@ -96,6 +82,36 @@ pub static INFO: StructureInfo = StructureInfo {
 fn known_defect(params: &Params) -> Option<&'static str> {
     let is_compared = params.text("volume") == "box" && box_test(params).is_some();
     is_compared.then_some("boxes are tight: hits at their faces are lost to rounding")
+}
+
+/// Of which kind a volume is.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Box,
+    Compared(BoxTest),
+    Sphere,
+    /// With so many directions.
+    Slabs(u64),
+}
+
+/// Which volumes there are.
+#[derive(Debug, Clone)]
+pub struct VolumesConfig {
+    kind: Kind,
+    group: usize,
+    max_cells: u64,
+}
+
+impl Config for VolumesConfig {
+    fn of(params: &Params) -> Self {
+        let kind = match params.text("volume") {
+            "box" => box_test(params).map_or(Kind::Box, Kind::Compared),
+            "sphere" => Kind::Sphere,
+            _ => Kind::Slabs(params.integer(DIRECTIONS.name)),
+        };
+        let [group, max_cells] = ["group", "max-cells"].map(|name| params.integer(name));
+        Self { kind, group: group as usize, max_cells }
+    }
 }
 
 /// A list of volumes.
@@ -118,16 +134,14 @@ enum Volumes<S: Scalar> {
 }
 
 impl<S: Scalar> Volumes<S> {
-    fn new<P: PrimSet<S>>(groups: &Groups<S, P>, params: &Params) -> Self {
-        match (params.text("volume"), params.text(DIRECTIONS.name)) {
-            ("box", _) => match box_test(params) {
-                Some(test) => Self::Compared(test, groups.volumes()),
-                None => Self::Boxes(groups.volumes()),
-            },
-            ("sphere", _) => Self::Spheres(groups.volumes()),
-            (_, "3") => Self::Slabs3(groups.volumes()),
-            (_, "4") => Self::Slabs4(groups.volumes()),
-            _ => Self::Slabs7(groups.volumes()),
+    fn new<P: PrimSet<S>>(groups: &Groups<S, P>, kind: Kind) -> Self {
+        match kind {
+            Kind::Box => Self::Boxes(groups.volumes()),
+            Kind::Compared(test) => Self::Compared(test, groups.volumes()),
+            Kind::Sphere => Self::Spheres(groups.volumes()),
+            Kind::Slabs(3) => Self::Slabs3(groups.volumes()),
+            Kind::Slabs(4) => Self::Slabs4(groups.volumes()),
+            Kind::Slabs(_) => Self::Slabs7(groups.volumes()),
         }
     }
 
@@ -172,17 +186,22 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
     const HAS_LISTS: bool = true;
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = VolumesConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<VolumesConfig>,
+    ) -> Result<Self, BuildError> {
+        let structure = settings.structure();
         let boxes = BoundsOf::new(prims, BoundsRule::Padded)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-        let group = params.integer("group") as usize;
-        check_cells(prims.len().div_ceil(group), params)?;
+        let group = settings.group;
+        check_cells(prims.len().div_ceil(group), settings.limits(), settings.max_cells)?;
         let mut ids: Vec<u32> = (0..prims.len() as u32).collect();
         if group > 1 {
             Centres::of(prims).group(&mut ids, group);
         }
-        let volumes = Volumes::new(&Groups { ids: &ids, size: group, boxes }, params);
+        let volumes = Volumes::new(&Groups { ids: &ids, size: group, boxes }, settings.kind);
         Ok(Self { volumes, ids, group })
     }
 
@@ -255,12 +274,12 @@ impl<S: Scalar> BoundingVolumes<S> {
     }
 }
 
-/// Refuses more volumes than [`MAX_CELLS`].
-pub(super) fn check_cells(needed: usize, params: &Params) -> Result<(), BuildError> {
+/// Refuses more volumes than [`MAX_CELLS`] allows.
+pub(super) fn check_cells(needed: usize, limits: Limits, max_cells: u64) -> Result<(), BuildError> {
     // six slabs of 8 bytes and what they hold
     const VOLUMES: Counted = Counted::cells("number of volumes", 64);
-    match needed as u64 <= params.most(&VOLUMES) {
+    match needed as u64 <= limits.most(&VOLUMES, max_cells) {
         true => Ok(()),
-        false => Err(too_many(params, &VOLUMES, needed as u64)),
+        false => Err(too_many(limits, &VOLUMES, max_cells, needed as u64)),
     }
 }

@@ -10,16 +10,30 @@
 //! (4 bytes per cell); lists follow each other in the same order. A list ends where the next one
 //! begins: the last cell of a block looks into the next block for that.
 
+use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
+
+config! {
+    /// How large blocks are.
+    pub struct BricksConfig {
+        /// size of a block: a cache line of the machine (a power of two is used)
+        block_bytes: u64 = ParamSpec::integer("block-bytes", CACHE_LINE, 4, 4096),
+        /// size of a macro-block: half the L2 cache (a power of two is used)
+        macro_block_bytes: u64 = ParamSpec::integer("macro-block-bytes", "262144", 4, 1 << 30),
+    }
+}
+
+const CACHE_LINE: &str =
+    if cfg!(all(target_arch = "aarch64", target_os = "macos")) { "128" } else { "64" };
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -34,22 +48,8 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::ORDER,
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        ParamSpec {
-            name: "block-bytes",
-            summary: "size of a block: a cache line of the machine (a power of two is used)",
-            default: if cfg!(all(target_arch = "aarch64", target_os = "macos")) {
-                "128"
-            } else {
-                "64"
-            },
-            kind: ParamKind::Integer { min: 4, max: 4096 },
-        },
-        ParamSpec {
-            name: "macro-block-bytes",
-            summary: "size of a macro-block: half the L2 cache (a power of two is used)",
-            default: "262144",
-            kind: ParamKind::Integer { min: 4, max: 1 << 30 },
-        },
+        BricksConfig::PARAMS[0],
+        BricksConfig::PARAMS[1],
         Traversal::PARAM,
         kernel::BLOCK_PARAM,
         mailbox::PARAM,
@@ -147,6 +147,8 @@ impl BrickedCells {
 }
 
 impl CellStorage for BrickedCells {
+    type Config = BricksConfig;
+
     /// A start, before and after it is laid in blocks.
     fn cell_bytes(cells: u128) -> u128 {
         8 * cells
@@ -154,10 +156,10 @@ impl CellStorage for BrickedCells {
 
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
-        params: &Params,
+        config: &BricksConfig,
     ) -> Result<Self, TooManyReferences> {
-        let block_cells = params.integer("block-bytes") / CELL_BYTES;
-        let macro_cells = params.integer("macro-block-bytes") / CELL_BYTES;
+        let block_cells = config.block_bytes / CELL_BYTES;
+        let macro_cells = config.macro_block_bytes / CELL_BYTES;
         let layout = Layout::new(contents.frame.resolution(), block_cells, macro_cells);
         let lists: CellLists = contents.lists(layout.cells, |c| layout.index(c))?;
         let occupied = (lists.cells() - lists.empty_cells()) as u64;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::region::{Frustum, FrustumTraversal};
@@ -33,7 +33,9 @@ impl FrustumTraversal for BruteForce<f64> {
 impl<S: Scalar> Structure<S> for BruteForce<S> {
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
     }
 

@@ -18,18 +18,27 @@
 
 use std::ops::Range;
 
+use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::{BlockPlacement, CellRows};
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
 use crate::parallel::map_parts;
+use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
+
+config! {
+    /// How rows find their places.
+    pub struct RowsConfig {
+        /// places in the front of the table, and at its end, that a row may try
+        tries: usize = ParamSpec::integer("tries", "256", 0, 1 << 20),
+    }
+}
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -42,18 +51,9 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::DENSITY,
         specs::BOXES,
         specs::ORDER,
-        ParamSpec {
-            default: "536870912",
-            kind: ParamKind::Integer { min: 1, max: 1 << 30 },
-            ..specs::MAX_CELLS
-        },
+        specs::max_cells("536870912", 1 << 30),
         specs::MAX_REFERENCES,
-        ParamSpec {
-            name: "tries",
-            summary: "places in the front of the table, and at its end, that a row may try",
-            default: "256",
-            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
-        },
+        RowsConfig::PARAMS[0],
         Traversal::PARAM,
         kernel::BLOCK_PARAM,
         mailbox::PARAM,
@@ -246,6 +246,8 @@ pub struct CompactCells {
 }
 
 impl CellStorage for CompactCells {
+    type Config = RowsConfig;
+
     /// A bit.
     fn cell_bytes(cells: u128) -> u128 {
         cells.div_ceil(8)
@@ -255,11 +257,10 @@ impl CellStorage for CompactCells {
 
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
-        params: &Params,
+        config: &RowsConfig,
     ) -> Result<Self, TooManyReferences> {
         let occupied = occupied_cells(contents)?;
-        let tries = params.integer("tries") as usize;
-        let rows = Displaced::new(contents.frame.resolution(), &occupied, tries);
+        let rows = Displaced::new(contents.frame.resolution(), &occupied, config.tries);
         let lists = contents.lists_of_rows(&rows)?;
         Ok(Self { occupied, rows, lists })
     }

@@ -3,6 +3,7 @@
 use super::{bricked_grid, brute_force, hashed_grid, kd_tree, uniform_grid};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
+use crate::params::config::Settings;
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::query::region::{BoundFrustumQueries, FrustumQueries, FrustumTraversal};
 use crate::registry::{self, Listed};
@@ -64,14 +65,15 @@ pub fn build<T: FrustumTraversal + 'static>(
 ) -> Result<Box<dyn FrustumQueries>, BuildError> {
     fn over<T: FrustumTraversal + 'static, P: PrimSet<f64>>(
         prims: &P,
-        params: &Params,
+        settings: &Settings<T::Config>,
     ) -> Result<Box<dyn FrustumQueries>, BuildError> {
-        refuse_unusable(prims, params)?;
-        Ok(Box::new(BoundFrustumQueries::new(prims, T::build(prims, params)?)))
+        refuse_unusable(prims, settings.limits())?;
+        Ok(Box::new(BoundFrustumQueries::new(prims, T::build(prims, settings)?)))
     }
+    let settings = Settings::of(params);
     match prims {
-        PrimsRef::Watertight(p) => over::<T, _>(p, params),
-        PrimsRef::Mixed(p) => over::<T, _>(p, params),
+        PrimsRef::Watertight(p) => over::<T, _>(p, &settings),
+        PrimsRef::Mixed(p) => over::<T, _>(p, &settings),
     }
 }
 
@@ -167,8 +169,13 @@ mod tests {
     fn cells_that_are_forgotten_are_noticed() {
         struct Forgetful(uniform_grid::UniformGrid<f64>);
         impl Structure<f64> for Forgetful {
-            fn build<P: PrimSet<f64>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-                Structure::build(prims, params).map(Self)
+            type Config = <uniform_grid::UniformGrid<f64> as Structure<f64>>::Config;
+
+            fn build<P: PrimSet<f64>>(
+                prims: &P,
+                settings: &Settings<Self::Config>,
+            ) -> Result<Self, BuildError> {
+                Structure::build(prims, settings).map(Self)
             }
             fn traverse<K: crate::query::sink::Sink<f64>>(&self, _: &Ray<f64>, _: &mut K) {}
             fn stats(&self) -> crate::structure::StructureStats {

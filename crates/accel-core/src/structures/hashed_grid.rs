@@ -10,18 +10,32 @@
 //! voxels has more cells than a u32. No random seed: the same scene gives the same table.
 //! A look-up probes at most as far as the farthest key of the build, even in a full table.
 
+use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::Gained;
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
 use crate::update::{ChangedLists, INCREMENTAL};
+
+config! {
+    /// What the hash table is like.
+    pub struct TableConfig {
+        /// occupied part of the hash table; more is smaller and slower
+        load_factor: f64 = ParamSpec::real("load-factor", "0.5", 0.05, 1.0),
+        /// how keys are spread; 'constant' gives all the same first choice: the worst case
+        multiplier: u64 = ParamSpec::choice("hash", "multiplicative", &["multiplicative", "constant"]) => |hash| {
+            // times 0, every key hashes to 0
+            if hash == "constant" { 0 } else { GOLDEN }
+        },
+    }
+}
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -34,25 +48,11 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::DENSITY,
         specs::BOXES,
         specs::ORDER,
-        ParamSpec {
-            name: "max-cells",
-            summary: "upper limit for the number of voxels, occupied or not",
-            default: "68719476736",
-            kind: ParamKind::Integer { min: 1, max: 1 << 60 },
-        },
+        specs::max_cells("68719476736", 1 << 60)
+            .about("upper limit for the number of voxels, occupied or not"),
         ParamSpec { default: "134217728", ..specs::MAX_REFERENCES },
-        ParamSpec {
-            name: "load-factor",
-            summary: "occupied part of the hash table; more is smaller and slower",
-            default: "0.5",
-            kind: ParamKind::Real { min: 0.05, max: 1.0 },
-        },
-        ParamSpec {
-            name: "hash",
-            summary: "how keys are spread; 'constant' gives all the same first choice: the worst case",
-            default: "multiplicative",
-            kind: ParamKind::Choice(&["multiplicative", "constant"]),
-        },
+        TableConfig::PARAMS[0],
+        TableConfig::PARAMS[1],
         Traversal::PARAM,
         kernel::BLOCK_PARAM,
         INCREMENTAL,
@@ -219,6 +219,8 @@ impl HashedCells {
 }
 
 impl CellStorage for HashedCells {
+    type Config = TableConfig;
+
     /// Only occupied cells take memory: the reference that occupies one counts its slots.
     fn cell_bytes(_: u128) -> u128 {
         0
@@ -228,11 +230,9 @@ impl CellStorage for HashedCells {
 
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
-        params: &Params,
+        config: &TableConfig,
     ) -> Result<Self, TooManyReferences> {
-        // times 0, every key hashes to 0
-        let multiplier = if params.text("hash") == "constant" { 0 } else { GOLDEN };
-        Self::with_hash(contents, params.real("load-factor"), multiplier)
+        Self::with_hash(contents, config.load_factor, config.multiplier)
     }
 
     fn change<S: Scalar, P: PrimSet<S>>(
@@ -291,15 +291,17 @@ impl CellStorage for HashedCells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::regular_grid::contents_of;
+    use crate::grid::regular_grid::{GridConfig, contents_of};
+    use crate::params::config::Settings;
     use crate::structures::test_scenes::mixed_scene;
 
     #[test]
     fn a_constant_hash_and_a_full_table_hold_the_same_lists() {
         // HARD_CASES Gr7
         let set = mixed_scene::<f64>(60, 7, [1.0; 3]);
-        let params = Params::new("hashed-grid", INFO.params, [("density", "4")]).unwrap();
-        let contents = contents_of(&set, &params).unwrap();
+        let settings: Settings<GridConfig<TableConfig>> =
+            Settings::of(&INFO.defaults().set("density", 4).unwrap());
+        let contents = contents_of(&set, settings.limits(), &settings).unwrap();
         let frame = contents.frame;
         let dense = contents.lists(frame.cells(), |c| frame.index(c)).unwrap();
         for (load, multiplier) in [(0.5, GOLDEN), (1.0, GOLDEN), (1.0, 0), (0.3, 0)] {

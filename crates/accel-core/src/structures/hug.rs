@@ -15,6 +15,7 @@
 
 use std::collections::HashSet;
 
+use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
@@ -24,8 +25,9 @@ use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
+use crate::params::ParamSpec;
+use crate::params::config::Settings;
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
@@ -36,55 +38,33 @@ use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_
 use crate::tree::clustering::box_tree::{BoxTree, Nearness};
 use crate::tree::clustering::components::components;
 
+config! {
+    /// How a HUG is built.
+    pub struct HugConfig {
+        /// classes of equal width in log(size), HNG
+        size_classes: usize = ParamSpec::integer("size-classes", "3", 1, 16),
+        /// largest distance of neighbours on every axis, in world units, HCN
+        gap: f64 = ParamSpec::real("gap", "0", -1e30, 1e30),
+        /// smaller clusters get no grid
+        min_objects: usize = ParamSpec::integer("min-objects", "8", 1, 1 << 30),
+        /// voxels per primitive of a grid
+        density: f64 = specs::DENSITY,
+        historical: bool = specs::BOXES => specs::is_historical,
+        /// with boxes=historical, primitives that the root grid is sized for; 0: those of the largest class
+        root_objects: usize = ParamSpec::integer("root-objects", "0", 0, 1 << 30),
+        max_cells: u64 = specs::max_cells("134217728", (1 << 32) - 2),
+        max_references: u64 = specs::MAX_REFERENCES,
+    }
+    and kernel::BLOCK_PARAM, mailbox::PARAM, mailbox::SLOTS_PARAM
+}
+
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "hug",
     summary: "grids over clusters of primitives of like size, nested, each traversed once per ray",
     paper: "Cazals, Drettakis, Puech 1995",
     deviations: "largest class unclustered in the root; small clusters dissolve; coarser where useless",
-    params: &[
-        ParamSpec {
-            name: "size-classes",
-            summary: "classes of equal width in log(size), HNG",
-            default: "3",
-            kind: ParamKind::Integer { min: 1, max: 16 },
-        },
-        ParamSpec {
-            name: "gap",
-            summary: "largest distance of neighbours on every axis, in world units, HCN",
-            default: "0",
-            kind: ParamKind::Real { min: -1e30, max: 1e30 },
-        },
-        ParamSpec {
-            name: "min-objects",
-            summary: "smaller clusters get no grid",
-            default: "8",
-            kind: ParamKind::Integer { min: 1, max: 1 << 30 },
-        },
-        ParamSpec {
-            name: "density",
-            summary: "voxels per primitive of a grid",
-            default: "2",
-            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
-        },
-        specs::BOXES,
-        ParamSpec {
-            name: "root-objects",
-            summary: "with boxes=historical, primitives that the root grid is sized for; 0: those \
-                      of the largest class",
-            default: "0",
-            kind: ParamKind::Integer { min: 0, max: 1 << 30 },
-        },
-        ParamSpec {
-            default: "134217728",
-            kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 },
-            ..specs::MAX_CELLS
-        },
-        specs::MAX_REFERENCES,
-        kernel::BLOCK_PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+    params: HugConfig::PARAMS,
     variants: &[""],
     also_tested: &["kernel=scalar", "size-classes=2", "size-classes=4", "mailbox=primitive"],
     known_defect: no_defect,
@@ -130,18 +110,20 @@ struct PlannedGrid<S: Scalar> {
 impl<S: Scalar> Structure<S> for Hug<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let historical = params.text("boxes") == "historical";
+    type Config = HugConfig;
+
+    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<HugConfig>) -> Result<Self, BuildError> {
+        let historical = settings.historical;
         let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
-            .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
-        let (mut plans, owners) = plan(&boxes, scene, padding, historical, params);
+            .map_err(|id| BuildError::NonFiniteBounds { structure: settings.structure(), id })?;
+        let (mut plans, owners) = plan(&boxes, scene, padding, settings);
         if let (true, Some(root)) = (historical, plans.first_mut()) {
             root.bounds = root.bounds.expanded(S::from_f64(HISTORICAL_ROOT_MARGIN));
-            let asked = params.integer("root-objects") as usize;
+            let asked = settings.root_objects;
             root.own = if asked == 0 { root.own } else { asked };
         }
         let boxes = if historical { inserted(prims) } else { boxes };
-        let grids = fill(&boxes, &plans, &owners, historical, padding, params)?;
+        let grids = fill(&boxes, &plans, &owners, padding, settings)?;
         Ok(Self { grids, from_origin: historical })
     }
 
@@ -252,12 +234,10 @@ fn plan<S: Scalar>(
     boxes: &[Aabb<S>],
     scene: Aabb<S>,
     padding: S,
-    historical: bool,
-    params: &Params,
+    config: &HugConfig,
 ) -> (Vec<PlannedGrid<S>>, Vec<u32>) {
-    let count = params.integer("size-classes") as usize;
-    let near = Nearness { gap: S::from_f64(params.real("gap")), closed: !historical };
-    let min_objects = params.integer("min-objects") as usize;
+    let count = config.size_classes;
+    let near = Nearness { gap: S::from_f64(config.gap), closed: !config.historical };
     let class_of = classes(boxes, count);
     let own = class_of.iter().filter(|&&c| c == count - 1).count();
     let mut plans = vec![PlannedGrid { bounds: scene, class: count - 1, own }];
@@ -271,7 +251,7 @@ fn plan<S: Scalar>(
         for members in components(&class_boxes, &near) {
             let members: Vec<u32> = members.into_iter().map(|i| ids[i as usize]).collect();
             let bounds = members.iter().fold(Aabb::empty(), |b, &i| b.union(boxes[i as usize]));
-            if members.len() < min_objects {
+            if members.len() < config.min_objects {
                 loose.push((members, bounds, class));
                 continue;
             }
@@ -315,14 +295,17 @@ fn fill<S: Scalar>(
     boxes: &[Aabb<S>],
     plans: &[PlannedGrid<S>],
     owners: &[u32],
-    historical: bool,
     padding: S,
-    params: &Params,
+    settings: &Settings<HugConfig>,
 ) -> Result<NestedGrids<S>, BuildError> {
+    let historical = settings.historical;
     let rules = Rules {
         order: if historical { ListOrder::Reverse } else { ListOrder::File },
         by_division: historical,
-        room: Room::new(params, [&VOXELS, &REFERENCES]),
+        room: Room::new(
+            settings.limits(),
+            [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)],
+        ),
     };
     let mut primitives = vec![Vec::new(); plans.len()];
     for (&owner, id) in owners.iter().zip(0u32..) {
@@ -343,7 +326,7 @@ fn fill<S: Scalar>(
             historical_frame(plan.bounds, plan.own, HISTORICAL_ROUNDING, &rules.room)?
         } else {
             let all: Vec<_> = id_boxes.iter().chain(&inner_boxes).copied().collect();
-            useful_frame(plan.bounds, &all, params.real("density"), padding, &rules.room)
+            useful_frame(plan.bounds, &all, settings.density, padding, &rules.room)
         };
         grids.push(frame, (ids, &id_boxes), (inner, &inner_boxes), &rules)?;
     }

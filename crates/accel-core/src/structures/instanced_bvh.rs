@@ -3,7 +3,7 @@
 //! See [`crate::structures::instanced`] for the levels and [`crate::structures::wide_bvh`] for the trees.
 
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamError, Params};
+use crate::params::Params;
 use crate::structure::StructureInfo;
 use crate::structures::instanced::{Instanced, Levels};
 use crate::structures::obvhs::adapter::PRESET;
@@ -27,9 +27,10 @@ pub static INFO: StructureInfo = StructureInfo {
 pub type InstancedBvh<S> = Instanced<S, WideBvh<S>>;
 
 impl<S: Scalar> Levels<S> for WideBvh<S> {
-    fn settings(params: &Params) -> Result<[Params; 2], ParamError> {
-        let own = Params::defaults(params.structure(), wide_bvh::INFO.params, &[])
-            .set(PRESET.name, params.text(PRESET.name))?;
-        Ok([own.clone().set("max-leaf", 1)?, own.set("max-leaf", 4)?])
+    fn settings(params: &Params) -> [Params; 2] {
+        ["1", "4"].map(|leaf| {
+            let own = [(PRESET.name, params.text(PRESET.name)), ("max-leaf", leaf)];
+            wide_bvh::INFO.defaults().taken(own)
+        })
     }
 }

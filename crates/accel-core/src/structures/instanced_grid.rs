@@ -4,7 +4,7 @@
 
 use crate::geometry::scalar::Scalar;
 use crate::params::specs;
-use crate::params::{ParamError, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 use crate::structure::StructureInfo;
 use crate::structures::instanced::{Instanced, Levels};
 use crate::structures::uniform_grid::{self, UniformGrid};
@@ -30,13 +30,12 @@ pub static INFO: StructureInfo = StructureInfo {
 pub type InstancedGrid<S> = Instanced<S, UniformGrid<S>>;
 
 impl<S: Scalar> Levels<S> for UniformGrid<S> {
-    fn settings(params: &Params) -> Result<[Params; 2], ParamError> {
-        let of = |density| {
-            let own = Params::defaults(params.structure(), uniform_grid::INFO.params, &[]);
-            let limits = [specs::MAX_CELLS.name, specs::MAX_REFERENCES.name];
-            let own = own.set(specs::DENSITY.name, params.text(density))?;
-            limits.into_iter().try_fold(own, |own, name| own.set(name, params.text(name)))
-        };
-        Ok([of(OF_COPIES.name)?, of(specs::DENSITY.name)?])
+    fn settings(params: &Params) -> [Params; 2] {
+        let limits = [specs::MAX_CELLS.name, specs::MAX_REFERENCES.name];
+        [OF_COPIES.name, specs::DENSITY.name].map(|density| {
+            let own = limits.map(|name| (name, params.text(name)));
+            let own = own.into_iter().chain([(specs::DENSITY.name, params.text(density))]);
+            uniform_grid::INFO.defaults().taken(own)
+        })
     }
 }

@@ -13,20 +13,20 @@
 //! Counters: a node taken from the queue is a step, an elementary one if it is a leaf; nodes that
 //! were tested and missed, or were left in the queue, are none.
 
+mod config;
 mod entry_queue;
 mod hierarchy;
 
+use self::config::KayKajiyaConfig;
 use self::hierarchy::Hierarchy;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
-use crate::structures::bounding_volumes::{DIRECTIONS, MAX_CELLS};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -34,23 +34,7 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "hierarchy of slab volumes, nearest entry first by a priority queue",
     paper: "Kay, Kajiya 1986",
     deviations: "cuts on the axis of widest spread; leaves and branching of any size; padded",
-    params: &[
-        DIRECTIONS,
-        ParamSpec {
-            name: "leaf-size",
-            summary: "primitives that a leaf may hold",
-            default: "1",
-            kind: ParamKind::Integer { min: 1, max: 1 << 20 },
-        },
-        ParamSpec {
-            name: "branching",
-            summary: "children that a node may have",
-            default: "2",
-            kind: ParamKind::Choice(&["2", "4", "8"]),
-        },
-        MAX_CELLS,
-        kernel::PARAM,
-    ],
+    params: KayKajiyaConfig::PARAMS,
     variants: &[""],
     also_tested: &[
         "leaf-size=4 branching=4",
@@ -79,14 +63,19 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
     const HAS_LISTS: bool = true;
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = KayKajiyaConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<KayKajiyaConfig>,
+    ) -> Result<Self, BuildError> {
+        let structure = settings.structure();
         let boxes = BoundsOf::new(prims, BoundsRule::Padded)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-        let hierarchy = match params.text(DIRECTIONS.name) {
-            "3" => ByDirections::Three(Hierarchy::new(&boxes, params)?),
-            "4" => ByDirections::Four(Hierarchy::new(&boxes, params)?),
-            _ => ByDirections::Seven(Hierarchy::new(&boxes, params)?),
+        let hierarchy = match settings.directions {
+            3 => ByDirections::Three(Hierarchy::new(&boxes, settings)?),
+            4 => ByDirections::Four(Hierarchy::new(&boxes, settings)?),
+            _ => ByDirections::Seven(Hierarchy::new(&boxes, settings)?),
         };
         Ok(Self { hierarchy })
     }

@@ -14,20 +14,19 @@
 //! plane, or one that only grazes a cell, visits both sides.
 
 mod cells;
+mod config;
 mod frustum_traversal;
 mod subdivide;
 mod surface_area;
 
+use self::config::KdTreeConfig;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::ray_planes::RayPlanes;
@@ -39,54 +38,7 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "binary space subdivision by the surface-area heuristic, traversed with a stack",
     paper: "MacDonald, Booth 1990; Wald, Havran 2006; Shevtsov et al. 2007 (bins)",
     deviations: "padded boxes; binned above, exact below a number of references; no clipping",
-    params: &[
-        ParamSpec {
-            name: "max-depth",
-            summary: "depth of the smallest cells; 0 for 8 + 1.3 log2(primitives)",
-            default: "0",
-            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
-        },
-        ParamSpec {
-            name: "max-leaf",
-            summary: "a cell with at most this many references is not cut",
-            default: "1",
-            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
-        },
-        ParamSpec {
-            name: "traversal-cost",
-            summary: "cost of going through an inner cell, in tests of primitives",
-            default: "1",
-            kind: ParamKind::Real { min: 0.0, max: 1e6 },
-        },
-        ParamSpec {
-            name: "empty-bonus",
-            summary: "part of the cost that a cut which makes an empty cell is spared",
-            default: "0.2",
-            kind: ParamKind::Real { min: 0.0, max: 0.99 },
-        },
-        ParamSpec {
-            name: "useless-splits",
-            summary: "cuts in one line of descent that may fail to lower the expected cost",
-            default: "2",
-            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
-        },
-        ParamSpec {
-            name: "exact-below",
-            summary: "cells with at most this many references try every side of every box; \
-                      larger ones 32 planes an axis",
-            default: "64",
-            kind: ParamKind::Integer { min: 0, max: 1 << 32 },
-        },
-        ParamSpec { kind: ParamKind::Integer { min: 1, max: 1 << 29 }, ..specs::MAX_CELLS },
-        ParamSpec {
-            default: "268435456",
-            kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
-            ..specs::MAX_REFERENCES
-        },
-        kernel::PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+    params: KdTreeConfig::PARAMS,
     variants: &[""],
     also_tested: &[
         "kernel=block",
@@ -108,13 +60,18 @@ pub struct KdTree<S: Scalar> {
 impl<S: Scalar> Structure<S> for KdTree<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = KdTreeConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<KdTreeConfig>,
+    ) -> Result<Self, BuildError> {
+        let structure = settings.structure();
         let boxes = BoundsOf::new(prims, BoundsRule::Padded)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let bounds = boxes.scene();
         let all: Vec<Aabb<S>> = (0..prims.len() as u32).map(|id| boxes.of(id)).collect();
-        Ok(Self { bounds, cells: subdivide::cells(&all, bounds, params)? })
+        Ok(Self { bounds, cells: subdivide::cells(&all, bounds, settings)? })
     }
 
     #[inline(always)]

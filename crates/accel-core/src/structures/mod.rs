@@ -31,14 +31,15 @@ pub mod uniform_grid;
 pub mod wide_bvh;
 
 use crate::geometry::scalar::Scalar;
+use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimsRef;
-use crate::query::tracer::tested::{mailbox_of, tested_as};
+use crate::query::tracer::tested::{Testing, tested_as};
 use crate::query::tracer::{Before, Bound, BoundInMotion, Tracer};
 use crate::registry::{self, Buildable, Listed};
 use crate::structure::{BuildError, Structure};
 use crate::structures::time_segments::TimeSegments;
-use crate::variants::chosen_tests::{self, Choice, ChosenTests};
+use crate::variants::chosen_tests::{self, ChosenTests};
 
 /// Every structure of the workspace: one line each.
 pub static REGISTRY: &[Entry] = &[
@@ -74,18 +75,31 @@ pub const COMMON: &[ParamSpec] =
 pub struct Traceable;
 
 impl Listed for Traceable {
-    type Builder<S: Scalar> = for<'a> fn(
-        PrimsRef<'a, S>,
-        &Params,
-        Option<Before<'_>>,
-    ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>;
+    type Builder<S: Scalar> = fn(&Params) -> Prepared<S>;
     const COMMON: &'static [ParamSpec] = COMMON;
 }
 
 /// One line of [`REGISTRY`].
 pub type Entry = registry::Entry<Traceable>;
 
+/// A structure whose settings have been read. What is left is the build, which alone is timed: over the set, ready to
+/// trace, or taken there from the frame before, as its setting `update` says, or built anew. The settings are those
+/// that it was built with then; it is of no use after an error.
+pub type Prepared<S> = Box<
+    dyn for<'a> Fn(
+            PrimsRef<'a, S>,
+            Option<Before<'_>>,
+        ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>
+        + Send
+        + Sync,
+>;
+
 impl Entry {
+    /// Reads the settings.
+    pub fn prepare<S: Buildable>(&self, params: &Params) -> Prepared<S> {
+        S::builder(self)(params)
+    }
+
     /// Builds the structure over the set, ready to trace.
     ///
     /// # Errors
@@ -95,11 +109,10 @@ impl Entry {
         prims: PrimsRef<'a, S>,
         params: &Params,
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-        S::builder(self)(prims, params, None)
+        self.prepare(params)(prims, None)
     }
 
-    /// Takes a structure of this entry to the next frame, ready to trace: as its setting `update` says, or built
-    /// anew. `params` are those that it was built with; it is of no use after an error.
+    /// Takes a structure of this entry to the next frame: see [`Prepared`].
     ///
     /// # Errors
     /// [`BuildError`].
@@ -109,7 +122,7 @@ impl Entry {
         params: &Params,
         before: Before<'_>,
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-        S::builder(self)(prims, params, Some(before))
+        self.prepare(params)(prims, Some(before))
     }
 }
 
@@ -118,17 +131,28 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     registry::find(REGISTRY, name)
 }
 
-/// Builds `T` over whichever set it is, or takes it there from the frame `before`, and boxes it as a tracer.
-pub fn build_tracer<'a, S: Scalar, T: Structure<S>>(
+/// Reads the settings of `T`, which is then built over whichever set it is, or taken there from the frame
+/// before, and boxed as a tracer.
+pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> Prepared<S> {
+    let (settings, testing) = (Settings::of(params), Testing::of(params));
+    let segments = time_segments::of(params);
+    Box::new(move |prims, before| {
+        build_tracer::<S, T>(prims, (&settings, &testing), segments, before)
+    })
+}
+
+fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     prims: PrimsRef<'a, S>,
-    params: &Params,
+    how: (&Settings<T::Config>, &Testing),
+    segments: usize,
     before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    let choice = Choice::of(params);
-    match (prims, choice) {
+    let (settings, testing) = how;
+    let limits = settings.limits();
+    match (prims, testing.choice) {
         (PrimsRef::Mixed(p), choice) if p.has_motion() => {
-            let mailbox = mailbox_of::<S, _>(p, params)?;
-            let segments = TimeSegments::<S, T>::build(p, params)?;
+            let mailbox = testing.mailbox::<S, _>(p, limits)?;
+            let segments = TimeSegments::<S, T>::build(p, settings, testing, segments)?;
             Ok(match choice {
                 None => Box::new(BoundInMotion::new(p.in_motion(), segments, mailbox)),
                 Some(choice) => {
@@ -137,18 +161,18 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S>>(
                 }
             })
         }
-        (PrimsRef::Watertight(p), None) => tested_as::<S, _, _, T>(p, p, params, before),
-        (PrimsRef::Mixed(p), None) => tested_as::<S, _, _, T>(p, p, params, before),
+        (PrimsRef::Watertight(p), None) => tested_as::<S, _, _, T>(p, p, how, before),
+        (PrimsRef::Mixed(p), None) => tested_as::<S, _, _, T>(p, p, how, before),
         (prims, Some(choice)) => {
             // built from the same bounds, so the structure is that of the set itself
             let (view, mailbox, structure) = match prims {
                 PrimsRef::Watertight(p) => {
-                    let mailbox = mailbox_of::<S, _>(p, params)?;
-                    (ChosenTests::of_triangles(p, choice), mailbox, T::build(p, params)?)
+                    let mailbox = testing.mailbox::<S, _>(p, limits)?;
+                    (ChosenTests::of_triangles(p, choice), mailbox, T::build(p, settings)?)
                 }
                 PrimsRef::Mixed(p) => {
-                    let mailbox = mailbox_of::<S, _>(p, params)?;
-                    (ChosenTests::of_mixed(p, choice), mailbox, T::build(p, params)?)
+                    let mailbox = testing.mailbox::<S, _>(p, limits)?;
+                    (ChosenTests::of_mixed(p, choice), mailbox, T::build(p, settings)?)
                 }
             };
             Ok(Box::new(Bound::new(Box::new(view), structure).with_mailbox(mailbox)))
@@ -156,18 +180,21 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     }
 }
 
-/// [`build_tracer`] for a structure whose chosen tests are compiled into its traversals where the
+/// [`prepare`] for a structure whose chosen tests are compiled into its traversals where the
 /// feature `compiled-tests` is on (f32 alone).
-pub fn build_compiled<'a, T: Structure<f32>>(
-    prims: PrimsRef<'a, f32>,
-    params: &Params,
-    before: Option<Before<'_>>,
-) -> Result<Box<dyn Tracer<f32> + 'a>, BuildError> {
+pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> Prepared<f32> {
+    #[cfg(not(feature = "compiled-tests"))]
+    return prepare::<f32, T>(params);
     #[cfg(feature = "compiled-tests")]
-    if let Some(built) = crate::variants::compiled_tests::build::<T>(prims, params) {
-        return built;
+    {
+        let (settings, testing) = (Settings::of(params), Testing::of(params));
+        let segments = time_segments::of(params);
+        Box::new(move |prims, before| {
+            let how = (&settings, &testing);
+            crate::variants::compiled_tests::build::<T>(prims, how)
+                .unwrap_or_else(|| build_tracer::<f32, T>(prims, how, segments, before))
+        })
     }
-    build_tracer::<f32, T>(prims, params, before)
 }
 
 /// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree, my_tree::INFO)`.
@@ -178,30 +205,30 @@ macro_rules! entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(
             &$info,
-            |p, s, before| {
+            |params| {
                 use $structure as It;
-                $crate::structures::build_tracer::<f32, It<f32>>(p, s, before)
+                $crate::structures::prepare::<f32, It<f32>>(params)
             },
-            |p, s, before| {
+            |params| {
                 use $structure as It;
-                $crate::structures::build_tracer::<f64, It<f64>>(p, s, before)
+                $crate::structures::prepare::<f64, It<f64>>(params)
             },
         )
     };
 }
 
-/// [`entry!`] for a structure whose chosen tests can be compiled in: see [`build_compiled`].
+/// [`entry!`] for a structure whose chosen tests can be compiled in: see [`prepare_compiled`].
 macro_rules! compiled_entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(
             &$info,
-            |p, s, before| {
+            |params| {
                 use $structure as It;
-                $crate::structures::build_compiled::<It<f32>>(p, s, before)
+                $crate::structures::prepare_compiled::<It<f32>>(params)
             },
-            |p, s, before| {
+            |params| {
                 use $structure as It;
-                $crate::structures::build_tracer::<f64, It<f64>>(p, s, before)
+                $crate::structures::prepare::<f64, It<f64>>(params)
             },
         )
     };

@@ -21,25 +21,24 @@
 //! cell's exit.
 
 mod cells;
+mod config;
 mod neighbour;
 mod point_location;
 mod subdivide;
 mod top_down;
 
+use self::config::{OctreeConfig, Traversal};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::ray_planes::RayPlanes;
-use cells::{Cells, Content, DEEPEST};
+use cells::{Cells, Content};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -48,62 +47,7 @@ pub static INFO: StructureInfo = StructureInfo {
     paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
     deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay or \
                  that multiply references",
-    params: &[
-        ParamSpec {
-            name: "subdivision",
-            summary: "cuts at the cell's centre, or between it and the objects' by least cost",
-            default: "centre",
-            kind: ParamKind::Choice(&["centre", "adaptive"]),
-        },
-        ParamSpec {
-            name: "traversal",
-            summary: "point-location from the root (Glassner 1984), neighbour finding (Samet \
-                      1989), top-down (Gargantini, Atkinson 1993)",
-            default: "top-down",
-            kind: ParamKind::Choice(&["point-location", "neighbour", "top-down"]),
-        },
-        ParamSpec {
-            name: "max-depth",
-            summary: "depth of the smallest cells; the root has depth 0",
-            default: "16",
-            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
-        },
-        ParamSpec {
-            name: "max-leaf",
-            summary: "a cell with at most this many references is not cut",
-            default: "6",
-            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
-        },
-        ParamSpec {
-            name: "useless-splits",
-            summary: "cuts in one line of descent that may fail to lower the expected cost",
-            default: "1",
-            kind: ParamKind::Integer { min: 0, max: DEEPEST as u64 },
-        },
-        ParamSpec {
-            name: "max-growth",
-            summary: "what the cuts in one line of descent may multiply references by, and so \
-                      most references to a primitive on average; no limit for historical boxes",
-            default: "256",
-            kind: ParamKind::Real { min: 1.0, max: 1e9 },
-        },
-        specs::BOXES,
-        ParamSpec {
-            summary: "order of ids in a leaf: as in the file or reversed; alternate turns it round from \
-                      each level to the next, as in 1999",
-            kind: ParamKind::Choice(&["file", "reverse", "alternate", "alternate-reverse"]),
-            ..specs::ORDER
-        },
-        ParamSpec { kind: ParamKind::Integer { min: 1, max: 1 << 30 }, ..specs::MAX_CELLS },
-        ParamSpec {
-            default: "268435456",
-            kind: ParamKind::Integer { min: 1, max: (1 << 31) - 1 },
-            ..specs::MAX_REFERENCES
-        },
-        kernel::PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+    params: OctreeConfig::PARAMS,
     variants: &[""],
     also_tested: &[
         "kernel=block",
@@ -125,14 +69,6 @@ const HISTORICAL_NUDGE: f64 = 1e-6;
 /// Where on every ray, those from the eye too, the top-down traversal began in 1999; the others began at
 /// the origin.
 const HISTORICAL_START: f64 = 0.01;
-
-/// How a ray finds the cells it meets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Traversal {
-    PointLocation,
-    Neighbour,
-    TopDown,
-}
 
 /// An octree.
 pub struct Octree<S: Scalar> {
@@ -165,9 +101,13 @@ fn without_thin_axes<S: Scalar>(scene: Aabb<S>) -> Aabb<S> {
 impl<S: Scalar> Structure<S> for Octree<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
-        let historical = params.text("boxes") == "historical";
+    type Config = OctreeConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<OctreeConfig>,
+    ) -> Result<Self, BuildError> {
+        let (structure, historical) = (settings.structure(), settings.historical);
         let rule = if historical {
             BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
         } else {
@@ -177,17 +117,12 @@ impl<S: Scalar> Structure<S> for Octree<S> {
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
         let all: Vec<Aabb<S>> = (0..prims.len() as u32).map(|id| boxes.of(id)).collect();
-        let cells = subdivide::cells(&all, bounds, params)?;
-        let traversal = match params.text("traversal") {
-            "point-location" => Traversal::PointLocation,
-            "neighbour" => Traversal::Neighbour,
-            _ => Traversal::TopDown,
-        };
+        let cells = subdivide::cells(&all, bounds, settings)?;
         // the parameters of two planes are off by 1.5 epsilon each: at this distance by 9 together,
         // of the 22 that the padding of boxes leaves them (`bounds_rule.rs`)
         let three = S::from_i32(3);
         let reach = if historical { S::INFINITY } else { three * bounds.magnitude() };
-        Ok(Self { bounds, cells, traversal, historical, reach })
+        Ok(Self { bounds, cells, traversal: settings.traversal, historical, reach })
     }
 
     #[inline(always)]

@@ -15,10 +15,11 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::distance_field::{Metric, distances};
-use crate::grid::regular_grid::{CellStorage, stored};
+use crate::grid::regular_grid::{CellStorage, GridConfig, stored};
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
+use crate::params::config::{Config, Settings};
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
@@ -40,18 +41,10 @@ pub static INFO: StructureInfo = StructureInfo {
         specs::ORDER,
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        ParamSpec {
-            name: "metric",
-            summary: "how distances between voxels are measured",
-            default: "chessboard",
-            kind: ParamKind::Choice(&["city-block", "chessboard", "euclidean"]),
-        },
-        ParamSpec {
-            name: "directions",
-            summary: "one distance a voxel, or one for each octant of directions",
-            default: "all",
-            kind: ParamKind::Choice(&["all", "octants"]),
-        },
+        ParamSpec::choice("metric", "chessboard", &["city-block", "chessboard", "euclidean"])
+            .about("how distances between voxels are measured"),
+        ParamSpec::choice("directions", "all", &["all", "octants"])
+            .about("one distance a voxel, or one for each octant of directions"),
         kernel::BLOCK_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
@@ -69,6 +62,26 @@ pub static INFO: StructureInfo = StructureInfo {
     sampled: false,
 };
 
+/// The grid and its distances.
+#[derive(Debug, Clone)]
+pub struct CloudsConfig {
+    grid: GridConfig<()>,
+    metric: Metric,
+    clouds: usize,
+}
+
+impl Config for CloudsConfig {
+    fn of(params: &Params) -> Self {
+        let metric = match params.text("metric") {
+            "city-block" => Metric::CityBlock,
+            "euclidean" => Metric::Euclidean,
+            _ => Metric::Chessboard,
+        };
+        let clouds = if params.text("directions") == "octants" { 8 } else { 1 };
+        Self { grid: Config::of(params), metric, clouds }
+    }
+}
+
 /// A grid with distances.
 pub struct ProximityClouds<S: Scalar> {
     frame: GridFrame<S>,
@@ -84,19 +97,20 @@ pub struct ProximityClouds<S: Scalar> {
 impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
+    type Config = CloudsConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<CloudsConfig>,
+    ) -> Result<Self, BuildError> {
+        let CloudsConfig { grid, metric, clouds } = &**settings;
+        let (metric, clouds) = (*metric, *clouds);
+        let (contents, lists) = stored::<S, P, DenseCells>(prims, settings.limits(), grid)?;
         let frame = contents.frame;
-        let (cells, clouds) =
-            (frame.cells() as u128, if params.text("directions") == "octants" { 8 } else { 1 });
+        let cells = frame.cells() as u128;
         // a start, the distances, and while they are found: whether it is occupied, a measure
-        params.fits(cells * (4 + clouds as u128 + 3) + 4 * u128::from(lists.references()))?;
+        settings.fits(cells * (4 + clouds as u128 + 3) + 4 * u128::from(lists.references()))?;
         let occupied: Vec<bool> = (0..frame.cells()).map(|i| !lists.at(i).is_empty()).collect();
-        let metric = match params.text("metric") {
-            "city-block" => Metric::CityBlock,
-            "euclidean" => Metric::Euclidean,
-            _ => Metric::Chessboard,
-        };
         let mut all = vec![0; occupied.len() * clouds];
         for octant in 0..clouds {
             let signs = (clouds == 8).then_some(octant);
@@ -105,7 +119,7 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
                 all[i * clouds + octant] = d;
             }
         }
-        let from_origin = params.text("boxes") == "historical";
+        let from_origin = grid.historical;
         Ok(Self { frame, lists, distances: all, clouds, metric, from_origin })
     }
 

@@ -18,14 +18,16 @@ mod levels;
 
 use std::ops::ControlFlow;
 
+use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::voxel_traversal::inverse_direction;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::params::ParamSpec;
+use crate::params::config::Settings;
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
@@ -36,68 +38,46 @@ use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_
 use budget::Budget;
 use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
 
+config! {
+    /// How grids within grids are built.
+    pub struct RecursiveGridConfig {
+        /// levels of grids, the outermost included
+        max_depth: u32 = ParamSpec::integer("max-depth", "4", 1, MAX_DEPTH),
+        /// rule for the voxels of every grid
+        rule: LevelRule = ParamSpec::choice(
+            "resolution", "density", &["density", "heterogeneous", "cube-root"]
+        ) => |rule| match rule {
+            "heterogeneous" => LevelRule::Heterogeneous,
+            "cube-root" => LevelRule::CubeRoot,
+            _ => LevelRule::Density,
+        },
+        /// voxels per primitive of the outermost grid
+        top_density: f64 = ParamSpec::real("top-density", "1", 1e-6, 1e6),
+        /// voxels per reference of the grids inside
+        density: f64 = ParamSpec { default: "1", ..specs::DENSITY },
+        /// voxels with more references are divided
+        threshold: usize = ParamSpec::integer("threshold", "8", 1, 1 << 31),
+        /// a voxel stays undivided if its grid held more times its references
+        max_growth: f64 = ParamSpec::real("max-growth", "16", 1.0, 1e9),
+        /// all grids at once, or deep ones when a ray enters their voxel
+        is_lazy: bool = ParamSpec::choice("build", "eager", &["eager", "lazy"]) => |build| build == "lazy",
+        /// levels that build=lazy makes at once
+        lazy_levels: u32 = ParamSpec::integer("lazy-levels", "1", 1, MAX_DEPTH),
+        historical: bool = specs::BOXES => specs::is_historical,
+        max_cells: u64 = specs::MAX_CELLS,
+        max_references: u64 = specs::MAX_REFERENCES,
+        has_joined_lists: bool = kernel::PARAM => |kernel| kernel == "block",
+    }
+    and mailbox::PARAM, mailbox::SLOTS_PARAM
+}
+
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "recursive-grid",
     summary: "voxels with many primitives are divided by grids of their own, eagerly or on demand",
     paper: "Jevans, Wyvill 1989",
     deviations: "padded boxes; a voxel stays undivided where its grid would multiply references",
-    params: &[
-        ParamSpec {
-            name: "max-depth",
-            summary: "levels of grids, the outermost included",
-            default: "4",
-            kind: ParamKind::Integer { min: 1, max: MAX_DEPTH },
-        },
-        ParamSpec {
-            name: "resolution",
-            summary: "rule for the voxels of every grid",
-            default: "density",
-            kind: ParamKind::Choice(&["density", "heterogeneous", "cube-root"]),
-        },
-        ParamSpec {
-            name: "top-density",
-            summary: "voxels per primitive of the outermost grid",
-            default: "1",
-            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
-        },
-        ParamSpec {
-            name: "density",
-            summary: "voxels per reference of the grids inside",
-            default: "1",
-            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
-        },
-        ParamSpec {
-            name: "threshold",
-            summary: "voxels with more references are divided",
-            default: "8",
-            kind: ParamKind::Integer { min: 1, max: 1 << 31 },
-        },
-        ParamSpec {
-            name: "max-growth",
-            summary: "a voxel stays undivided if its grid held more times its references",
-            default: "16",
-            kind: ParamKind::Real { min: 1.0, max: 1e9 },
-        },
-        ParamSpec {
-            name: "build",
-            summary: "all grids at once, or deep ones when a ray enters their voxel",
-            default: "eager",
-            kind: ParamKind::Choice(&["eager", "lazy"]),
-        },
-        ParamSpec {
-            name: "lazy-levels",
-            summary: "levels that build=lazy makes at once",
-            default: "1",
-            kind: ParamKind::Integer { min: 1, max: MAX_DEPTH },
-        },
-        specs::BOXES,
-        specs::MAX_CELLS,
-        specs::MAX_REFERENCES,
-        kernel::PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+    params: RecursiveGridConfig::PARAMS,
     variants: &["", "build=lazy"],
     also_tested: &[
         "max-depth=2",
@@ -136,8 +116,13 @@ pub struct RecursiveGrid<S: Scalar> {
 impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = RecursiveGridConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<RecursiveGridConfig>,
+    ) -> Result<Self, BuildError> {
+        let structure = settings.structure();
         if prims.len() as u64 > MAX_PRIMITIVES {
             return Err(BuildError::TooLarge {
                 structure,
@@ -146,7 +131,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
                 limit: u128::from(MAX_PRIMITIVES),
             });
         }
-        let historical = params.text("boxes") == "historical";
+        let historical = settings.historical;
         let (rule, pad) = if historical {
             let rule = BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN };
             (rule, S::from_f64(HISTORICAL_PAD))
@@ -156,21 +141,17 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         let bounds = BoundsOf::new(prims, rule)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let ids: Vec<u32> = (0..prims.len() as u32).collect();
-        let room = Room::new(params, [&VOXELS, &REFERENCES]);
-        let lazy = params.text("build") == "lazy";
-        let max_depth = params.integer("max-depth") as u32;
+        let parts = [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)];
+        let room = Room::new(settings.limits(), parts);
+        let (lazy, max_depth) = (settings.is_lazy, settings.max_depth);
         let mut division = Division {
             boxes: ids.iter().map(|&id| bounds.of(id).expanded(pad)).collect(),
-            rule: match params.text("resolution") {
-                "heterogeneous" => LevelRule::Heterogeneous,
-                "cube-root" => LevelRule::CubeRoot,
-                _ => LevelRule::Density,
-            },
-            densities: [params.real("top-density"), params.real("density")],
-            threshold: params.integer("threshold") as usize,
+            rule: settings.rule,
+            densities: [settings.top_density, settings.density],
+            threshold: settings.threshold,
             max_depth,
-            eager_depth: if lazy { params.integer("lazy-levels") as u32 } else { max_depth },
-            max_growth: params.real("max-growth"),
+            eager_depth: if lazy { settings.lazy_levels } else { max_depth },
+            max_growth: settings.max_growth,
             by_division: historical,
             narrowest: Division::narrowest_in(bounds.scene())
                 .greater(S::from_f64(bounds.smallest_cell())),
@@ -179,7 +160,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         };
         let mut root =
             division.root(&ids, bounds.scene()).map_err(|over| room.refused(over.needed))?;
-        if params.text(kernel::PARAM.name) == "block" {
+        if settings.has_joined_lists {
             root.join_lists();
         }
         if !lazy {

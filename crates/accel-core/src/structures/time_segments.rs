@@ -6,22 +6,25 @@
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::Settings;
+use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink};
-use crate::query::tracer::tested::asks_for_blocks;
+use crate::query::tracer::tested::Testing;
 use crate::structure::{BuildError, Structure, StructureStats};
 
 /// The setting, which every structure has.
-pub const PARAM: ParamSpec = ParamSpec {
-    name: "time-segments",
-    summary: "equal parts of the time the shutter is open, each with a structure of its own over what moves \
-              in it; a scene at rest has one",
-    default: "1",
-    kind: ParamKind::Integer { min: 1, max: 8 },
-};
+pub const PARAM: ParamSpec = ParamSpec::integer("time-segments", "1", 1, 8).about(
+    "equal parts of the time the shutter is open, each with a structure of its own over what moves \
+     in it; a scene at rest has one",
+);
+
+/// How many the settings ask for.
+pub(crate) fn of(params: &Params) -> usize {
+    params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize)
+}
 
 /// A structure, with its lists as blocks where that is asked for.
 struct Segment<S, T> {
@@ -30,10 +33,14 @@ struct Segment<S, T> {
 }
 
 impl<S: Scalar, T: Structure<S>> Segment<S, T> {
-    fn build(part: &MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
-        let structure = T::build(part, params)?;
-        let blocks = match asks_for_blocks(params) {
-            true => ListBlocks::of_structure(part, &structure, params)?,
+    fn build(
+        part: &MixedSet<S>,
+        settings: &Settings<T::Config>,
+        testing: &Testing,
+    ) -> Result<Self, BuildError> {
+        let structure = T::build(part, settings)?;
+        let blocks = match testing.has_blocks {
+            true => ListBlocks::of_structure(part, &structure, settings.limits())?,
             false => None,
         };
         Ok(Self { structure, blocks })
@@ -57,18 +64,23 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     ///
     /// # Errors
     /// [`BuildError`] of the first that cannot be built.
-    pub fn build(set: &'a MixedSet<S>, params: &Params) -> Result<Self, BuildError> {
-        let n = params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize);
+    pub(crate) fn build(
+        set: &'a MixedSet<S>,
+        settings: &Settings<T::Config>,
+        testing: &Testing,
+        n: usize,
+    ) -> Result<Self, BuildError> {
         if n == 1 {
-            return Ok(Self { set, segments: vec![Segment::build(set, params)?] });
+            return Ok(Self { set, segments: vec![Segment::build(set, settings, testing)?] });
         }
         // a copy of the set, whose bounds are those of a segment while its structure is built
-        params.fits(set.bytes() as u128)?;
-        let (mut part, mut left) = (set.clone(), params.clone());
+        settings.fits(set.bytes() as u128)?;
+        let (mut part, mut left) = (set.clone(), settings.clone());
         let mut narrowed = |k| {
             part.narrow_to(k, n);
-            let segment = Segment::<S, T>::build(&part, &left)?;
-            left = left.clone().within(left.memory().beside(segment.stats().bytes));
+            let segment = Segment::<S, T>::build(&part, &left, testing)?;
+            let memory = left.limits().memory.beside(segment.stats().bytes);
+            left = left.clone().within(memory);
             Ok(segment)
         };
         Ok(Self { set, segments: (0..n).map(&mut narrowed).collect::<Result<_, BuildError>>()? })

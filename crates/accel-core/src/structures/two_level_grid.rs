@@ -21,10 +21,11 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
-use crate::grid::regular_grid::{CellStorage, contents_of, stored};
+use crate::grid::regular_grid::{CellStorage, GridConfig, contents_of, stored};
 use crate::grid::voxel_traversal::{CellDivision, GridFrame, VoxelTraversal, inverse_direction};
+use crate::params::config::{Config, Settings};
 use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
@@ -33,7 +34,7 @@ use crate::query::sink::Sink;
 use crate::room::Room;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::uniform_grid::DenseCells;
-use crate::update::{Change, INCREMENTAL, is_incremental, is_worth_changing};
+use crate::update::{Change, INCREMENTAL, is_worth_changing};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
 /// Registry line.
@@ -49,13 +50,8 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "0.12",
             ..specs::DENSITY
         },
-        ParamSpec {
-            name: "leaf-density",
-            summary: "leaf cells per primitive of an upper cell",
-            default: "2.4",
-            kind: ParamKind::Real { min: 1e-6, max: 1e6 },
-        },
-        ParamSpec { kind: ParamKind::Integer { min: 1, max: (1 << 32) - 2 }, ..specs::MAX_CELLS },
+        LEAF_DENSITY,
+        specs::max_cells(specs::MAX_CELLS.default, (1 << 32) - 2),
         specs::MAX_REFERENCES,
         kernel::PARAM,
         INCREMENTAL,
@@ -73,6 +69,22 @@ pub static INFO: StructureInfo = StructureInfo {
     sampled: false,
 };
 
+const LEAF_DENSITY: ParamSpec = ParamSpec::real("leaf-density", "2.4", 1e-6, 1e6)
+    .about("leaf cells per primitive of an upper cell");
+
+/// The upper grid and those within.
+#[derive(Debug, Clone)]
+pub struct TwoLevelConfig {
+    upper: GridConfig<()>,
+    leaf_density: f64,
+}
+
+impl Config for TwoLevelConfig {
+    fn of(params: &Params) -> Self {
+        Self { upper: Config::of(params), leaf_density: params.real(LEAF_DENSITY.name) }
+    }
+}
+
 /// Two levels of grids.
 pub struct TwoLevelGrid<S: Scalar> {
     upper: GridFrame<S>,
@@ -83,11 +95,10 @@ pub struct TwoLevelGrid<S: Scalar> {
     lists: Option<DenseCells>,
 }
 
-fn rules(params: &Params) -> LeafRules {
-    LeafRules {
-        density: params.real("leaf-density"),
-        room: Room::new(params, [&VOXELS, &REFERENCES]),
-    }
+fn rules(settings: &Settings<TwoLevelConfig>) -> LeafRules {
+    let GridConfig { max_cells, max_references, .. } = settings.upper;
+    let parts = [(&VOXELS, max_cells), (&REFERENCES, max_references)];
+    LeafRules { density: settings.leaf_density, room: Room::new(settings.limits(), parts) }
 }
 
 impl<S: Scalar> TwoLevelGrid<S> {
@@ -95,11 +106,11 @@ impl<S: Scalar> TwoLevelGrid<S> {
     fn change<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<TwoLevelConfig>,
         moved: &[u32],
     ) -> Result<bool, BuildError> {
         let Some(lists) = &mut self.lists else { return Ok(false) };
-        let contents = contents_of(prims, params)?;
+        let contents = contents_of(prims, settings.limits(), &settings.upper)?;
         if contents.frame != self.upper {
             return Ok(false);
         }
@@ -107,7 +118,7 @@ impl<S: Scalar> TwoLevelGrid<S> {
         let before = (self.cells.as_slice(), &self.leaves);
         let (division, changed) = (&self.division, &changed.changed);
         let divided =
-            leaf_cells::redivide(&contents, division, lists, &rules(params), before, changed)?;
+            leaf_cells::redivide(&contents, division, lists, &rules(settings), before, changed)?;
         (self.cells, self.leaves) = divided;
         Ok(true)
     }
@@ -116,26 +127,33 @@ impl<S: Scalar> TwoLevelGrid<S> {
 impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let (contents, lists) = stored::<S, P, DenseCells>(prims, params)?;
+    type Config = TwoLevelConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<TwoLevelConfig>,
+    ) -> Result<Self, BuildError> {
+        let (contents, lists) =
+            stored::<S, P, DenseCells>(prims, settings.limits(), &settings.upper)?;
         let division = CellDivision::new(&contents.frame, contents.padding());
-        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules(params))?;
-        let lists = is_incremental(params).then_some(lists);
+        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules(settings))?;
+        let lists = settings.upper.is_incremental.then_some(lists);
         Ok(Self { upper: contents.frame, division, cells, leaves, lists })
     }
 
     fn update<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<TwoLevelConfig>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if is_worth_changing(params, moved.len(), prims.len())
-            && self.change(prims, params, moved)?
+        if settings.upper.is_incremental
+            && is_worth_changing(moved.len(), prims.len())
+            && self.change(prims, settings, moved)?
         {
             return Ok(Change::Updated);
         }
-        *self = Self::build(prims, params)?;
+        *self = Self::build(prims, settings)?;
         Ok(Change::Rebuilt)
     }
 

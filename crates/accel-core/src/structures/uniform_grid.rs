@@ -105,11 +105,13 @@ impl DenseCells {
 }
 
 impl CellStorage for DenseCells {
+    type Config = ();
+
     const COMPARES_TRAVERSALS: bool = true;
 
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
-        _: &Params,
+        (): &(),
     ) -> Result<Self, TooManyReferences> {
         contents.dense_lists().map(Self)
     }

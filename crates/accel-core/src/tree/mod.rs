@@ -1,5 +1,6 @@
 //! What hierarchies are made of.
 
+pub(crate) mod build;
 pub(crate) mod cluster_bvh;
 pub mod clustering;
 pub(crate) mod ray_planes;

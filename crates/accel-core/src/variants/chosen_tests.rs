@@ -15,7 +15,7 @@ use glam::DVec3;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::Shear;
 use crate::primitives::Sphere;
 use crate::primitives::mixed::ShapeRef;
@@ -31,12 +31,10 @@ use crate::variants::triangle_tests::{
 const DEFAULT: &str = "default";
 
 /// A setting that every structure has.
-pub const TRIANGLE_TEST: ParamSpec = ParamSpec {
-    name: "triangle-test",
-    summary: "test of triangles: the default is the watertight one, compiled into each traversal; \
-              others are called, unless built with the feature compiled-tests",
-    default: DEFAULT,
-    kind: ParamKind::Choice(&[
+pub const TRIANGLE_TEST: ParamSpec = ParamSpec::choice(
+    "triangle-test",
+    DEFAULT,
+    &[
         DEFAULT,
         "moeller-trumbore",
         "moeller-trumbore-epsilon",
@@ -44,17 +42,19 @@ pub const TRIANGLE_TEST: ParamSpec = ParamSpec {
         "watertight",
         "watertight-fallback",
         "f64",
-    ]),
-};
+    ],
+)
+.about(
+    "test of triangles: the default is the watertight one, compiled into each traversal; \
+              others are called, unless built with the feature compiled-tests",
+);
 
 /// Another.
-pub const SPHERE_TEST: ParamSpec = ParamSpec {
-    name: "sphere-test",
-    summary: "test of spheres: the default is the rearranged one, compiled into each traversal; \
+pub const SPHERE_TEST: ParamSpec =
+    ParamSpec::choice("sphere-test", DEFAULT, &[DEFAULT, "naive", "rearranged", "f64"]).about(
+        "test of spheres: the default is the rearranged one, compiled into each traversal; \
               others are called, unless built with the feature compiled-tests",
-    default: DEFAULT,
-    kind: ParamKind::Choice(&[DEFAULT, "naive", "rearranged", "f64"]),
-};
+    );
 
 /// Whether a tracer's chosen tests are compiled into its traversals, as the default tests are.
 pub fn is_compiled<S: Scalar>(tracer: &dyn Tracer<S>) -> bool {

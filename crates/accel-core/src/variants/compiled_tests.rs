@@ -11,19 +11,22 @@
 //! called as without the feature: sets that move, f64, tests of triangles and spheres that are both no
 //! defaults (f64 of both is compiled), and `adapter=direct`, which would answer by the library's test.
 
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::primitives::{
     MixedSet, MoellerTrumbore, PrimsRef, Rearranged, SphereTest, TriangleSet, TriangleTest,
     Watertight,
 };
 use crate::query::tracer::Tracer;
-use crate::query::tracer::tested::tested_as;
+use crate::query::tracer::tested::{Testing, tested_as};
 use crate::structure::{BuildError, Structure};
 use crate::variants::chosen_tests::{Choice, SphereChoice, TriangleChoice};
 use crate::variants::sphere_tests::{NaiveSphere, SphereInDouble};
 use crate::variants::triangle_tests::{
     InDouble, MoellerTrumboreTolerant, Pluecker, WatertightFallback,
 };
+
+/// By which settings it is built.
+type How<'h, T> = (&'h Settings<<T as Structure<f32>>::Config>, &'h Testing);
 
 /// A structure that answers, or why it was not built.
 type Built<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
@@ -32,49 +35,49 @@ type Built<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
 /// called.
 pub(crate) fn build<'a, T: Structure<f32>>(
     prims: PrimsRef<'a, f32>,
-    params: &Params,
+    how: How<'_, T>,
 ) -> Option<Built<'a>> {
-    let Choice { triangle, sphere } = Choice::of(params)?;
-    if params.get("adapter") == Some("direct") {
+    let Choice { triangle, sphere } = how.1.choice?;
+    if how.1.is_direct {
         return None;
     }
     match prims {
         PrimsRef::Watertight(set) => Some(match triangle {
-            TriangleChoice::MoellerTrumbore => triangles::<MoellerTrumbore, T>(set, params),
-            TriangleChoice::Tolerant => triangles::<MoellerTrumboreTolerant, T>(set, params),
-            TriangleChoice::Pluecker => triangles::<Pluecker, T>(set, params),
-            TriangleChoice::Watertight => triangles::<Watertight, T>(set, params),
-            TriangleChoice::Fallback => triangles::<WatertightFallback, T>(set, params),
-            TriangleChoice::Double => triangles::<InDouble, T>(set, params),
+            TriangleChoice::MoellerTrumbore => triangles::<MoellerTrumbore, T>(set, how),
+            TriangleChoice::Tolerant => triangles::<MoellerTrumboreTolerant, T>(set, how),
+            TriangleChoice::Pluecker => triangles::<Pluecker, T>(set, how),
+            TriangleChoice::Watertight => triangles::<Watertight, T>(set, how),
+            TriangleChoice::Fallback => triangles::<WatertightFallback, T>(set, how),
+            TriangleChoice::Double => triangles::<InDouble, T>(set, how),
         }),
         PrimsRef::Mixed(set) if set.has_motion() => None,
         PrimsRef::Mixed(set) => Some(match (triangle, sphere) {
             (TriangleChoice::Watertight, SphereChoice::Rearranged) => {
-                tested_as::<f32, _, _, T>(set, set, params, None)
+                tested_as::<f32, _, _, T>(set, set, how, None)
             }
             (TriangleChoice::MoellerTrumbore, SphereChoice::Rearranged) => {
-                mixed::<MoellerTrumbore, Rearranged, T>(set, params)
+                mixed::<MoellerTrumbore, Rearranged, T>(set, how)
             }
             (TriangleChoice::Tolerant, SphereChoice::Rearranged) => {
-                mixed::<MoellerTrumboreTolerant, Rearranged, T>(set, params)
+                mixed::<MoellerTrumboreTolerant, Rearranged, T>(set, how)
             }
             (TriangleChoice::Pluecker, SphereChoice::Rearranged) => {
-                mixed::<Pluecker, Rearranged, T>(set, params)
+                mixed::<Pluecker, Rearranged, T>(set, how)
             }
             (TriangleChoice::Fallback, SphereChoice::Rearranged) => {
-                mixed::<WatertightFallback, Rearranged, T>(set, params)
+                mixed::<WatertightFallback, Rearranged, T>(set, how)
             }
             (TriangleChoice::Double, SphereChoice::Rearranged) => {
-                mixed::<InDouble, Rearranged, T>(set, params)
+                mixed::<InDouble, Rearranged, T>(set, how)
             }
             (TriangleChoice::Watertight, SphereChoice::Naive) => {
-                mixed::<Watertight, NaiveSphere, T>(set, params)
+                mixed::<Watertight, NaiveSphere, T>(set, how)
             }
             (TriangleChoice::Watertight, SphereChoice::Double) => {
-                mixed::<Watertight, SphereInDouble, T>(set, params)
+                mixed::<Watertight, SphereInDouble, T>(set, how)
             }
             (TriangleChoice::Double, SphereChoice::Double) => {
-                mixed::<InDouble, SphereInDouble, T>(set, params)
+                mixed::<InDouble, SphereInDouble, T>(set, how)
             }
             _ => return None,
         }),
@@ -83,16 +86,16 @@ pub(crate) fn build<'a, T: Structure<f32>>(
 
 fn triangles<'a, X: TriangleTest<f32>, T: Structure<f32>>(
     set: &'a TriangleSet<f32>,
-    params: &Params,
+    how: How<'_, T>,
 ) -> Built<'a> {
-    tested_as::<f32, _, _, T>(set, set.tested_by::<X>(), params, None)
+    tested_as::<f32, _, _, T>(set, set.tested_by::<X>(), how, None)
 }
 
 fn mixed<'a, X: TriangleTest<f32>, Q: SphereTest<f32>, T: Structure<f32>>(
     set: &'a MixedSet<f32>,
-    params: &Params,
+    how: How<'_, T>,
 ) -> Built<'a> {
-    tested_as::<f32, _, _, T>(set, set.retested::<X, Q>(), params, None)
+    tested_as::<f32, _, _, T>(set, set.retested::<X, Q>(), how, None)
 }
 
 #[cfg(test)]
@@ -101,7 +104,7 @@ mod tests {
     use crate::Hit;
     use crate::geometry::ray::Ray;
     use crate::structures::test_scenes::{Random, mixed_scene, rays};
-    use crate::structures::{build_tracer, find};
+    use crate::structures::{find, prepare};
     use crate::variants::chosen_tests::is_compiled;
 
     const STRUCTURES: [&str; 6] =
@@ -156,7 +159,7 @@ mod tests {
         let entry = find("wide-bvh").unwrap();
         let params = entry.params([("triangle-test", "watertight")]).unwrap();
         type Wide = crate::structures::wide_bvh::WideBvh<f32>;
-        let called = build_tracer::<f32, Wide>(sets[0], &params, None).unwrap();
+        let called = prepare::<f32, Wide>(&params)(sets[0], None).unwrap();
         assert_ne!(called.code(), tracer("wide-bvh", sets[0], &[]).code());
         assert!(!is_compiled(&*called));
     }

@@ -9,7 +9,7 @@
 //! Deviations: coordinates of the Pluecker test are relative to the ray's origin, so that only the
 //! moment of each edge is left; the test in f64 is the watertight one on the same vertices.
 
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::triangle::{TriangleTest, Watertight, moeller_trumbore};
 use crate::primitives::watertight::edge_function;
@@ -41,25 +41,13 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumboreTolerant {
     }
 
     #[inline(always)]
-    fn closest_in_block(
+    fn hits_in_block(
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
         _: &Self::Setup,
-        best: &mut Hit<S>,
-    ) {
-        let (lanes, t) = block_tests::moeller_trumbore(block, ray, best.t, tolerance());
-        block.take_closest(lanes, &t, best);
-    }
-
-    #[inline(always)]
-    fn any_in_block(
-        block: &TriangleBlock<S>,
-        ray: &Ray<S>,
-        _: &Self::Setup,
-        counts: impl Fn(u32) -> bool,
-    ) -> bool {
-        let (lanes, _) = block_tests::moeller_trumbore(block, ray, ray.t_max, tolerance());
-        block.any_of(lanes, counts)
+        t_max: S,
+    ) -> Option<(u32, [S; 8])> {
+        Some(block_tests::moeller_trumbore(block, ray, t_max, tolerance()))
     }
 }
 
@@ -94,25 +82,13 @@ impl<S: Scalar> TriangleTest<S> for Pluecker {
     }
 
     #[inline(always)]
-    fn closest_in_block(
+    fn hits_in_block(
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
         _: &Self::Setup,
-        best: &mut Hit<S>,
-    ) {
-        let (lanes, t) = block_tests::pluecker(block, ray, best.t);
-        block.take_closest(lanes, &t, best);
-    }
-
-    #[inline(always)]
-    fn any_in_block(
-        block: &TriangleBlock<S>,
-        ray: &Ray<S>,
-        _: &Self::Setup,
-        counts: impl Fn(u32) -> bool,
-    ) -> bool {
-        let (lanes, _) = block_tests::pluecker(block, ray, ray.t_max);
-        block.any_of(lanes, counts)
+        t_max: S,
+    ) -> Option<(u32, [S; 8])> {
+        Some(block_tests::pluecker(block, ray, t_max))
     }
 }
 
@@ -152,25 +128,13 @@ impl<S: Scalar> TriangleTest<S> for WatertightFallback {
     }
 
     #[inline(always)]
-    fn closest_in_block(
+    fn hits_in_block(
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
         shear: &Self::Setup,
-        best: &mut Hit<S>,
-    ) {
-        let (lanes, t) = in_lanes(block, ray, shear, best.t);
-        block.take_closest(lanes, &t, best);
-    }
-
-    #[inline(always)]
-    fn any_in_block(
-        block: &TriangleBlock<S>,
-        ray: &Ray<S>,
-        shear: &Self::Setup,
-        counts: impl Fn(u32) -> bool,
-    ) -> bool {
-        let (lanes, _) = in_lanes(block, ray, shear, ray.t_max);
-        block.any_of(lanes, counts)
+        t_max: S,
+    ) -> Option<(u32, [S; 8])> {
+        Some(in_lanes(block, ray, shear, t_max))
     }
 }
 
@@ -219,25 +183,13 @@ impl<S: Scalar> TriangleTest<S> for InDouble {
     }
 
     #[inline(always)]
-    fn closest_in_block(
+    fn hits_in_block(
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
         setup: &Self::Setup,
-        best: &mut Hit<S>,
-    ) {
-        let (lanes, t) = doubled(block, ray, setup, best.t);
-        block.take_closest(lanes, &t, best);
-    }
-
-    #[inline(always)]
-    fn any_in_block(
-        block: &TriangleBlock<S>,
-        ray: &Ray<S>,
-        setup: &Self::Setup,
-        counts: impl Fn(u32) -> bool,
-    ) -> bool {
-        let (lanes, _) = doubled(block, ray, setup, ray.t_max);
-        block.any_of(lanes, counts)
+        t_max: S,
+    ) -> Option<(u32, [S; 8])> {
+        Some(doubled(block, ray, setup, t_max))
     }
 }
 
@@ -262,7 +214,7 @@ fn doubled<S: Scalar>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::ray::MISS;
+    use crate::geometry::ray::{Hit, MISS};
     use crate::primitives::MoellerTrumbore;
     use crate::structures::test_scenes::Random;
 

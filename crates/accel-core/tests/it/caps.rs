@@ -2,7 +2,7 @@
 //! within a stated memory cap by its defaults. Asked for less than it needs, it says with a typed
 //! error which limit it would break. None takes the machine down.
 
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
@@ -189,8 +189,10 @@ struct Refuses<S>(std::marker::PhantomData<S>);
 struct Fat<S>(Vec<u32>, std::marker::PhantomData<S>);
 
 impl<S: Scalar> Structure<S> for Refuses<S> {
-    fn build<P: PrimSet<S>>(_: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(_: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+        let structure = settings.structure();
         Err(BuildError::TooLarge { structure, what: "number of cells", needed: 2, limit: 1 })
     }
 
@@ -202,7 +204,9 @@ impl<S: Scalar> Structure<S> for Refuses<S> {
 }
 
 impl<S: Scalar> Structure<S> for Fat<S> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self((0..prims.len() as u32).collect(), std::marker::PhantomData))
     }
 

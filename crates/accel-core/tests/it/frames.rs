@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use accel_core::entry;
 use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::{
     Instance, MixedSet, MixedSetBuilder, PrimSet, PrimsRef, TriangleSet, Watertight,
 };
@@ -210,14 +211,19 @@ fn every_frame_is_right_in_f64() {
 struct Stale<S: Scalar>(wide_bvh::WideBvh<S>);
 
 impl<S: Scalar> Structure<S> for Stale<S> {
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        Structure::build(prims, params).map(Self)
+    type Config = <wide_bvh::WideBvh<S> as Structure<S>>::Config;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<Self::Config>,
+    ) -> Result<Self, BuildError> {
+        Structure::build(prims, settings).map(Self)
     }
 
     fn update<P: PrimSet<S>>(
         &mut self,
         _: &P,
-        _: &Params,
+        _: &Settings<Self::Config>,
         _: &[u32],
     ) -> Result<Change, BuildError> {
         Ok(Change::Updated)

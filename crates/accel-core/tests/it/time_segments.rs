@@ -1,7 +1,7 @@
 //! Segments of time change no answer, whatever the time of a ray; and before and after the exposure what moves
 //! stands still.
 
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, PrimsRef};
 use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
@@ -101,7 +101,9 @@ struct CutShort<S: Scalar>(Vec<Aabb<S>>);
 static CUT_SHORT: StructureInfo = StructureInfo::new("cut-short", "misses the end of the way");
 
 impl<S: Scalar> Structure<S> for CutShort<S> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         let cut = |id| {
             let Aabb { min, max } = prims.bounds(id);
             Aabb { min, max: max - (max - min) * S::from_f64(0.2) }

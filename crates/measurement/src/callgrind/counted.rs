@@ -145,9 +145,10 @@ fn phases<S: Buildable>(
     set: &BatchSet<'_, S>,
 ) -> [bool; 2] {
     // once before it counts: the first asks the system for memory, which later ones find
-    drop(row.build(geometry.prims(), lights));
+    let build = row.prepare();
+    drop(build(geometry.prims(), lights));
     let mut built = None;
-    counted_phase(&mut || built = row.build(geometry.prims(), lights).ok());
+    counted_phase(&mut || built = build(geometry.prims(), lights).ok());
     let Some(built) = built else { return [true, false] };
     let mut answers = set.answers();
     counted_phase(&mut || {

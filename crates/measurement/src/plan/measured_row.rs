@@ -84,6 +84,20 @@ impl MeasuredRow<'_> {
         matches!(self, Self::Occluder(_))
     }
 
+    /// Reads its settings. What is left is the build, which alone is timed.
+    pub fn prepare<S: Buildable>(&self) -> Prepared<S> {
+        match self {
+            Self::Structure(row) => {
+                let build = row.entry.prepare(&row.params);
+                Box::new(move |prims, _| Ok(Built::Structure(build(prims, None)?)))
+            }
+            Self::Occluder(row) => {
+                let build = row.entry.prepare(&row.params);
+                Box::new(move |prims, lights| Ok(Built::Occluder(build(prims, lights)?)))
+            }
+        }
+    }
+
     /// Builds it for a scene with those lights.
     ///
     /// # Errors
@@ -93,12 +107,14 @@ impl MeasuredRow<'_> {
         prims: PrimsRef<'a, S>,
         lights: &[DVec3],
     ) -> Result<Built<'a, S>, BuildError> {
-        Ok(match self {
-            Self::Structure(row) => Built::Structure(row.entry.build(prims, &row.params)?),
-            Self::Occluder(row) => Built::Occluder(row.entry.build(prims, lights, &row.params)?),
-        })
+        self.prepare()(prims, lights)
     }
 }
+
+/// A row whose settings have been read, to be built over a scene with those lights.
+pub type Prepared<S> = Box<
+    dyn for<'a> Fn(PrimsRef<'a, S>, &[DVec3]) -> Result<Built<'a, S>, BuildError> + Send + Sync,
+>;
 
 /// A row, built.
 pub enum Built<'a, S: Buildable> {

@@ -226,8 +226,8 @@ impl Asked<'_, '_> {
     ) -> Result<Seen, BuildError> {
         let prims = scope.stage.geometry.prims();
         scope.pools.measured.install(|| {
-            let build = || self.row.build(prims, scope.lights);
-            let (built, build_s) = timed(scope.clock, build);
+            let build = self.row.prepare();
+            let (built, build_s) = timed(scope.clock, || build(prims, scope.lights));
             let built = built?;
             let build_s = built.foreign().map_or(build_s, Foreign::build_seconds);
             let Some(subsample) = subsamples.get_mut(&self.stride) else {

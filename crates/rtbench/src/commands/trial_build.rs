@@ -53,8 +53,9 @@ fn built<S: Buildable>(
     say(context, &Event::Loaded)?;
     let before = machine::resident("self");
     let is_new = machine::reset_peak_rss();
+    let build = row.prepare();
     let start = context.clock.now();
-    let built = pool.install(|| row.build(geometry.prims(), &lights));
+    let built = pool.install(|| build(geometry.prims(), &lights));
     let build_s = context.clock.seconds_since(start);
     let process_bytes = machine::peak_rss().filter(|_| is_new);
     let peak_bytes = process_bytes.zip(before).map(|(peak, before)| peak.saturating_sub(before));

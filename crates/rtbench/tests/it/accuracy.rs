@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::common::{Ended, planted, run_with};
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -200,7 +200,9 @@ pub struct Fickle<S> {
 static TRAVERSALS: AtomicU32 = AtomicU32::new(0);
 
 impl<S: Scalar> Structure<S> for Fickle<S> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         let ids = (0..prims.len() as u32).collect();
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use accel_core::geometry::far_ray::{Parameters, PlacedRay, place};
 use accel_core::occluders;
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
@@ -25,16 +25,18 @@ pub struct Dropper<S> {
 }
 
 impl<S: Scalar> Dropper<S> {
-    /// One that forgets nothing.
-    pub fn of_all<P: PrimSet<S>>(prims: &P) -> Self {
-        Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData }
+    /// One that forgets it, or nothing.
+    pub fn of<P: PrimSet<S>>(prims: &P, is_right: bool) -> Self {
+        let first = u32::from(!is_right);
+        Self { ids: (first..prims.len() as u32).collect(), scalar: std::marker::PhantomData }
     }
 }
 
 impl<S: Scalar> Structure<S> for Dropper<S> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
-        let ids = (1..prims.len() as u32).collect();
-        Ok(Self { ids, scalar: std::marker::PhantomData })
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+        Ok(Self::of(prims, false))
     }
 
     fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
@@ -107,7 +109,9 @@ pub static SILENT: StructureInfo = planted("silent", "answers nothing");
 pub static SILENT_SHADOWS: StructureInfo = planted("silent-shadows", "answers no shadow ray");
 
 impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         let ids = (0..prims.len() as u32).collect();
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::kernel;
 use accel_core::query::sink::Sink;
@@ -167,15 +167,26 @@ fn queries_and_what_a_scene_does_not_serve_are_said() {
 /// Wrong with blocks alone.
 pub struct WrongBlocks<S: Scalar>(Dropper<S>);
 
+accel_core::config! {
+    /// Which kernel.
+    pub struct KernelConfig {
+        is_block: bool = kernel::PARAM => |kernel| kernel == "block",
+    }
+}
+
 static WRONG_BLOCKS: StructureInfo = StructureInfo {
-    params: &[kernel::PARAM],
+    params: KernelConfig::PARAMS,
     ..planted("wrong-blocks", "forgets a primitive with blocks")
 };
 
 impl<S: Scalar> Structure<S> for WrongBlocks<S> {
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let is_wrong = params.text("kernel") == "block";
-        Ok(Self(if is_wrong { Dropper::build(prims, params)? } else { Dropper::of_all(prims) }))
+    type Config = KernelConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<KernelConfig>,
+    ) -> Result<Self, BuildError> {
+        Ok(Self(Dropper::of(prims, !settings.is_block)))
     }
 
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show, unsealed};
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -245,7 +245,9 @@ static RAYS: AtomicUsize = AtomicUsize::new(0);
 static BUILDS: AtomicUsize = AtomicUsize::new(0);
 
 impl<S: Scalar, const LATER: bool> Structure<S> for Panicking<S, LATER> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         if LATER && BUILDS.fetch_add(1, Ordering::SeqCst) >= 2 {
             panic!("planted in a build");
         }

@@ -2,7 +2,7 @@
 
 use crate::common::{Ended, Folder, PLANTED, row, run, run_over};
 use accel_core::occluders::{self, BoxedOccluder, Occluder, light_buffer};
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
 use accel_core::structure::{BuildError, StructureInfo, StructureStats};
@@ -33,7 +33,7 @@ impl<S: Scalar> Occluder<S> for Bright {
 fn bright<'a, S: Scalar>(
     _: PrimsRef<'a, S>,
     _: &[DVec3],
-    _: &Params,
+    _: &Settings<()>,
 ) -> Result<BoxedOccluder<'a, S>, BuildError> {
     Ok(Box::new(Bright))
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
 use crate::resuming::unsealed;
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -94,9 +94,11 @@ static WORK: AtomicU64 = AtomicU64::new(0);
 struct Quadratic<S>(BruteForce<S>);
 
 impl<S: Scalar> Structure<S> for Quadratic<S> {
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
         WORK.fetch_add(1000 * (prims.len() * prims.len()) as u64, SeqCst);
-        <BruteForce<S> as Structure<S>>::build(prims, params).map(Self)
+        <BruteForce<S> as Structure<S>>::build(prims, settings).map(Self)
     }
 
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {

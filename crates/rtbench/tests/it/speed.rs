@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::common::{
     Ended, Folder, by_brute_force, occluded_by_brute_force, planted, row, run_with,
 };
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
@@ -177,7 +177,9 @@ struct Coherent<S> {
 }
 
 impl<S: Scalar> Structure<S> for Coherent<S> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
     }
 

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -20,8 +20,10 @@ use crate::common::{Dropper, Ended, Folder, PLANTED, planted, run_with};
 struct Small<S>(Vec<u32>, std::marker::PhantomData<S>);
 
 impl<S: Scalar> Structure<S> for Small<S> {
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let (structure, needed) = (params.structure(), prims.len() as u128);
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+        let (structure, needed) = (settings.structure(), prims.len() as u128);
         let refused = BuildError::TooLarge { structure, what: "primitives", needed, limit: 8 };
         let ids = (0..prims.len() as u32).collect();
         if needed > 8 { Err(refused) } else { Ok(Self(ids, std::marker::PhantomData)) }

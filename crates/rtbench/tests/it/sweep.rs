@@ -164,23 +164,22 @@ fn an_unwritable_plot_is_found_before_measuring() {
 }
 
 /// Right at depth 1, wrong at any other.
-struct Planted<S>(
-    accel_core::structures::brute_force::BruteForce<S>,
-    crate::common::Dropper<S>,
-    bool,
-);
+struct Planted<S>(crate::common::Dropper<S>);
+
+accel_core::config! {
+    struct PlantedConfig {
+        depth: u64 = accel_core::params::ParamSpec::integer("depth", "1", 0, 9),
+    }
+}
 
 impl<S: accel_core::Scalar> accel_core::structure::Structure<S> for Planted<S> {
+    type Config = PlantedConfig;
+
     fn build<P: accel_core::primitives::PrimSet<S>>(
         prims: &P,
-        params: &accel_core::params::Params,
+        settings: &accel_core::params::config::Settings<PlantedConfig>,
     ) -> Result<Self, accel_core::structure::BuildError> {
-        let is_right = params.integer("depth") == 1;
-        Ok(Self(
-            accel_core::structure::Structure::<S>::build(prims, params)?,
-            accel_core::structure::Structure::<S>::build(prims, params)?,
-            is_right,
-        ))
+        Ok(Self(crate::common::Dropper::of(prims, settings.depth == 1)))
     }
 
     fn traverse<K: accel_core::query::sink::Sink<S>>(
@@ -188,21 +187,16 @@ impl<S: accel_core::Scalar> accel_core::structure::Structure<S> for Planted<S> {
         ray: &accel_core::Ray<S>,
         sink: &mut K,
     ) {
-        if self.2 { self.0.traverse(ray, sink) } else { self.1.traverse(ray, sink) }
+        self.0.traverse(ray, sink);
     }
 
     fn stats(&self) -> accel_core::structure::StructureStats {
-        accel_core::structure::Structure::<S>::stats(&self.1)
+        accel_core::structure::Structure::<S>::stats(&self.0)
     }
 }
 
 static PLANTED_INFO: accel_core::structure::StructureInfo = accel_core::structure::StructureInfo {
-    params: &[accel_core::params::ParamSpec {
-        name: "depth",
-        summary: "",
-        default: "1",
-        kind: accel_core::params::ParamKind::Integer { min: 0, max: 9 },
-    }],
+    params: PlantedConfig::PARAMS,
     ..accel_core::structure::StructureInfo::new("planted", "wrong at all depths but 1")
 };
 

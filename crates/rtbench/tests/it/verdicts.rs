@@ -1,6 +1,6 @@
 //! A wrong structure must be found out, must not show a time, and must end the run with 4.
 
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -108,8 +108,10 @@ struct Refuses<S>(std::marker::PhantomData<S>);
 static REFUSES: StructureInfo = planted("refuses", "cannot be built");
 
 impl<S: Scalar> Structure<S> for Refuses<S> {
-    fn build<P: PrimSet<S>>(_: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(_: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+        let structure = settings.structure();
         Err(BuildError::TooLarge { structure, what: "anything", needed: 1, limit: 0 })
     }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::common::{Ended, Folder, PLANTED, planted, run_with};
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -58,7 +58,9 @@ impl Fault for Panics {
 }
 
 impl<S: Scalar, F: Fault> Structure<S> for Faulty<S, F> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), kind: std::marker::PhantomData })
     }
 

@@ -7,7 +7,7 @@ use crate::common::{
     Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, by_brute_force,
     occluded_by_brute_force, planted, run_with,
 };
-use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::sink::Sink;
 use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
@@ -29,7 +29,9 @@ trait Lapse: Send + Sync + 'static {
 }
 
 impl<S: Scalar, F: Lapse> Structure<S> for Boxes<S, F> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         let boxes = (0..prims.len() as u32).map(|id| prims.bounds(id)).collect();
         Ok(Self { boxes, kind: std::marker::PhantomData })
     }
@@ -112,10 +114,12 @@ trait Choice: Send + Sync + 'static {
 }
 
 impl<S: Scalar, F: Choice> Structure<S> for Own<S, F> {
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
         let corners = (0..prims.len() as u32).filter_map(|id| prims.corners(id));
         let triangles = corners.map(|t| t.map(|p| p.to_array())).collect();
-        let none = BuildError::NoPrimitives { structure: params.structure() };
+        let none = BuildError::NoPrimitives { structure: settings.structure() };
         let set = TriangleSet::new(triangles, |_| false).map_err(|_| none)?;
         Ok(Self { set, kind: std::marker::PhantomData })
     }
@@ -160,7 +164,9 @@ struct LosesLoneRays<S> {
 }
 
 impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
-    fn build<P: PrimSet<S>>(prims: &P, _: &Params) -> Result<Self, BuildError> {
+    type Config = ();
+
+    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
         let ids = (0..prims.len() as u32).collect();
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }

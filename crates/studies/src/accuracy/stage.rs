@@ -124,11 +124,10 @@ impl<'a> Stage<'a> {
     /// [`StudyError`] when the settings are not valid or the scene is refused.
     pub fn built(&self, label: &str) -> Result<Built<'a>, StudyError> {
         let row = Row::parse(self.registry, label)?;
+        let build = row.entry.prepare(&row.params);
         let start = self.clock.now();
-        let tracer = row
-            .entry
-            .build(self.prepared.geometry.prims(), &row.params)
-            .map_err(|source| self.refused(source))?;
+        let tracer = build(self.prepared.geometry.prims(), None);
+        let tracer = tracer.map_err(|source| self.refused(source))?;
         let build_s = self.clock.seconds_since(start);
         Ok(Built { label: row.label(), known_defect: row.known_defect(), tracer, build_s })
     }

@@ -87,12 +87,9 @@ impl<'p> Lane<'p> {
         let prims = on.frame.geometry.prims();
         let kept = kept.get_mut(round).and_then(Option::take);
         let before = kept.zip(on.frame.moved.as_deref());
-        let (tracer, update_s) = pool.install(|| {
-            timed(on.scope.clock, || match before {
-                Some((kept, moved)) => entry.update(prims, params, Before { kept, moved }),
-                None => entry.build(prims, params),
-            })
-        });
+        let before = before.map(|(kept, moved)| Before { kept, moved });
+        let build = entry.prepare(params);
+        let (tracer, update_s) = pool.install(|| timed(on.scope.clock, || build(prims, before)));
         let built = Built::Structure(tracer?);
         let update_s = built.foreign().map_or(update_s, |foreign| foreign.build_seconds());
         let stride = *self.stride.get_or_insert_with(|| first_look(&built, on, self.pool));

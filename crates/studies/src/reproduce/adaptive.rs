@@ -2,6 +2,7 @@
 
 use accel_core::historical::shadow_sink::HistoricalShadow;
 use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::NoCounters;
@@ -46,7 +47,7 @@ fn count_over<P: PrimSet<f64>>(
     prims: &P,
     params: &Params,
 ) -> Result<Counted, ReproduceError> {
-    let grid = AdaptiveGrid::<f64>::build(prims, params)?;
+    let grid = AdaptiveGrid::<f64>::build(prims, &Settings::of(params))?;
     let (orphans, hierarchy_nodes) = (grid.orphans(), grid.hierarchy_nodes());
     let mut nodes_entered = 0;
     for kind in RayKind::ALL {

@@ -140,7 +140,7 @@ mod tests {
     use std::ops::ControlFlow;
     use std::time::Duration;
 
-    use accel_core::params::Params;
+    use accel_core::params::config::Settings;
     use accel_core::primitives::PrimSet;
     use accel_core::query::region::FrustumTraversal;
     use accel_core::query::sink::Sink;
@@ -157,8 +157,13 @@ mod tests {
     struct Loser(UniformGrid<f64>);
 
     impl Structure<f64> for Loser {
-        fn build<P: PrimSet<f64>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-            Structure::build(prims, params).map(Self)
+        type Config = <UniformGrid<f64> as Structure<f64>>::Config;
+
+        fn build<P: PrimSet<f64>>(
+            prims: &P,
+            settings: &Settings<Self::Config>,
+        ) -> Result<Self, BuildError> {
+            Structure::build(prims, settings).map(Self)
         }
 
         fn traverse<K: Sink<f64>>(&self, ray: &Ray<f64>, sink: &mut K) {

@@ -16,13 +16,15 @@ use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, r
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
+use crate::memory::Limits;
 use crate::params::Params;
+use crate::params::config::{Config, Settings};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{BuildError, Structure, StructureStats};
-use crate::update::{Change, ChangedLists, is_worth_changing};
+use crate::update::{Change, ChangedLists, is_incremental, is_worth_changing};
 use crate::variants::double_traversal::DoubleTraversal;
 
 /// Where the lists of a grid's cells are kept.
@@ -36,13 +38,16 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     /// Whether the traversals that are there for comparison are compiled for it.
     const COMPARES_TRAVERSALS: bool = false;
 
+    /// Its settings beside those of the grid.
+    type Config: Config;
+
     /// Stores the lists that `contents` describes.
     ///
     /// # Errors
     /// [`TooManyReferences`] when they exceed `contents.max_references`.
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
-        params: &Params,
+        config: &Self::Config,
     ) -> Result<Self, TooManyReferences>;
 
     /// Changes the lists of cells that `moved` primitives were in, or are in now: those of `contents`, of the same
@@ -217,6 +222,39 @@ impl<S: Scalar, P: PrimSet<S>> BlockPlacement for Contents<'_, S, P> {
 /// Box margin of cones in Havran and Sixta's uniform grid, as fitted to their counters.
 const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
 
+/// The settings of [`crate::params::specs`] and of storage: what a structure does not list has its default.
+#[derive(Debug, Clone)]
+pub struct GridConfig<C> {
+    resolution: ResolutionRule,
+    density: f64,
+    pub(crate) max_cells: u64,
+    pub(crate) max_references: u64,
+    pub(crate) historical: bool,
+    order: ListOrder,
+    insertion: Insertion,
+    traversal: Traversal,
+    pub(crate) is_incremental: bool,
+    storage: C,
+}
+
+impl<C: Config> Config for GridConfig<C> {
+    fn of(params: &Params) -> Self {
+        let is_reverse = params.get("order") == Some("reverse");
+        Self {
+            resolution: params.resolution("resolution"),
+            density: params.real("density"),
+            max_cells: params.integer("max-cells"),
+            max_references: params.integer("max-references"),
+            historical: params.get("boxes") == Some("historical"),
+            order: if is_reverse { ListOrder::Reverse } else { ListOrder::File },
+            insertion: Insertion::of(params),
+            traversal: Traversal::of(params),
+            is_incremental: is_incremental(params),
+            storage: C::of(params),
+        }
+    }
+}
+
 /// A regular grid whose cells are kept in a `G`.
 pub struct RegularGrid<S: Scalar, G> {
     frame: GridFrame<S>,
@@ -243,30 +281,35 @@ impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
 impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     const HAS_LISTS: bool = true;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let (contents, storage) = stored::<S, P, G>(prims, params)?;
-        let (frame, from_origin) = (contents.frame, contents.historical);
-        let (wide_frame, traversal) = (frame.in_double(), Traversal::of(params));
+    type Config = GridConfig<G::Config>;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<Self::Config>,
+    ) -> Result<Self, BuildError> {
+        let (contents, storage) = stored::<S, P, G>(prims, settings.limits(), settings)?;
+        let (frame, from_origin) = (contents.frame, settings.historical);
+        let (wide_frame, traversal) = (frame.in_double(), settings.traversal);
         Ok(Self { frame, storage, from_origin, traversal, wide_frame })
     }
 
     fn update<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<Self::Config>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if is_worth_changing(params, moved.len(), prims.len()) {
-            let mut contents = contents_of(prims, params)?;
+        if settings.is_incremental && is_worth_changing(moved.len(), prims.len()) {
+            let mut contents = contents_of(prims, settings.limits(), settings)?;
             let references = Counted { bytes: G::REFERENCE_BYTES, ..REFERENCES };
-            contents.max_references = contents.max_references.min(params.most(&references));
+            contents.max_references = settings.limits().most(&references, settings.max_references);
             if contents.frame == self.frame
                 && let Some(lists) = self.storage.change(&contents, moved)
             {
                 return Ok(Change::Lists(lists));
             }
         }
-        *self = Self::build(prims, params)?;
+        *self = Self::build(prims, settings)?;
         Ok(Change::Rebuilt)
     }
 
@@ -348,7 +391,7 @@ fn visit<S: Scalar>(
 /// scenes of 1999 no rule needs more than 12.
 const REFERENCES_A_PRIMITIVE: u64 = 64;
 
-/// Contents under the settings of [`crate::params::specs`], and their storage. A resolution that is not given in
+/// Contents under the settings, and their storage. A resolution that is not given in
 /// voxels is halved as long as it lists primitives too often: copies of one large primitive would
 /// otherwise each go to all voxels.
 ///
@@ -356,23 +399,24 @@ const REFERENCES_A_PRIMITIVE: u64 = 64;
 /// [`BuildError`] when the scene is too large for the scalar or the grid for its limits.
 pub fn stored<'a, S: Scalar, P: PrimSet<S>, G: CellStorage>(
     prims: &'a P,
-    params: &Params,
+    limits: Limits,
+    config: &GridConfig<G::Config>,
 ) -> Result<(Contents<'a, S, P>, G), BuildError> {
-    let mut contents = contents_of(prims, params)?;
+    let mut contents = contents_of(prims, limits, config)?;
     let hard_limit = contents.max_references;
     let references = Counted { bytes: G::REFERENCE_BYTES, ..REFERENCES };
-    let is_given = matches!(params.resolution("resolution"), ResolutionRule::Fixed(_));
+    let is_given = matches!(config.resolution, ResolutionRule::Fixed(_));
     let soft_limit = (REFERENCES_A_PRIMITIVE * prims.len() as u64).max(1 << 20);
     loop {
         let is_final = is_given || contents.frame.cells() == 1;
         let allowed = if is_final { hard_limit } else { hard_limit.min(soft_limit) };
-        contents.max_references = allowed.min(params.most(&references));
-        params.fits(G::cell_bytes(contents.frame.cells() as u128))?;
-        match G::build(&contents, params) {
+        contents.max_references = limits.most(&references, allowed);
+        limits.fits(G::cell_bytes(contents.frame.cells() as u128))?;
+        match G::build(&contents, &config.storage) {
             Ok(storage) => return Ok((contents, storage)),
             // memory alone is no reason for another resolution
             Err(TooManyReferences(n)) if is_final || n <= allowed => {
-                return Err(too_many(params, &references, n));
+                return Err(too_many(limits, &references, hard_limit, n));
             }
             Err(_) => {
                 let halved = contents.frame.resolution().map(|n| n.div_ceil(2));
@@ -382,14 +426,14 @@ pub fn stored<'a, S: Scalar, P: PrimSet<S>, G: CellStorage>(
     }
 }
 
-/// Frame and placement under the settings of [`crate::params::specs`].
-pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
+/// Frame and placement under the settings.
+pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>, C>(
     prims: &'a P,
-    params: &Params,
+    limits: Limits,
+    config: &GridConfig<C>,
 ) -> Result<Contents<'a, S, P>, BuildError> {
-    let structure = params.structure();
-    // what a structure does not list has its default
-    let historical = params.get("boxes") == Some("historical");
+    let structure = limits.structure;
+    let &GridConfig { order, max_references, historical, insertion, .. } = config;
     let rule = if historical {
         BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
     } else {
@@ -397,11 +441,7 @@ pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
     };
     let boxes =
         BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-    let frame = frame_of(prims, &boxes, params)?;
-    let order =
-        if params.get("order") == Some("reverse") { ListOrder::Reverse } else { ListOrder::File };
-    let max_references = params.integer("max-references");
-    let insertion = Insertion::of(params);
+    let frame = frame_of(prims, &boxes, structure, config)?;
     let primitives = prims.len();
     Ok(Contents { frame, primitives, order, max_references, boxes, historical, insertion })
 }
@@ -409,23 +449,23 @@ pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>>(
 const REFERENCES: Counted = Counted::references("references in voxels");
 
 /// The grid that the settings `resolution`, `density` and `max-cells` ask for.
-fn frame_of<S: Scalar, P: PrimSet<S>>(
+fn frame_of<S: Scalar, P: PrimSet<S>, C>(
     prims: &P,
     boxes: &BoundsOf<S, P>,
-    params: &Params,
+    structure: &'static str,
+    config: &GridConfig<C>,
 ) -> Result<GridFrame<S>, BuildError> {
-    let rule = params.resolution("resolution");
-    let max_cells = params.integer("max-cells");
+    let &GridConfig { resolution: rule, density, max_cells, .. } = config;
     let input = ResolutionInput {
         bounds: boxes.scene(),
         primitives: prims.len(),
-        density: params.real("density"),
+        density,
         mean_longest_side: if rule.reads_sides() { mean_longest_side(prims) } else { 0.0 },
         max_cells,
         smallest_cell: boxes.smallest_cell(),
     };
     let n = resolve(rule, &input).map_err(|needed| BuildError::TooLarge {
-        structure: params.structure(),
+        structure,
         what: "number of voxels",
         needed,
         limit: u128::from(max_cells),

@@ -6,6 +6,7 @@ use crate::occluders::find;
 use crate::occluders::light_buffer::layers::Layers;
 use crate::occluders::light_buffer::margins::Margins;
 use crate::occluders::light_buffer::*;
+use crate::params::config::Settings;
 use crate::primitives::{Ball, TriangleSet};
 use crate::structures::test_scenes::{Random, occlusions};
 
@@ -86,7 +87,7 @@ fn compared<S: Buildable>(
     let any = PrimsRef::Watertight(&set);
     let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
     let params = find(INFO.name).unwrap().params(pairs).unwrap();
-    let buffer = LightBuffer::new(&set, any, &[light], &params).unwrap();
+    let buffer = LightBuffer::new(&set, any, &[light], &Settings::of(&params)).unwrap();
     let entry = crate::structures::find("brute-force").unwrap();
     let right = entry.build(any, &entry.params([]).unwrap()).unwrap();
     let a = occlusions(&*right, &rays);

@@ -46,7 +46,8 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::occluders::{BoxedOccluder, Occluder};
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::{Config, Settings};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::primitives::PrimsRef;
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
@@ -61,52 +62,29 @@ pub static INFO: StructureInfo = StructureInfo {
     deviations: "faces cover only what they show; cells divide 4 x 4 where lists are long and list \
                  nothing behind what covers them; lists that stay long are left to a BVH",
     params: &[
-        ParamSpec {
-            name: "resolution",
-            summary: "finest cells per side of a face, at most; auto: 16384, or 1024 on demand",
-            default: "auto",
-            kind: ParamKind::Choice(&[
-                "16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto",
-            ]),
-        },
-        ParamSpec {
-            name: "fill",
-            summary: "before: all primitives are projected; demand: a cell remembers the last \
-                      occluder that obvhs-cwbvh found (of the others only resolution matters)",
-            default: "before",
-            kind: ParamKind::Choice(&["before", "demand"]),
-        },
-        ParamSpec {
-            name: "divide",
-            summary: "cells with longer lists are divided",
-            default: "16",
-            kind: ParamKind::Integer { min: 1, max: 1_000_000 },
-        },
-        ParamSpec {
-            name: "growth",
-            summary: "cells are not divided further where that makes more references of one than this",
-            default: "4",
-            kind: ParamKind::Real { min: 1.0, max: 1e6 },
-        },
-        ParamSpec {
-            name: "longest",
-            summary: "longer lists are left to obvhs-cwbvh",
-            default: "512",
-            kind: ParamKind::Integer { min: 1, max: 1_000_000 },
-        },
-        ParamSpec {
-            name: "memory",
-            summary: "MiB for the cells and lists of all lights; the rays to lights for which there \
-                      is no room are left to obvhs-cwbvh",
-            default: "2048",
-            kind: ParamKind::Integer { min: 1, max: 1_000_000 },
-        },
-        ParamSpec {
-            name: "cut-off",
-            summary: "full: what something that covers a cell hides is not listed; none: it is",
-            default: "full",
-            kind: ParamKind::Choice(&["full", "none"]),
-        },
+        ParamSpec::choice(
+            "resolution",
+            "auto",
+            &["16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto"],
+        )
+        .about("finest cells per side of a face, at most; auto: 16384, or 1024 on demand"),
+        ParamSpec::choice("fill", "before", &["before", "demand"]).about(
+            "before: all primitives are projected; demand: a cell remembers the last occluder that \
+             obvhs-cwbvh found (of the others only resolution matters)",
+        ),
+        ParamSpec::integer("divide", "16", 1, 1_000_000)
+            .about("cells with longer lists are divided"),
+        ParamSpec::real("growth", "4", 1.0, 1e6).about(
+            "cells are not divided further where that makes more references of one than this",
+        ),
+        ParamSpec::integer("longest", "512", 1, 1_000_000)
+            .about("longer lists are left to obvhs-cwbvh"),
+        ParamSpec::integer("memory", "2048", 1, 1_000_000).about(
+            "MiB for the cells and lists of all lights; the rays to lights for which there is no \
+             room are left to obvhs-cwbvh",
+        ),
+        ParamSpec::choice("cut-off", "full", &["full", "none"])
+            .about("full: what something that covers a cell hides is not listed; none: it is"),
     ],
     variants: &[""],
     also_tested: &[
@@ -138,6 +116,30 @@ struct LightBuffer<'a, S: Scalar, P> {
     remainder: Remainder<'a, S, P>,
 }
 
+/// How the buffer is filled.
+#[derive(Clone)]
+pub struct BufferConfig {
+    is_on_demand: bool,
+    limits: Limits,
+    most_bytes: usize,
+}
+
+impl Config for BufferConfig {
+    fn of(params: &Params) -> Self {
+        Self {
+            is_on_demand: params.text("fill") == "demand",
+            limits: Limits {
+                bits: resolution_bits(params),
+                divide: params.integer("divide") as usize,
+                growth: params.real("growth"),
+                longest: params.integer("longest") as usize,
+                cut_off: params.text("cut-off") == "full",
+            },
+            most_bytes: (params.integer("memory") as usize) << 20,
+        }
+    }
+}
+
 /// Builds a light buffer; see [`crate::occluders::Entry::build`].
 ///
 /// # Errors
@@ -145,12 +147,12 @@ struct LightBuffer<'a, S: Scalar, P> {
 pub fn build<'a, S: Buildable>(
     prims: PrimsRef<'a, S>,
     lights: &[DVec3],
-    params: &Params,
+    settings: &Settings<BufferConfig>,
 ) -> Result<BoxedOccluder<'a, S>, BuildError> {
     match prims {
-        PrimsRef::Watertight(p) => over(p, prims, lights, params),
-        PrimsRef::Mixed(p) if p.has_motion() => over(p.in_motion(), prims, lights, params),
-        PrimsRef::Mixed(p) => over(p, prims, lights, params),
+        PrimsRef::Watertight(p) => over(p, prims, lights, settings),
+        PrimsRef::Mixed(p) if p.has_motion() => over(p.in_motion(), prims, lights, settings),
+        PrimsRef::Mixed(p) => over(p, prims, lights, settings),
     }
 }
 
@@ -158,17 +160,17 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
     prims: &'a P,
     any: PrimsRef<'a, S>,
     lights: &[DVec3],
-    params: &Params,
+    settings: &Settings<BufferConfig>,
 ) -> Result<BoxedOccluder<'a, S>, BuildError> {
-    if params.text("fill") == "before" {
-        return Ok(Box::new(LightBuffer::new(prims, any, lights, params)?));
+    if !settings.is_on_demand {
+        return Ok(Box::new(LightBuffer::new(prims, any, lights, settings)?));
     }
-    let margins = checked(prims, lights, params.structure())?;
-    let bits = resolution_bits(params);
+    let margins = checked(prims, lights, settings.structure())?;
+    let bits = settings.limits.bits;
     let faces = lights.len() as u128 * FACES as u128;
-    is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, params.structure())?;
+    is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, settings.structure())?;
     // an id of each
-    params.fits(4 * (faces << (2 * bits)))?;
+    settings.fits(4 * (faces << (2 * bits)))?;
     Ok(Box::new(OnDemand::new(prims, any, lights, &margins, bits)?))
 }
 
@@ -226,26 +228,19 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         prims: &'a P,
         any: PrimsRef<'a, S>,
         lights: &[DVec3],
-        params: &Params,
+        settings: &Settings<BufferConfig>,
     ) -> Result<Self, BuildError> {
-        let margins = checked(prims, lights, params.structure())?;
-        let limits = Limits {
-            bits: resolution_bits(params),
-            divide: params.integer("divide") as usize,
-            growth: params.real("growth"),
-            longest: params.integer("longest") as usize,
-            cut_off: params.text("cut-off") == "full",
-        };
+        let margins = checked(prims, lights, settings.structure())?;
+        let BufferConfig { limits, most_bytes, .. } = **settings;
         let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
         let mut cubes = Vec::with_capacity(lights.len());
-        let most_bytes = (params.integer("memory") as usize) << 20;
         for &light in lights {
             let position = Vec3::<S>::from_dvec3(light);
             let before = cells.extent();
             let faces = fill::faces(&bodies, position.to_dvec3(), limits, &margins, &mut cells);
             let needed = largest_index(&cells);
-            is_below("number of cells or references", needed, INDEX_LIMIT, params.structure())?;
+            is_below("number of cells or references", needed, INDEX_LIMIT, settings.structure())?;
             if cells.bytes() > most_bytes {
                 cells.cut(before);
                 break;

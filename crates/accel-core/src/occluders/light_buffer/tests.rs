@@ -5,6 +5,7 @@ use glam::{DVec3, dvec3};
 use crate::occluders::find;
 use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG};
 use crate::occluders::light_buffer::*;
+use crate::params::config::Settings;
 use crate::primitives::{MixedSet, MixedSetBuilder};
 use crate::structures::test_scenes::{Random, built, hard_scenes, mixed_scene, occlusions, rays};
 
@@ -19,7 +20,7 @@ fn boxed<'a, S: Buildable>(
 ) -> BoxedOccluder<'a, S> {
     let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
     let params = find(INFO.name).unwrap().params(pairs).unwrap();
-    build(PrimsRef::Mixed(set), lights, &params).unwrap()
+    build(PrimsRef::Mixed(set), lights, &Settings::of(&params)).unwrap()
 }
 
 fn buffer<'a, S: Buildable>(
@@ -29,7 +30,7 @@ fn buffer<'a, S: Buildable>(
 ) -> LightBuffer<'a, S, MixedSet<S>> {
     let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
     let params = find(INFO.name).unwrap().params(pairs).unwrap();
-    LightBuffer::new(set, PrimsRef::Mixed(set), lights, &params).unwrap()
+    LightBuffer::new(set, PrimsRef::Mixed(set), lights, &Settings::of(&params)).unwrap()
 }
 
 fn brute_force<S: Buildable>(set: &MixedSet<S>, rays: &[Ray<S>]) -> Vec<bool> {
@@ -306,7 +307,7 @@ fn no_lights_and_no_primitives() {
     assert_eq!(said(&buffer(&set, &[], ""), &[ray], &[0], &right), right);
     let empty = MixedSetBuilder::<f32>::default().finish();
     let params = find(INFO.name).unwrap().params([]).unwrap();
-    let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &params);
+    let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &Settings::of(&params));
     assert!(matches!(refused, Err(BuildError::NoPrimitives { structure: "light-buffer" })));
 }
 

@@ -35,23 +35,17 @@ pub use stamps::{Stamp, Stamps};
 use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};
 
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 
 /// The setting, for the parameter list of a structure with duplicate references.
-pub const PARAM: ParamSpec = ParamSpec {
-    name: "mailbox",
-    summary: "spares repeated tests: stamp in the primitive, array per thread, or small hash per ray",
-    default: "none",
-    kind: ParamKind::Choice(&["none", "primitive", "array", "hash"]),
-};
+pub const PARAM: ParamSpec =
+    ParamSpec::choice("mailbox", "none", &["none", "primitive", "array", "hash"]).about(
+        "spares repeated tests: stamp in the primitive, array per thread, or small hash per ray",
+    );
 
 /// Its companion.
-pub const SLOTS_PARAM: ParamSpec = ParamSpec {
-    name: "mailbox-slots",
-    summary: "slots of the mailbox 'hash' (rounded up to a power of two)",
-    default: "64",
-    kind: ParamKind::Integer { min: 1, max: 1 << 20 },
-};
+pub const SLOTS_PARAM: ParamSpec = ParamSpec::integer("mailbox-slots", "64", 1, 1 << 20)
+    .about("slots of the mailbox 'hash' (rounded up to a power of two)");
 
 /// Whichever mailbox, decided at run time: one type, so that traversals are compiled once for all.
 pub enum AnyMailbox<'m> {
@@ -92,7 +86,32 @@ impl MailboxSource for AnyMailbox<'_> {
     }
 }
 
-/// The mailbox that the settings of a structure ask for.
+/// Which mailbox the settings of a structure ask for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Choice {
+    /// None.
+    None,
+    /// Stamps in the primitives.
+    Primitive,
+    /// An array for each thread.
+    Array,
+    /// A hash for each ray, of so many slots.
+    Hash(usize),
+}
+
+impl Choice {
+    /// Reads [`PARAM`] and [`SLOTS_PARAM`]; none for a structure that does not list them.
+    pub fn of(params: &Params) -> Self {
+        match params.get(PARAM.name) {
+            Some("primitive") => Self::Primitive,
+            Some("array") => Self::Array,
+            Some("hash") => Self::Hash(params.integer(SLOTS_PARAM.name) as usize),
+            _ => Self::None,
+        }
+    }
+}
+
+/// The mailbox of a tracer.
 #[derive(Debug)]
 pub enum Setting {
     /// None.
@@ -112,17 +131,16 @@ thread_local! {
 }
 
 impl Setting {
-    /// Reads [`PARAM`] and [`SLOTS_PARAM`]; none for a structure that does not list them.
-    /// `bytes` is what the set of `primitives` occupies.
-    pub fn of(params: &Params, primitives: usize, bytes: usize) -> Self {
-        match params.get(PARAM.name) {
-            Some("primitive") => {
+    /// Of the choice; `bytes` is what the set of `primitives` occupies.
+    pub fn of(choice: Choice, primitives: usize, bytes: usize) -> Self {
+        match choice {
+            Choice::Primitive => {
                 let record = bytes / primitives.max(1) + size_of::<u32>();
                 Self::Primitive(Mutex::new(Stamps::in_records(primitives, record)))
             }
-            Some("array") => Self::Array(primitives),
-            Some("hash") => Self::Hash(params.integer(SLOTS_PARAM.name) as usize),
-            _ => Self::None,
+            Choice::Array => Self::Array(primitives),
+            Choice::Hash(slots) => Self::Hash(slots),
+            Choice::None => Self::None,
         }
     }
 

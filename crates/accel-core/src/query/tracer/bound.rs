@@ -10,8 +10,8 @@ use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
 use crate::memory::OutOfMemory;
-use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
@@ -50,14 +50,14 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     /// the set that it was built over, or the same primitives under the default tests.
     ///
     /// # Errors
-    /// [`OutOfMemory`] where the limit of `params` does not allow them.
+    /// [`OutOfMemory`] where memory does not allow them.
     pub fn with_blocks<B: PrimSet<S>>(
         mut self,
         over: &B,
-        params: &Params,
+        limits: Limits,
     ) -> Result<Self, OutOfMemory> {
         if P::HAS_BLOCKS {
-            self.blocks = ListBlocks::of_structure(over, &self.structure, params)?;
+            self.blocks = ListBlocks::of_structure(over, &self.structure, limits)?;
         }
         Ok(self)
     }
@@ -74,13 +74,13 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     pub(crate) fn with_changed_blocks<B: PrimSet<S>>(
         mut self,
         over: &B,
-        params: &Params,
+        limits: Limits,
         blocks: ListBlocks<S>,
         changed: &ChangedLists,
     ) -> Result<Self, OutOfMemory> {
         let mut lists = Vec::new();
         self.structure.lists(&mut |list| lists.push(list));
-        params.fits(ListBlocks::<S>::bytes_for(&lists))?;
+        limits.fits(ListBlocks::<S>::bytes_for(&lists))?;
         self.blocks = blocks.changed(over, &lists, changed);
         Ok(self)
     }
@@ -287,7 +287,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::Params;
+    use crate::params::config::Settings;
     use crate::query::mailbox::{Slots, Stamps};
     use crate::structures::test_scenes::{built, hard_scenes, mixed_scene, rays, work};
     use crate::structures::uniform_grid::{INFO, UniformGrid};
@@ -298,8 +298,8 @@ mod tests {
         // HARD_CASES Gr8: 8-bit numbers, more than 1,000 rays, down to one slot
         let set = mixed_scene::<f64>(200, 21, [1.0; 3]);
         let rays = rays(&set, 1500, 22);
-        let params = Params::new("uniform-grid", INFO.params, [("density", "8")]).unwrap();
-        let grid = UniformGrid::build(&set, &params).unwrap();
+        let params = INFO.defaults().set("density", 8).unwrap();
+        let grid = UniformGrid::build(&set, &Settings::of(&params)).unwrap();
         let bound = Bound::new(&set, grid);
         let mut expected = vec![Hit::NONE; rays.len()];
         bound.closest_hits(&rays, &mut expected);

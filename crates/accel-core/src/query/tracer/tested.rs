@@ -1,68 +1,97 @@
-//! Structures built over a set whose primitives are tested as another set does, and the mailbox that
-//! their settings ask for.
+//! Structures built over a set whose primitives are tested as another set does, and the settings that all
+//! structures have or may have.
 
 use super::kept::{Before, Parts};
 use super::{Bound, Tracer};
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
+use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox::{self, Setting};
 use crate::structure::{BuildError, Structure, refuse_unusable};
 use crate::update::Change;
+use crate::variants::chosen_tests::Choice;
+
+/// How primitives are tested, whatever the structure.
+#[derive(Debug, Clone)]
+pub(crate) struct Testing {
+    /// `None` for the tests that are compiled in.
+    pub(crate) choice: Option<Choice>,
+    pub(crate) mailbox: mailbox::Choice,
+    /// Lists are asked for as blocks, which they are not where there is a mailbox.
+    pub(crate) has_blocks: bool,
+    /// Both were asked for.
+    is_contradictory: bool,
+    /// A library's own traversal and test were asked for.
+    #[cfg(feature = "compiled-tests")]
+    pub(crate) is_direct: bool,
+}
+
+impl Config for Testing {
+    fn of(params: &Params) -> Self {
+        let mailbox = mailbox::Choice::of(params);
+        let has_mailbox = mailbox != mailbox::Choice::None;
+        let is_given = params.changed().any(|setting| setting == (kernel::PARAM.name, "block"));
+        Self {
+            choice: Choice::of(params),
+            mailbox,
+            has_blocks: params.get(kernel::PARAM.name) == Some("block") && !has_mailbox,
+            is_contradictory: is_given && has_mailbox,
+            #[cfg(feature = "compiled-tests")]
+            is_direct: params.get("adapter") == Some("direct"),
+        }
+    }
+}
+
+impl Testing {
+    /// The mailbox that the settings ask for; refuses sets and settings that cannot be.
+    pub(crate) fn mailbox<S: Scalar, P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        limits: Limits,
+    ) -> Result<Setting, BuildError> {
+        refuse_unusable(prims, limits)?;
+        if self.is_contradictory {
+            return Err(BuildError::Param(ParamError::Invalid {
+                structure: limits.structure,
+                name: kernel::PARAM.name,
+                value: "block".to_owned(),
+                expected: "scalar where there is a mailbox".to_owned(),
+            }));
+        }
+        Ok(Setting::of(self.mailbox, prims.len(), prims.bytes()))
+    }
+}
 
 /// Builds `T` over a set; its traversals test the primitives of `prims`, the same ones, perhaps under
 /// other tests.
 pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structure<S>>(
     over: &B,
     prims: &'a P,
-    params: &Params,
+    (settings, testing): (&Settings<T::Config>, &Testing),
     before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    let mailbox = mailbox_of::<S, B>(over, params)?;
-    let has_blocks = asks_for_blocks(params);
+    let limits = settings.limits();
+    let mailbox = testing.mailbox::<S, B>(over, limits)?;
     let of_frame = |parts: &Parts<S, T>| parts.primitives == over.len();
     let Some((mut parts, moved)) =
         before.and_then(Before::parts::<S, T>).filter(|b| of_frame(&b.0))
     else {
-        let bound = Bound::new(prims, T::build(over, params)?).with_mailbox(mailbox);
-        return Ok(Box::new(if has_blocks { bound.with_blocks(over, params)? } else { bound }));
+        let bound = Bound::new(prims, T::build(over, settings)?).with_mailbox(mailbox);
+        return Ok(Box::new(match testing.has_blocks {
+            true => bound.with_blocks(over, limits)?,
+            false => bound,
+        }));
     };
-    let change = parts.structure.update(over, params, moved)?;
+    let change = parts.structure.update(over, settings, moved)?;
     let bound = Bound::new(prims, parts.structure).with_mailbox(mailbox).updated(&change);
-    Ok(Box::new(match (has_blocks, change, parts.blocks) {
+    Ok(Box::new(match (testing.has_blocks, change, parts.blocks) {
         (false, ..) => bound,
         (true, Change::Lists(lists), Some(blocks)) => {
-            bound.with_changed_blocks(over, params, blocks, &lists)?
+            bound.with_changed_blocks(over, limits, blocks, &lists)?
         }
-        (true, ..) => bound.with_blocks(over, params)?,
+        (true, ..) => bound.with_blocks(over, limits)?,
     }))
-}
-
-/// Whether the settings ask for lists as blocks.
-pub(crate) fn asks_for_blocks(params: &Params) -> bool {
-    params.get(kernel::PARAM.name) == Some("block") && !asks_for_mailbox(params)
-}
-
-fn asks_for_mailbox(params: &Params) -> bool {
-    params.get(mailbox::PARAM.name).is_some_and(|mailbox| mailbox != "none")
-}
-
-/// The mailbox that the settings ask for; refuses sets and settings that cannot be.
-pub(crate) fn mailbox_of<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
-    params: &Params,
-) -> Result<Setting, BuildError> {
-    refuse_unusable(prims, params)?;
-    if params.changed().any(|setting| setting == (kernel::PARAM.name, "block"))
-        && asks_for_mailbox(params)
-    {
-        return Err(BuildError::Param(ParamError::Invalid {
-            structure: params.structure(),
-            name: kernel::PARAM.name,
-            value: "block".to_owned(),
-            expected: "scalar where there is a mailbox".to_owned(),
-        }));
-    }
-    Ok(Setting::of(params, prims.len(), prims.bytes()))
 }

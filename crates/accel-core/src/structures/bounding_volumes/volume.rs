@@ -5,7 +5,7 @@ use crate::geometry::box_test::BoxTest;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3};
 use crate::historical::bounds_rule::BoundsOf;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 
 /// A closed volume around primitives.
@@ -57,13 +57,11 @@ impl<S: Scalar> Volume<S> for Aabb<S> {
 }
 
 /// How boxes are tested.
-pub(super) const BOX_TEST: ParamSpec = ParamSpec {
-    name: "box-test",
-    summary: "test of volume=box: the default has padded boxes; for comparison, on tight ones: the \
+pub(super) const BOX_TEST: ParamSpec =
+    ParamSpec::choice("box-test", "default", &["default", "plain", "padded", "f64"]).about(
+        "test of volume=box: the default has padded boxes; for comparison, on tight ones: the \
               plain slab test, exits two ulps later, the same in f64",
-    default: "default",
-    kind: ParamKind::Choice(&["default", "plain", "padded", "f64"]),
-};
+    );
 
 /// The test for comparison that the settings ask for, if any.
 pub(super) fn box_test(params: &Params) -> Option<BoxTest> {

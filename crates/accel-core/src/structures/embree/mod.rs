@@ -23,9 +23,11 @@ mod library;
 mod query;
 mod scene;
 
+use crate::config;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::Settings;
+use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
@@ -36,32 +38,29 @@ use crate::structures::obvhs::items::{Padding, boxes};
 use library::{Input, Library};
 use scene::Scene;
 
+config! {
+    /// How the scene is built.
+    pub struct EmbreeConfig {
+        /// build: Morton order, binned surface areas, or those with spatial splits
+        quality: i32 = ParamSpec::choice("quality", "medium", &["low", "medium", "high"]) => |quality| match quality {
+            "low" => ffi::QUALITY_LOW,
+            "high" => ffi::QUALITY_HIGH,
+            _ => ffi::QUALITY_MEDIUM,
+        },
+        /// native lets Embree test triangles at rest; callbacks tests all by our tests
+        is_native: bool = ParamSpec::choice("primitives", "native", &["native", "callbacks"]) => |p| p == "native",
+        /// threads that build
+        threads: u64 = ParamSpec::integer("threads", "1", 1, 256),
+    }
+}
+
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "embree",
     summary: "Embree 3 of the system, one ray a call; its nodes are not seen",
     paper: "Wald, Woop, Benthin, Johnson, Ernst 2014; Embree 3.13",
     deviations: "library code; other sets than triangles in f32 are tested again by ours",
-    params: &[
-        ParamSpec {
-            name: "quality",
-            summary: "build: Morton order, binned surface areas, or those with spatial splits",
-            default: "medium",
-            kind: ParamKind::Choice(&["low", "medium", "high"]),
-        },
-        ParamSpec {
-            name: "primitives",
-            summary: "native lets Embree test triangles at rest; callbacks tests all by our tests",
-            default: "native",
-            kind: ParamKind::Choice(&["native", "callbacks"]),
-        },
-        ParamSpec {
-            name: "threads",
-            summary: "threads that build",
-            default: "1",
-            kind: ParamKind::Integer { min: 1, max: 256 },
-        },
-    ],
+    params: EmbreeConfig::PARAMS,
     variants: &["", "quality=low", "primitives=callbacks"],
     also_tested: &["quality=high", "primitives=callbacks quality=low"],
     known_defect,
@@ -80,9 +79,13 @@ pub struct Embree<S: Scalar>(Scene<S>);
 impl<S: Scalar> Structure<S> for Embree<S> {
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
-        let is_native = params.text("primitives") == "native";
+    type Config = EmbreeConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<EmbreeConfig>,
+    ) -> Result<Self, BuildError> {
+        let (structure, is_native) = (settings.structure(), settings.is_native);
         let (boxes, setup) = boxes(prims, structure, Padding::OfScene)?;
         let is_triangle =
             |id: &u32| is_native && prims.kind(*id) == PrimitiveKind::Triangle && !prims.moves(*id);
@@ -106,15 +109,11 @@ impl<S: Scalar> Structure<S> for Embree<S> {
             triangles: triangle_ids.iter().map(&mut vertices).collect(),
             glass: glass_ids.iter().map(&mut vertices).collect(),
             boxes: boxed_ids.iter().map(|&id| &boxes[id as usize]).collect(),
-            quality: match params.text("quality") {
-                "low" => ffi::QUALITY_LOW,
-                "high" => ffi::QUALITY_HIGH,
-                _ => ffi::QUALITY_MEDIUM,
-            },
+            quality: settings.quality,
             // its faster box test loses boxes of almost parallel rays, which native accepts
             robust: !is_native,
             has_filter: !is_direct,
-            threads: params.integer("threads"),
+            threads: settings.threads,
         };
         let library =
             Library::build(&input).map_err(|message| BuildError::Library { structure, message })?;

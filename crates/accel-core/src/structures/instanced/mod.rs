@@ -19,7 +19,8 @@ mod sinks;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamError, Params};
+use crate::params::Params;
+use crate::params::config::{Config, Settings};
 use crate::primitives::instances::{self, Copied};
 use crate::primitives::{Instance, PrimSet};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
@@ -33,10 +34,7 @@ use sinks::Upper;
 /// Of which structure both levels are.
 pub trait Levels<S: Scalar>: Structure<S> {
     /// The settings of the structure over copies, and of those over objects.
-    ///
-    /// # Errors
-    /// [`ParamError`] for settings that the structure does not take.
-    fn settings(params: &Params) -> Result<[Params; 2], ParamError>;
+    fn settings(params: &Params) -> [Params; 2];
 }
 
 /// A structure over copies of objects that have structures of the same kind.
@@ -93,16 +91,39 @@ impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
     }
 }
 
+/// Both levels.
+pub struct LevelsConfig<S: Scalar, T: Structure<S>> {
+    levels: [T::Config; 2],
+    is_by_instances: bool,
+}
+
+impl<S: Scalar, T: Structure<S>> Clone for LevelsConfig<S, T> {
+    fn clone(&self) -> Self {
+        Self { levels: self.levels.clone(), is_by_instances: self.is_by_instances }
+    }
+}
+
+impl<S: Scalar, T: Levels<S>> Config for LevelsConfig<S, T> {
+    fn of(params: &Params) -> Self {
+        let levels = T::settings(params).map(|own| T::Config::of(&own));
+        Self { levels, is_by_instances: is_by_instances(params) }
+    }
+}
+
 impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
     const DUPLICATES: bool = T::DUPLICATES;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
-        let [over_copies, over_objects] =
-            T::settings(params)?.map(|own| own.within(params.memory()));
+    type Config = LevelsConfig<S, T>;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<Self::Config>,
+    ) -> Result<Self, BuildError> {
+        let structure = settings.structure();
+        let [over_copies, over_objects] = settings.levels.clone().map(|own| settings.with(own));
         // a mark and a box of each primitive
-        params.fits((1 + size_of::<Aabb<S>>()) as u128 * prims.len() as u128)?;
-        let parts = match is_by_instances(params) {
+        settings.fits((1 + size_of::<Aabb<S>>()) as u128 * prims.len() as u128)?;
+        let parts = match settings.is_by_instances {
             true => prims.instances().map(|instances| instances.parts()).unwrap_or_default(),
             false => &[],
         };
@@ -153,20 +174,20 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
     fn update<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<Self::Config>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
         let count = |object: u32| self.objects[object as usize].count;
         let placed =
             self.frames.as_mut().is_some_and(|f| f.place(&mut self.copies, count, prims, moved));
         if placed {
-            let [over_copies, _] = T::settings(params)?.map(|own| own.within(params.memory()));
+            let [over_copies, _] = settings.levels.clone().map(|own| settings.with(own));
             if let Some(frames) = &self.frames {
                 self.upper = T::build(&Boxes(&frames.tight), &over_copies)?;
             }
             return Ok(Change::Updated);
         }
-        *self = Self::build(prims, params)?;
+        *self = Self::build(prims, settings)?;
         Ok(Change::Rebuilt)
     }
 

@@ -31,14 +31,15 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
+use crate::config;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_overlap;
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
-use crate::params::specs;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::ParamSpec;
+use crate::params::{config, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{CellVisitor, NoCells};
@@ -58,56 +59,37 @@ use voxels::{Point, Voxel, Voxels};
 /// Rays of a batch in flight.
 const RAYS: usize = 24;
 
+config! {
+    /// How the cells are divided and asked.
+    pub struct IrregularGridConfig {
+        /// quality divides to shorter lists and lets boxes grow over more neighbours
+        effort: Effort = ParamSpec::choice("build", "quality", &["fast", "quality"]) => |build| {
+            if build == "fast" { FAST } else { QUALITY }
+        },
+        /// cells of the coarse grid wanted per primitive
+        top_density: f64 = ParamSpec::real("top-density", "0.12", 1e-6, 1e3),
+        /// cells with no more primitives are not divided; 0: 32 for build=quality, 64 for build=fast
+        longest_list: u64 = ParamSpec::integer("longest-list", "0", 0, 1 << 20),
+        /// what a step costs, in tests of a primitive
+        step_cost: f64 = ParamSpec::real("step-cost", "3", 0.0, 1e3),
+        /// batch keeps 24 rays of a batch in flight; sets with other primitives than triangles are traversed one ray
+        /// after the other
+        is_batch: bool = ParamSpec::choice("query", "one", &["one", "batch"]) => |query| query == "batch",
+        /// what the divisions in one line of descent may multiply references by, and so most references to a
+        /// primitive on average
+        max_growth: f64 = ParamSpec::real("max-growth", "64", 1.0, 1e9),
+        max_references: u64 = specs::MAX_REFERENCES,
+    }
+    and mailbox::PARAM, mailbox::SLOTS_PARAM
+}
+
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "irregular-grid",
     summary: "coarse grid, crowded cells divided, boxes of cells grown over their neighbours",
     paper: "Perard-Gayot, Kalojanov, Slusallek 2017",
     deviations: "recursive division by cost, only empty cells merged, equal lists shared, CPU",
-    params: &[
-        ParamSpec {
-            name: "build",
-            summary: "quality divides to shorter lists and lets boxes grow over more neighbours",
-            default: "quality",
-            kind: ParamKind::Choice(&["fast", "quality"]),
-        },
-        ParamSpec {
-            name: "top-density",
-            summary: "cells of the coarse grid wanted per primitive",
-            default: "0.12",
-            kind: ParamKind::Real { min: 1e-6, max: 1e3 },
-        },
-        ParamSpec {
-            name: "longest-list",
-            summary: "cells with no more primitives are not divided; 0: 32 for build=quality, 64 for \
-                      build=fast",
-            default: "0",
-            kind: ParamKind::Integer { min: 0, max: 1 << 20 },
-        },
-        ParamSpec {
-            name: "step-cost",
-            summary: "what a step costs, in tests of a primitive",
-            default: "3",
-            kind: ParamKind::Real { min: 0.0, max: 1e3 },
-        },
-        ParamSpec {
-            name: "query",
-            summary: "batch keeps 24 rays of a batch in flight; sets with other \
-                      primitives than triangles are traversed one ray after the other",
-            default: "one",
-            kind: ParamKind::Choice(&["one", "batch"]),
-        },
-        ParamSpec {
-            name: "max-growth",
-            summary: "what the divisions in one line of descent may multiply references by, and so \
-                      most references to a primitive on average",
-            default: "64",
-            kind: ParamKind::Real { min: 1.0, max: 1e9 },
-        },
-        specs::MAX_REFERENCES,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+    params: IrregularGridConfig::PARAMS,
     variants: &[""],
     also_tested: &[
         "build=fast",
@@ -124,6 +106,7 @@ pub static INFO: StructureInfo = StructureInfo {
 };
 
 /// What the two builds differ in.
+#[derive(Debug, Clone, Copy)]
 struct Effort {
     longest_list: u64,
     /// Parts wanted for each primitive of a cell that is divided.
@@ -150,15 +133,20 @@ pub struct IrregularGrid<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for IrregularGrid<S> {
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
+    type Config = IrregularGridConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        config: &config::Settings<IrregularGridConfig>,
+    ) -> Result<Self, BuildError> {
+        let (structure, limits) = (config.structure(), config.limits());
         let boxes = BoundsOf::new(prims, BoundsRule::Padded)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-        let effort = if params.text("build") == "fast" { FAST } else { QUALITY };
+        let effort = config.effort;
         let input = ResolutionInput {
             bounds: boxes.scene(),
             primitives: prims.len(),
-            density: params.real("top-density"),
+            density: config.top_density,
             mean_longest_side: 0.0,
             max_cells: u64::from(FIRST_PART) / 8,
             smallest_cell: boxes.smallest_cell(),
@@ -180,18 +168,18 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             lattice = whole(lattice.top.map(|n| n / 2));
         }
         let settings = Settings {
-            longest_list: match params.integer("longest-list") {
+            longest_list: match config.longest_list {
                 0 => effort.longest_list,
                 given => given,
             } as usize,
             density: effort.density,
-            step_cost: params.real("step-cost"),
-            max_references: params.most(&REFERENCES),
-            max_growth: params.real("max-growth"),
+            step_cost: config.step_cost,
+            max_references: limits.most(&REFERENCES, config.max_references),
+            max_growth: config.max_growth,
         };
         let mut cells = subdivide(&lattice, &padded, settings).map_err(
             |TooLarge { what, needed, limit }| match what == cells::REFERENCES {
-                true => too_many(params, &REFERENCES, needed),
+                true => too_many(limits, &REFERENCES, config.max_references, needed),
                 false => too_large(what, needed.into(), limit.into()),
             },
         )?;
@@ -213,7 +201,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             voxels,
             lists,
             place: LatticeFrame::new(boxes.scene().min, per_length, lattice.resolution()),
-            is_batch: params.text("query") == "batch",
+            is_batch: config.is_batch,
             stats,
             lattice,
         })

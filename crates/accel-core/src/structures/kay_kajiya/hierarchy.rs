@@ -1,9 +1,10 @@
 //! The hierarchy: built from the top by median cuts, traversed nearest entry first.
 
+use super::config::KayKajiyaConfig;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsOf;
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor};
 use crate::query::sink::Sink;
@@ -40,10 +41,10 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
     /// Builds it over all primitives.
     pub(super) fn new<P: PrimSet<S>>(
         boxes: &BoundsOf<S, P>,
-        params: &Params,
+        settings: &Settings<KayKajiyaConfig>,
     ) -> Result<Self, BuildError> {
         let mut ids: Vec<u32> = (0..boxes.prims().len() as u32).collect();
-        let contents = cut_to_leaves(&mut ids, &Centres::of(boxes.prims()), params)?;
+        let contents = cut_to_leaves(&mut ids, &Centres::of(boxes.prims()), settings)?;
         let nodes =
             contents.into_iter().map(|content| Node { volume: Slabs::empty(), content }).collect();
         let mut this = Self { nodes, ids };
@@ -149,10 +150,10 @@ fn range(first: u32, count: u32) -> std::ops::Range<usize> {
 fn cut_to_leaves<S: Scalar>(
     ids: &mut [u32],
     centres: &Centres<S>,
-    params: &Params,
+    settings: &Settings<KayKajiyaConfig>,
 ) -> Result<Vec<Content>, BuildError> {
-    let leaf_size = params.integer("leaf-size") as usize;
-    let branching = params.integer("branching") as usize;
+    let leaf_size = settings.leaf_size;
+    let branching = settings.branching;
     let mut contents = vec![Content::Leaf { first: 0, count: ids.len() as u32 }];
     let mut next = 0;
     while let Some(&Content::Leaf { first, count }) = contents.get(next) {
@@ -161,7 +162,7 @@ fn cut_to_leaves<S: Scalar>(
             let children = cut(part, leaf_size, branching, centres);
             let inner =
                 Content::Inner { first: contents.len() as u32, count: children.len() as u32 };
-            check_cells(contents.len() + children.len(), params)?;
+            check_cells(contents.len() + children.len(), settings.limits(), settings.max_cells)?;
             contents[next] = inner;
             let mut first = first;
             for count in children {

@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::params::Params;
+use crate::structures::kd_tree::config::KdTreeConfig;
 
 /// A plane that cuts a cell.
 #[derive(Debug, Clone, Copy)]
@@ -32,11 +32,11 @@ pub(super) struct Heuristic<S> {
 }
 
 impl<S: Scalar> Heuristic<S> {
-    pub(super) fn new(params: &Params) -> Self {
+    pub(super) fn new(config: &KdTreeConfig) -> Self {
         Self {
-            traversal_cost: params.real("traversal-cost"),
-            empty_bonus: params.real("empty-bonus"),
-            exact_below: params.integer("exact-below") as usize,
+            traversal_cost: config.traversal_cost,
+            empty_bonus: config.empty_bonus,
+            exact_below: config.exact_below,
             lower_sides: Vec::new(),
             upper_sides: Vec::new(),
         }

@@ -11,47 +11,37 @@
 //! ray's origin, or where an interval begins that begins before it, pads boxes, refuses what is
 //! not finite, and groups primitives with the same centre: `box_ray.rs` and `items.rs`.
 
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::Config;
+use crate::params::{ParamSpec, Params};
+use crate::update::refitted_until;
 
 pub(crate) const PRESETS: &[&str] =
     &["fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
 
 /// The preset, for the parameter list of whatever is built by obvhs.
-pub(crate) const PRESET: ParamSpec = ParamSpec {
-    name: "preset",
-    summary: "obvhs's build preset",
-    default: "medium",
-    kind: ParamKind::Choice(PRESETS),
-};
+pub(crate) const PRESET: ParamSpec =
+    ParamSpec::choice("preset", "medium", PRESETS).about("obvhs's build preset");
 
 /// Whose traversal and whose tests.
-pub(crate) const ADAPTER: ParamSpec = ParamSpec {
-    name: "adapter",
-    summary: "robust gives right answers; direct is obvhs as its authors use it: its triangles, \
+pub(crate) const ADAPTER: ParamSpec =
+    ParamSpec::choice("adapter", "robust", &["robust", "direct", "as-shipped"]).about(
+        "robust gives right answers; direct is obvhs as its authors use it: its triangles, \
               its test, its traversal (f32, triangles alone); as-shipped has our primitive tests \
               in its traversal, rays and boxes unchanged",
-    default: "robust",
-    kind: ParamKind::Choice(&["robust", "direct", "as-shipped"]),
-};
+    );
 
 /// Triangles one by one, or in blocks.
-pub(crate) const KERNEL: ParamSpec = ParamSpec {
-    name: "kernel",
-    summary: "of adapter=robust, over triangles: block: those of a leaf (Bvh2) or of a node's \
+pub(crate) const KERNEL: ParamSpec = ParamSpec::choice("kernel", "block", &["scalar", "block"])
+    .about(
+        "of adapter=robust, over triangles: block: those of a leaf (Bvh2) or of a node's \
               leaves (CwBvh) in blocks of eight, tested at once, the faster in every scene \
               measured; scalar: one by one, through their ids",
-    default: "block",
-    kind: ParamKind::Choice(&["scalar", "block"]),
-};
+    );
 
 /// What boxes and rays are padded by, for the price of it: with the feature `compiled-tests` alone.
 #[cfg(feature = "compiled-tests")]
-pub(crate) const PADDING: ParamSpec = ParamSpec {
-    name: "padding",
-    summary: "for comparison: none leaves out what keeps rounding from losing boxes that hold hits",
-    default: "default",
-    kind: ParamKind::Choice(&["default", "none"]),
-};
+pub(crate) const PADDING: ParamSpec = ParamSpec::choice("padding", "default", &["default", "none"])
+    .about("for comparison: none leaves out what keeps rounding from losing boxes that hold hits");
 
 /// Whether padding is left out.
 pub(crate) fn is_unpadded(params: &Params) -> bool {
@@ -95,9 +85,38 @@ pub(crate) fn known_defect(params: &Params) -> Option<&'static str> {
     }
 }
 
-pub(crate) fn build_params(params: &Params) -> obvhs::BvhBuildParams {
+/// What is built, and how it is asked.
+#[derive(Clone)]
+pub struct AdapterConfig {
+    pub(crate) preset: obvhs::BvhBuildParams,
+    pub(crate) is_robust: bool,
+    pub(crate) is_direct: bool,
+    /// Triangles in blocks.
+    pub(crate) is_block: bool,
+    pub(crate) is_unpadded: bool,
+    /// See [`refitted_until`].
+    pub(crate) refitted_until: Option<f64>,
+}
+
+impl Config for AdapterConfig {
+    fn of(params: &Params) -> Self {
+        // one that is not listed is the robust one
+        let adapter = params.get(ADAPTER.name).unwrap_or(ADAPTER.default);
+        let is_robust = adapter == "robust";
+        Self {
+            preset: preset_of(params.text(PRESET.name)),
+            is_robust,
+            is_direct: adapter == "direct",
+            is_block: is_robust && params.get(KERNEL.name) == Some("block"),
+            is_unpadded: is_unpadded(params),
+            refitted_until: refitted_until(params),
+        }
+    }
+}
+
+pub(crate) fn preset_of(name: &str) -> obvhs::BvhBuildParams {
     use obvhs::BvhBuildParams as B;
-    match params.text("preset") {
+    match name {
         "fastest" => B::fastest_build(),
         "very-fast" => B::very_fast_build(),
         "fast" => B::fast_build(),
@@ -105,8 +124,4 @@ pub(crate) fn build_params(params: &Params) -> obvhs::BvhBuildParams {
         "very-slow" => B::very_slow_build(),
         _ => B::medium_build(),
     }
-}
-
-pub(crate) fn is_robust(params: &Params) -> bool {
-    params.text("adapter") == "robust"
 }

@@ -13,20 +13,20 @@ use obvhs::ray::{Ray as ObvhsRay, RayHit};
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{
-    ADAPTER, ALSO_TESTED, DEVIATIONS, KERNEL, PRESET, VARIANTS, build_params, known_defect,
+    ADAPTER, ALSO_TESTED, AdapterConfig, DEVIATIONS, KERNEL, PRESET, VARIANTS, known_defect,
 };
 use crate::structures::obvhs::box_ray::{BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder;
-use crate::structures::obvhs::direct::{self, Direct, is_direct};
+use crate::structures::obvhs::direct::{self, Direct};
 use crate::structures::obvhs::items::{self, BoxScale, Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks, refit};
-use crate::update::{Change, MovedIds, REBUILD_AT, REFIT, is_refitted};
+use crate::update::{Change, MovedIds, REBUILD_AT, REFIT};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -65,43 +65,48 @@ pub struct ObvhsBvh2<S: Scalar> {
 impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        if is_direct(params)
+    type Config = AdapterConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<AdapterConfig>,
+    ) -> Result<Self, BuildError> {
+        if settings.is_direct
             && let Some(triangles) = direct::triangles(prims)
         {
-            let bvh = direct_builder::binary(&triangles, &build_params(params));
+            let bvh = direct_builder::binary(&triangles, &settings.preset);
             let direct = Some(Direct::new(prims, &bvh, &triangles));
             let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
-            let built_cost = is_refitted(params).then(|| refit::expected_cost(&bvh));
+            let built_cost = settings.refitted_until.map(|_| refit::expected_cost(&bvh));
             return Ok(Self { bvh, groups, blocks: None, setup, direct, built_cost });
         }
-        let items = items(prims, params)?;
-        let (preset, robust) = (build_params(params), items.setup.is_robust());
-        let mut bvh = builder::binary(&items.boxes, &preset, robust);
+        let items = items(prims, settings)?;
+        let robust = items.setup.is_robust();
+        let mut bvh = builder::binary(&items.boxes, &settings.preset, robust);
         let Items { groups, setup, .. } = items;
-        let is_block = leaf_blocks::serve(prims, &groups, params);
+        let is_block = leaf_blocks::serve(prims, &groups, settings);
         if is_block {
             // the leaves of a binary tree
-            leaf_blocks::fit::<S>(bvh.nodes.len() / 2 + 1, params)?;
+            leaf_blocks::fit::<S>(bvh.nodes.len() / 2 + 1, settings.limits())?;
         }
         let blocks = is_block.then(|| leaf_blocks::of_binary(&mut bvh, prims));
-        let built_cost = is_refitted(params).then(|| refit::expected_cost(&bvh));
+        let built_cost = settings.refitted_until.map(|_| refit::expected_cost(&bvh));
         Ok(Self { bvh, groups, blocks, setup, direct: None, built_cost })
     }
 
     fn update<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<AdapterConfig>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if let Some(built) = self.built_cost
-            && self.refit(prims, params, moved)?
-            && refit::expected_cost(&self.bvh) <= params.real(REBUILD_AT.name) * built
+        if let (Some(built), Some(until)) = (self.built_cost, settings.refitted_until)
+            && self.refit(prims, settings, moved)?
+            && refit::expected_cost(&self.bvh) <= until * built
         {
             return Ok(Change::Updated);
         }
-        *self = Self::build(prims, params)?;
+        *self = Self::build(prims, settings)?;
         Ok(Change::Rebuilt)
     }
 
@@ -200,11 +205,11 @@ impl<S: Scalar> ObvhsBvh2<S> {
     fn refit<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<AdapterConfig>,
         moved: &[u32],
     ) -> Result<bool, BuildError> {
-        let triangles = if is_direct(params) { direct::triangles(prims) } else { None };
-        let is_block = leaf_blocks::serve(prims, &self.groups, params);
+        let triangles = if settings.is_direct { direct::triangles(prims) } else { None };
+        let is_block = leaf_blocks::serve(prims, &self.groups, settings);
         if triangles.is_some() != self.direct.is_some()
             || self.direct.is_none() && is_block != self.blocks.is_some()
         {
@@ -218,7 +223,7 @@ impl<S: Scalar> ObvhsBvh2<S> {
             self.direct = Some(Direct::new(prims, &self.bvh, &triangles));
             return Ok(true);
         }
-        let scale = BoxScale::of_set(prims, params.structure(), items::padding_of(params))?;
+        let scale = BoxScale::of_set(prims, settings.structure(), items::padding_of(settings))?;
         let moved = MovedIds::new(moved);
         let is_same = scale.serves(&self.setup);
         self.setup = scale.setup;

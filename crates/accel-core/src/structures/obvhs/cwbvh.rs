@@ -13,17 +13,17 @@ use obvhs::cwbvh::{CwBvh, Traversal};
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{
-    ADAPTER, ALSO_TESTED, DEVIATIONS, KERNEL, PRESET, VARIANTS, build_params, known_defect,
+    ADAPTER, ALSO_TESTED, AdapterConfig, DEVIATIONS, KERNEL, PRESET, VARIANTS, known_defect,
 };
 use crate::structures::obvhs::box_ray::{Length, RaySetup};
 use crate::structures::obvhs::builder::{TooDeep, eight_wide};
-use crate::structures::obvhs::direct::{self, Direct, is_direct};
+use crate::structures::obvhs::direct::{self, Direct};
 use crate::structures::obvhs::items::{Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks};
 
@@ -60,15 +60,20 @@ pub struct ObvhsCwBvh<S: Scalar> {
 impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+    type Config = AdapterConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<AdapterConfig>,
+    ) -> Result<Self, BuildError> {
         let too_deep = |TooDeep { needed, limit }| BuildError::TooLarge {
-            structure: params.structure(),
+            structure: settings.structure(),
             what: "depth of obvhs's CwBvh",
             needed: u128::from(needed),
             limit: u128::from(limit),
         };
-        let preset = build_params(params);
-        if is_direct(params)
+        let preset = settings.preset;
+        if settings.is_direct
             && let Some(triangles) = direct::triangles(prims)
         {
             let bvh = direct_builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
@@ -76,12 +81,12 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
             return Ok(Self { bvh, groups, blocks: None, setup, direct });
         }
-        let items = items(prims, params)?;
+        let items = items(prims, settings)?;
         let Items { boxes, groups, setup } = items;
         let mut bvh = eight_wide(&boxes, &preset, setup.is_robust()).map_err(too_deep)?;
-        let is_block = leaf_blocks::serve(prims, &groups, params);
+        let is_block = leaf_blocks::serve(prims, &groups, settings);
         if is_block {
-            leaf_blocks::fit::<S>(bvh.nodes.len(), params)?;
+            leaf_blocks::fit::<S>(bvh.nodes.len(), settings.limits())?;
         }
         let blocks = is_block.then(|| leaf_blocks::of_wide(&mut bvh, prims));
         Ok(Self { bvh, groups, blocks, setup, direct: None })

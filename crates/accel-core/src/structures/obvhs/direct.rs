@@ -16,7 +16,6 @@ use glam::Vec3A;
 
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::params::Params;
 use crate::primitives::PrimSet;
 use crate::structure::Batches;
 
@@ -63,10 +62,6 @@ macro_rules! tree {
 
 tree!(Bvh2);
 tree!(CwBvh);
-
-pub(crate) fn is_direct(params: &Params) -> bool {
-    params.text("adapter") == "direct"
-}
 
 /// The set as obvhs's triangles; none unless all are triangles at rest in f32, under the test of
 /// triangles that is the default.

@@ -82,8 +82,7 @@ mod tests {
     use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 
     use super::*;
-    use crate::structures::find;
-    use crate::structures::obvhs::adapter::{PRESETS, build_params};
+    use crate::structures::obvhs::adapter::{PRESETS, preset_of};
     use crate::structures::obvhs::builder::WIDE_LEVELS;
 
     /// Triangles at places without order, every tenth large.
@@ -98,10 +97,7 @@ mod tests {
     }
 
     fn presets() -> impl Iterator<Item = (&'static str, BvhBuildParams)> {
-        let entry = find("obvhs-cwbvh").unwrap();
-        PRESETS
-            .iter()
-            .map(|preset| (*preset, build_params(&entry.params([("preset", *preset)]).unwrap())))
+        PRESETS.iter().map(|preset| (*preset, preset_of(preset)))
     }
 
     fn equal(a: &Bvh2, b: &Bvh2) -> bool {

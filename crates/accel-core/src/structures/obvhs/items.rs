@@ -6,10 +6,11 @@ use obvhs::aabb::Aabb as ObvhsAabb;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
-use crate::params::Params;
+use crate::memory::Limits;
+use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::structure::{BuildError, refuse_out_of_scale};
-use crate::structures::obvhs::adapter::{is_robust, is_unpadded};
+use crate::structures::obvhs::adapter::AdapterConfig;
 use crate::structures::obvhs::box_ray::RaySetup;
 
 /// The boxes a BVH is built over, and which primitives each stands for.
@@ -57,14 +58,14 @@ const CENTRE_SAMPLE: usize = 4096;
 /// The boxes of all primitives, checked, padded and grouped as the adapter setting says.
 pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
     prims: &P,
-    params: &Params,
+    settings: &Settings<AdapterConfig>,
 ) -> Result<Items<S>, BuildError> {
-    items_of(prims, params, padding_of(params))
+    items_of(prims, settings.limits(), padding_of(settings))
 }
 
 /// By how much the boxes of obvhs's own trees grow.
-pub(crate) fn padding_of(params: &Params) -> Padding {
-    match (is_robust(params), is_unpadded(params)) {
+pub(crate) fn padding_of(config: &AdapterConfig) -> Padding {
+    match (config.is_robust, config.is_unpadded) {
         (false, _) => Padding::None,
         (true, false) => Padding::OfScene,
         (true, true) => Padding::Rounding,
@@ -92,12 +93,12 @@ pub(crate) const CORNER_EPSILONS: f64 = 5.0;
 /// [`items`], the padding given.
 pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
-    params: &Params,
+    limits: Limits,
     padding: Padding,
 ) -> Result<Items<S>, BuildError> {
     // a box and an id of each primitive, twice as many nodes
-    params.fits(96 * prims.len() as u128)?;
-    let (single, setup) = boxes(prims, params.structure(), padding)?;
+    limits.fits(96 * prims.len() as u128)?;
+    let (single, setup) = boxes(prims, limits.structure, padding)?;
     let (boxes, groups) = if padding != Padding::None && centres_coincide(&single) {
         grouped(&single)
     } else {
@@ -245,7 +246,7 @@ mod tests {
         }
         let set = builder.finish();
         let entry = crate::structures::find("obvhs-bvh2").unwrap();
-        let items = items(&set, &entry.params([]).unwrap()).unwrap();
+        let items = items(&set, &Settings::of(&entry.params([]).unwrap())).unwrap();
         let Groups::Many { ids, .. } = &items.groups else { panic!("not grouped") };
         assert_eq!(items.boxes.len(), 501);
         let mut sorted = ids.clone();

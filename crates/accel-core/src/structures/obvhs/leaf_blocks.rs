@@ -8,26 +8,30 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 
 use crate::geometry::scalar::Scalar;
+use crate::memory::Limits;
 use crate::memory::OutOfMemory;
-use crate::params::Params;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
-use crate::structures::obvhs::adapter::is_robust;
+use crate::structures::obvhs::adapter::AdapterConfig;
 use crate::structures::obvhs::items::Groups;
 
 /// Triangles in a block.
 const LANES: u32 = TriangleBlock::<f32>::LANES as u32;
 
 /// Whether leaves become blocks: where it is asked for and each box is that of a triangle.
-pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(prims: &P, groups: &Groups, params: &Params) -> bool {
-    let is_wanted = is_robust(params) && params.text("kernel") == "block";
+pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    groups: &Groups,
+    config: &AdapterConfig,
+) -> bool {
+    let is_wanted = config.is_block;
     // the places of all blocks have numbers, even were there one triangle in each
     let is_few = prims.len() <= (u32::MAX / LANES) as usize;
     is_wanted && is_few && matches!(groups, Groups::Single) && blocks::serve(prims)
 }
 
 /// Whether memory has room for so many blocks, one per leaf or node at least.
-pub(crate) fn fit<S: Scalar>(blocks: usize, params: &Params) -> Result<(), OutOfMemory> {
-    params.fits((blocks * size_of::<TriangleBlock<S>>()) as u128)
+pub(crate) fn fit<S: Scalar>(blocks: usize, limits: Limits) -> Result<(), OutOfMemory> {
+    limits.fits((blocks * size_of::<TriangleBlock<S>>()) as u128)
 }
 
 /// The blocks of a binary tree, whose leaves then begin at the number of a block: theirs follow, each
@@ -85,8 +89,8 @@ pub(crate) fn references<S: Scalar>(blocks: &[TriangleBlock<S>]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::params::config::Settings;
     use crate::primitives::TriangleSet;
-    use crate::structures::obvhs::adapter::build_params;
     use crate::structures::obvhs::builder;
     use crate::structures::obvhs::items::items;
 
@@ -118,8 +122,9 @@ mod tests {
         let set = triangles(5000);
         let entry = crate::structures::find("obvhs-bvh2").unwrap();
         let params = entry.params([]).unwrap();
-        let boxes = items(&set, &params).unwrap().boxes;
-        let preset = build_params(&params);
+        let settings = Settings::<AdapterConfig>::of(&params);
+        let boxes = items(&set, &settings).unwrap().boxes;
+        let preset = settings.preset;
         let ids = builder::binary(&boxes, &preset, true);
         let mut tree = ids.clone();
         let blocks = of_binary(&mut tree, &set);
@@ -148,8 +153,9 @@ mod tests {
         let set = triangles(5000);
         let entry = crate::structures::find("obvhs-cwbvh").unwrap();
         let params = entry.params([]).unwrap();
-        let boxes = items(&set, &params).unwrap().boxes;
-        let ids = builder::eight_wide(&boxes, &build_params(&params), true).unwrap();
+        let settings = Settings::<AdapterConfig>::of(&params);
+        let boxes = items(&set, &settings).unwrap().boxes;
+        let ids = builder::eight_wide(&boxes, &settings.preset, true).unwrap();
         let mut tree = ids.clone();
         let blocks = of_wide(&mut tree, &set);
         let mut bits_of_all = 0;

@@ -1,50 +1,39 @@
-//! How an octree is built: where cells are cut, and when they are not; the octants of the first
-//! cells at once.
-
-use rayon::prelude::*;
+//! Where the cells of an octree are cut, and when they are not (`tree/build.rs` builds them).
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
-use crate::parallel::{forks, is_worth_a_fork};
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::room::Room;
 use crate::structure::BuildError;
 use crate::structures::octree::cells::{Cells, LEAF};
+use crate::structures::octree::config::OctreeConfig;
+use crate::tree::build::{self, Cell, CellStore, Division};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.
 pub(super) fn cells<S: Scalar>(
     boxes: &[Aabb<S>],
     bounds: Aabb<S>,
-    params: &Params,
+    settings: &Settings<OctreeConfig>,
 ) -> Result<Cells<S>, BuildError> {
     let rules = Rules {
         boxes,
-        adaptive: params.text("subdivision") == "adaptive",
-        historical: params.text("boxes") == "historical",
-        max_depth: params.integer("max-depth"),
-        max_leaf: params.integer("max-leaf") as usize,
-        useless_splits: params.integer("useless-splits"),
-        max_growth: match params.text("boxes") {
-            "historical" => f64::INFINITY,
-            _ => params.real("max-growth"),
-        },
-        alternates: params.text("order").starts_with("alternate"),
-        room: Room::new(params, [&CELLS, &REFERENCES]),
+        config: settings,
+        max_growth: if settings.historical { f64::INFINITY } else { settings.max_growth },
+        room: Room::new(
+            settings.limits(),
+            [(&CELLS, settings.max_cells), (&REFERENCES, settings.max_references)],
+        ),
     };
-    let root = || {
+    let root = Cell { bounds, depth: 0, descent: Descent { useless: 0, growth: 1.0 } };
+    build::cells(&rules, root, || {
         let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
-        if params.text("order").ends_with("reverse") {
+        if settings.order.is_reversed {
             ids.reverse();
         }
-        Task { ids, bounds, depth: 0, descent: Descent::ROOT }
-    };
-    match forks() {
-        0 => rules.alone(root()),
-        // each divides by eight; which limit is broken, and by how much, is what one thread finds
-        forks => rules.forked(root(), forks.div_ceil(3)).or_else(|_| rules.alone(root())),
-    }
+        ids
+    })
 }
 
 /// A link, and the planes of an eighth of a divided cell or the start of a list.
@@ -54,15 +43,9 @@ static REFERENCES: Counted = Counted::references("references in cells");
 /// What does not change during a build.
 struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
-    adaptive: bool,
-    /// As fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
+    /// If `historical`, as fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
     /// and faces across the axis only count half.
-    historical: bool,
-    /// The lists of children are in the reverse order of their parent's.
-    alternates: bool,
-    max_depth: u64,
-    max_leaf: usize,
-    useless_splits: u64,
+    config: &'a OctreeConfig,
     max_growth: f64,
     room: Room,
 }
@@ -77,26 +60,32 @@ struct Descent {
     growth: f64,
 }
 
-impl Descent {
-    const ROOT: Self = Self { useless: 0, growth: 1.0 };
-}
+impl<S: Scalar> CellStore for Cells<S> {
+    type Cut = [S; 3];
 
-/// A cell that is to be divided, by itself.
-struct Task<S: Scalar> {
-    ids: Vec<u32>,
-    bounds: Aabb<S>,
-    depth: u64,
-    descent: Descent,
-}
-
-impl<S: Scalar> Cells<S> {
-    /// A first cell without anything yet.
     fn begun() -> Self {
         Self { links: vec![LEAF], planes: Vec::new(), starts: vec![0], ids: Vec::new() }
     }
 
-    /// Puts the cells below octant `octant` of the first cell, which is divided, behind all others.
-    fn append(&mut self, octant: usize, below: &Self) {
+    fn counts(&self) -> [usize; 2] {
+        [self.links.len(), self.ids.len()]
+    }
+
+    fn divide(&mut self, cell: usize, planes: [S; 3]) -> usize {
+        let first = self.links.len();
+        self.links[cell] = self.planes.len() as u32;
+        self.planes.push(planes);
+        self.links.resize(first + 8, LEAF);
+        first
+    }
+
+    fn leaf(&mut self, cell: usize, ids: &[u32]) {
+        self.links[cell] = LEAF | (self.starts.len() - 1) as u32;
+        self.ids.extend_from_slice(ids);
+        self.starts.push(self.ids.len() as u32);
+    }
+
+    fn append(&mut self, octant: usize, below: Self) {
         let (inner, leaves) = (self.planes.len() as u32, self.starts.len() as u32 - 1);
         let moved = |link: &u32| if link & LEAF != 0 { link + leaves } else { link + inner };
         if let Some(first) = below.links.first() {
@@ -110,104 +99,21 @@ impl<S: Scalar> Cells<S> {
     }
 }
 
-struct Builder<'a, S: Scalar> {
-    rules: &'a Rules<'a, S>,
-    cells: Cells<S>,
-    /// References of the cells on the way from the first, one list after the other.
-    waiting: Vec<u32>,
-}
+impl<S: Scalar> Division<S> for Rules<'_, S> {
+    type Cells = Cells<S>;
+    /// Its planes.
+    type Cut = [S; 3];
+    type Descent = Descent;
+    type Scratch = ();
+    const CHILDREN: usize = 8;
 
-impl<S: Scalar> Builder<'_, S> {
-    /// Makes `cell` of the references `waiting[from..]`, which it takes away.
-    fn cell(
-        &mut self,
-        cell: usize,
-        bounds: Aabb<S>,
-        depth: u64,
-        from: usize,
-        descent: Descent,
-    ) -> Result<(), BuildError> {
-        let end = self.waiting.len();
-        let divided = self.rules.divided(&self.waiting[from..], &bounds, depth, descent);
-        let Some((planes, descent)) = divided else { return self.leaf(cell, from) };
-        let inner = self.cells.planes.len();
-        self.rules.room.check([8 * inner as u64 + 9, self.cells.ids.len() as u64])?;
-        self.cells.links[cell] = inner as u32;
-        self.cells.planes.push(planes);
-        self.cells.links.resize(9 + 8 * inner, LEAF);
-        for octant in 0..8 {
-            for i in from..end {
-                let i = if self.rules.alternates { from + end - 1 - i } else { i };
-                let id = self.waiting[i];
-                if touches(&self.rules.boxes[id as usize], &planes, octant) {
-                    self.waiting.push(id);
-                }
-            }
-            let child = octant_of(&bounds, &planes, octant);
-            self.cell(1 + 8 * inner + octant, child, depth + 1, end, descent)?;
-        }
-        self.waiting.truncate(from);
-        Ok(())
-    }
+    fn scratch(&self) {}
 
-    fn leaf(&mut self, cell: usize, from: usize) -> Result<(), BuildError> {
-        let references = self.cells.ids.len() + self.waiting.len() - from;
-        self.rules.room.check([self.cells.links.len() as u64, references as u64])?;
-        self.cells.links[cell] = LEAF | (self.cells.starts.len() - 1) as u32;
-        self.cells.ids.extend_from_slice(&self.waiting[from..]);
-        self.cells.starts.push(references as u32);
-        self.waiting.truncate(from);
-        Ok(())
-    }
-}
-
-impl<S: Scalar> Rules<'_, S> {
-    /// The cells below a task, on this thread.
-    fn alone(&self, task: Task<S>) -> Result<Cells<S>, BuildError> {
-        let mut builder = Builder { rules: self, cells: Cells::begun(), waiting: task.ids };
-        builder.cell(0, task.bounds, task.depth, 0, task.descent)?;
-        Ok(builder.cells)
-    }
-
-    /// The same with all octants at once, `forks` times one below the other.
-    fn forked(&self, task: Task<S>, forks: u32) -> Result<Cells<S>, BuildError> {
-        if forks == 0 || !is_worth_a_fork(task.ids.len()) {
-            return self.alone(task);
-        }
-        let divided = self.divided(&task.ids, &task.bounds, task.depth, task.descent);
-        let Some((planes, descent)) = divided else { return self.alone(task) };
-        let below = |octant: usize| {
-            let inside = |id: &u32| touches(&self.boxes[*id as usize], &planes, octant);
-            let mut ids: Vec<u32> = task.ids.iter().copied().filter(inside).collect();
-            if self.alternates {
-                ids.reverse();
-            }
-            let bounds = octant_of(&task.bounds, &planes, octant);
-            self.forked(Task { ids, bounds, depth: task.depth + 1, descent }, forks - 1)
-        };
-        let all: Vec<Result<Cells<S>, BuildError>> = (0..8).into_par_iter().map(below).collect();
-        let mut cells = Cells::begun();
-        cells.links = vec![LEAF; 9];
-        cells.links[0] = 0;
-        cells.planes.push(planes);
-        for (octant, below) in all.into_iter().enumerate() {
-            cells.append(octant, &below?);
-        }
-        self.room.check([cells.links.len() as u64, cells.ids.len() as u64])?;
-        Ok(cells)
-    }
-
-    /// The planes that divide a cell, and the way to what is below it; `None` makes it a leaf.
-    fn divided(
-        &self,
-        ids: &[u32],
-        bounds: &Aabb<S>,
-        depth: u64,
-        descent: Descent,
-    ) -> Option<([S; 3], Descent)> {
-        if ids.len() <= self.max_leaf || depth == self.max_depth {
+    fn cut(&self, (): &mut (), ids: &[u32], cell: &Cell<S, Descent>) -> Option<([S; 3], Descent)> {
+        if ids.len() <= self.config.max_leaf || cell.depth == self.config.max_depth {
             return None;
         }
+        let (bounds, descent) = (&cell.bounds, cell.descent);
         let planes = self.cuts(bounds, ids);
         let counts = self.counts(&planes, ids);
         let references = ids.len() as f64;
@@ -215,17 +121,37 @@ impl<S: Scalar> Rules<'_, S> {
         let useless = descent.useless + u64::from(is_useless);
         let below: f64 = counts.iter().copied().map(f64::from).sum();
         let growth = descent.growth * below / references;
-        let pays = useless <= self.useless_splits && growth <= self.max_growth;
+        let pays = useless <= self.config.useless_splits && growth <= self.max_growth;
         pays.then_some((planes, Descent { useless, growth }))
     }
 
+    #[inline(always)]
+    fn reaches(&self, id: u32, planes: &[S; 3], octant: usize) -> bool {
+        touches(&self.boxes[id as usize], planes, octant)
+    }
+
+    fn child(bounds: &Aabb<S>, planes: &[S; 3], octant: usize) -> Aabb<S> {
+        octant_of(bounds, planes, octant)
+    }
+
+    fn alternates(&self) -> bool {
+        self.config.order.alternates
+    }
+
+    fn room(&self) -> &Room {
+        &self.room
+    }
+}
+
+impl<S: Scalar> Rules<'_, S> {
     /// The planes that cut a cell.
     fn cuts(&self, bounds: &Aabb<S>, ids: &[u32]) -> [S; 3] {
         let half = S::from_f64(0.5);
         let (lo, hi) = (bounds.min.to_array(), bounds.max.to_array());
         std::array::from_fn(|k| {
             let centre = (lo[k] + hi[k]) * half;
-            let cut = if self.adaptive { self.least_cost(bounds, ids, k, centre) } else { centre };
+            let cut =
+                if self.config.adaptive { self.least_cost(bounds, ids, k, centre) } else { centre };
             cut.greater(lo[k]).lesser(hi[k])
         })
     }
@@ -234,7 +160,7 @@ impl<S: Scalar> Rules<'_, S> {
     /// the least sum of area times references on both sides; of equal ones the first.
     fn least_cost(&self, bounds: &Aabb<S>, ids: &[u32], k: usize, centre: S) -> S {
         let rounded = |x: S| {
-            if self.historical { S::from_f64(f64::from(x.to_f64() as f32)) } else { x }
+            if self.config.historical { S::from_f64(f64::from(x.to_f64() as f32)) } else { x }
         };
         let (lo, hi) = (bounds.min.to_array()[k], bounds.max.to_array()[k]);
         let interval = |&id: &u32| {
@@ -266,7 +192,7 @@ impl<S: Scalar> Rules<'_, S> {
             let cost = self.area_with_side(bounds, k, x - lo) * f64::from(below[i])
                 + self.area_with_side(bounds, k, hi - x) * f64::from(above[i]);
             // so that planes that are alike by symmetry stay equal
-            let cost = if self.historical { f64::from(cost as f32) } else { cost };
+            let cost = if self.config.historical { f64::from(cost as f32) } else { cost };
             if cost < best.0 {
                 best = (cost, x);
             }
@@ -278,7 +204,7 @@ impl<S: Scalar> Rules<'_, S> {
     fn area_with_side(&self, cell: &Aabb<S>, k: usize, side: S) -> f64 {
         let s = cell.size().to_dvec3();
         let (u, v) = (s[(k + 1) % 3], s[(k + 2) % 3]);
-        let faces_across = if self.historical { 0.5 } else { 1.0 };
+        let faces_across = if self.config.historical { 0.5 } else { 1.0 };
         faces_across * u * v + (u + v) * side.to_f64()
     }
 

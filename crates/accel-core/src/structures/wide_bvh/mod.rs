@@ -23,7 +23,8 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
-use crate::params::{ParamKind, ParamSpec, Params};
+use crate::params::config::{Config, Settings};
+use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
@@ -32,11 +33,11 @@ use crate::query::lists::Lists;
 use crate::query::prepared::{OneByOne, Prepared};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
-use crate::structures::obvhs::adapter::{PRESET, UNPADDED, build_params, is_unpadded};
+use crate::structures::obvhs::adapter::{AdapterConfig, PRESET, UNPADDED, is_unpadded};
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length, RaySetup};
 use crate::structures::obvhs::builder::reinserted;
 use crate::structures::obvhs::items::{Padding, items_of};
-use crate::update::{Change, REBUILD_AT, REFIT, is_refitted};
+use crate::update::{Change, REBUILD_AT, REFIT};
 use collapse::{Collapse, Costs, WIDTH};
 use node::{LEAF, Node, NodeRay};
 use node_ray_lanes::NodeRayLanes;
@@ -49,25 +50,12 @@ pub static INFO: StructureInfo = StructureInfo {
     paper: "Ylitie, Karras, Laine 2017; Wald, Benthin, Boulos 2008",
     deviations: "obvhs's builder; exact boxes; children sorted by distance; blocks of triangles",
     params: &[
-        ParamSpec {
-            name: "query",
-            summary: "rays derived one by one, or those of a batch eight at a time",
-            default: "one",
-            kind: ParamKind::Choice(&["one", "batch"]),
-        },
+        ParamSpec::choice("query", "one", &["one", "batch"])
+            .about("rays derived one by one, or those of a batch eight at a time"),
         PRESET,
-        ParamSpec {
-            name: "max-leaf",
-            summary: "primitives of a leaf at most",
-            default: "16",
-            kind: ParamKind::Integer { min: 1, max: 64 },
-        },
-        ParamSpec {
-            name: "node-cost",
-            summary: "cost of a visit to a node, that of a block of triangles being 1",
-            default: "1",
-            kind: ParamKind::Real { min: 0.01, max: 100.0 },
-        },
+        ParamSpec::integer("max-leaf", "16", 1, 64).about("primitives of a leaf at most"),
+        ParamSpec::real("node-cost", "1", 0.01, 100.0)
+            .about("cost of a visit to a node, that of a block of triangles being 1"),
         REFIT,
         REBUILD_AT,
         #[cfg(feature = "compiled-tests")]
@@ -97,30 +85,52 @@ pub struct WideBvh<S: Scalar> {
     built_cost: Option<f64>,
 }
 
-/// By how much boxes are padded.
-fn padding_of(params: &Params) -> Padding {
-    if is_unpadded(params) { Padding::Rounding } else { Padding::OfExtent }
+/// What is built, and how it is asked.
+#[derive(Clone)]
+pub struct WideBvhConfig {
+    adapter: AdapterConfig,
+    costs: Costs,
+    is_batch: bool,
 }
 
-fn costs_of(params: &Params) -> Costs {
-    Costs { node: params.real("node-cost") as f32, longest_leaf: params.integer("max-leaf") as u32 }
+impl Config for WideBvhConfig {
+    fn of(params: &Params) -> Self {
+        let longest_leaf = params.integer("max-leaf") as u32;
+        Self {
+            adapter: Config::of(params),
+            costs: Costs { node: params.real("node-cost") as f32, longest_leaf },
+            is_batch: params.text("query") == "batch",
+        }
+    }
+}
+
+impl WideBvhConfig {
+    /// By how much boxes are padded.
+    fn padding(&self) -> Padding {
+        if self.adapter.is_unpadded { Padding::Rounding } else { Padding::OfExtent }
+    }
 }
 
 impl<S: Scalar> Structure<S> for WideBvh<S> {
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
-        let structure = params.structure();
-        let items = items_of(prims, params, padding_of(params))?;
-        let mut bvh = reinserted(&items.boxes, &build_params(params), true);
-        let collapse = Collapse::plan(&mut bvh, &items.groups, costs_of(params), LEVELS);
+    type Config = WideBvhConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<WideBvhConfig>,
+    ) -> Result<Self, BuildError> {
+        let structure = settings.structure();
+        let items = items_of(prims, settings.limits(), settings.padding())?;
+        let mut bvh = reinserted(&items.boxes, &settings.adapter.preset, true);
+        let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
         let mut lists = Lists::begun(prims);
         let (collapsed, blocks) = collapse.nodes();
         let mut bytes = collapsed.len() * size_of::<Node>();
         if matches!(lists, Lists::Blocks(_)) {
             bytes += blocks * size_of::<TriangleBlock<S>>();
         }
-        params.fits(bytes as u128)?;
+        settings.fits(bytes as u128)?;
         let mut stats = StructureStats::default();
         let mut ids = Vec::new();
         let mut leaf = |node: u32, stats: &mut StructureStats| {
@@ -162,37 +172,37 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         }
         stats.inner_cells = nodes.len() as u64;
         stats.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
-        let is_batch = params.text("query") == "batch";
         let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
         let mut built = Self {
             nodes,
             root,
             lists,
             setup: items.setup,
-            is_batch,
+            is_batch: settings.is_batch,
             is_exact,
             #[cfg(feature = "compiled-tests")]
-            is_plain: is_unpadded(params),
+            is_plain: settings.adapter.is_unpadded,
             stats,
             built_cost: None,
         };
-        built.built_cost = is_refitted(params).then(|| built.expected_cost(params));
+        let is_refitted = settings.adapter.refitted_until.is_some();
+        built.built_cost = is_refitted.then(|| built.expected_cost(settings.costs));
         Ok(built)
     }
 
     fn update<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<WideBvhConfig>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if let Some(built) = self.built_cost
-            && let Some(cost) = self.refit(prims, params, moved)?
-            && cost <= params.real(REBUILD_AT.name) * built
+        if let (Some(built), Some(until)) = (self.built_cost, settings.adapter.refitted_until)
+            && let Some(cost) = self.refit(prims, settings, moved)?
+            && cost <= until * built
         {
             return Ok(Change::Updated);
         }
-        *self = Self::build(prims, params)?;
+        *self = Self::build(prims, settings)?;
         Ok(Change::Rebuilt)
     }
 

@@ -10,9 +10,9 @@ use obvhs::aabb::Aabb;
 
 use super::collapse::{Costs, WIDTH};
 use super::node::{LEAF, Node};
-use super::{WideBvh, costs_of, padding_of};
+use super::{WideBvh, WideBvhConfig};
 use crate::geometry::scalar::Scalar;
-use crate::params::Params;
+use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::structure::BuildError;
 use crate::structures::obvhs::items::BoxScale;
@@ -24,10 +24,10 @@ impl<S: Scalar> WideBvh<S> {
     pub(super) fn refit<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        params: &Params,
+        settings: &Settings<WideBvhConfig>,
         moved: &[u32],
     ) -> Result<Option<f64>, BuildError> {
-        let scale = BoxScale::of_set(prims, params.structure(), padding_of(params))?;
+        let scale = BoxScale::of_set(prims, settings.structure(), settings.padding())?;
         let moved = MovedIds::new(moved);
         if !self.lists.refresh(prims, &moved) {
             return Ok(None);
@@ -36,7 +36,7 @@ impl<S: Scalar> WideBvh<S> {
         self.setup = scale.setup;
         let mut own = vec![Aabb::empty(); self.nodes.len()];
         let mut ids = Vec::new();
-        let mut cost = Cost::new(costs_of(params));
+        let mut cost = Cost::new(settings.costs);
         // children have higher numbers than their parents
         for number in (0..self.nodes.len()).rev() {
             let node = &mut self.nodes[number];
@@ -63,8 +63,8 @@ impl<S: Scalar> WideBvh<S> {
     }
 
     /// What a ray that meets the scene is expected to cost.
-    pub(super) fn expected_cost(&self, params: &Params) -> f64 {
-        let mut cost = Cost::new(costs_of(params));
+    pub(super) fn expected_cost(&self, costs: Costs) -> f64 {
+        let mut cost = Cost::new(costs);
         let (mut ids, mut root) = (Vec::new(), None);
         for node in &self.nodes {
             let mut all = Aabb::empty();

@@ -5,12 +5,21 @@
 
 use accel_core::Aabb;
 use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
-use accel_core::params::{ParamKind, ParamSpec, Params};
+use accel_core::params::ParamSpec;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::cells::{Cell, CellVisitor, NoCells};
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
-use accel_core::{Ray, Scalar, Vector};
+use accel_core::{Ray, Scalar, Vector, config};
+
+config! {
+    /// How the scene is halved.
+    pub struct TwoBoxesConfig {
+        /// part of the primitives that goes into the first box
+        share: f64 = ParamSpec::real("share", "0.5", 0.0, 1.0),
+    }
+}
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -18,12 +27,7 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "two lists of primitives, each skipped by rays that miss its box",
     paper: "none",
     deviations: "none",
-    params: &[ParamSpec {
-        name: "share",
-        summary: "part of the primitives that goes into the first box",
-        default: "0.5",
-        kind: ParamKind::Real { min: 0.0, max: 1.0 },
-    }],
+    params: TwoBoxesConfig::PARAMS,
     variants: &[""],
     also_tested: &["share=0", "share=0.9"],
     known_defect: no_defect,
@@ -39,16 +43,21 @@ impl<S: Scalar> Structure<S> for TwoBoxes<S> {
     // no id is in both lists: mailboxes have nothing to spare
     const DUPLICATES: bool = false;
 
-    fn build<P: PrimSet<S>>(prims: &P, params: &Params) -> Result<Self, BuildError> {
+    type Config = TwoBoxesConfig;
+
+    fn build<P: PrimSet<S>>(
+        prims: &P,
+        settings: &Settings<TwoBoxesConfig>,
+    ) -> Result<Self, BuildError> {
         // padded boxes: rounding must not lose a hit
         let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure: params.structure(), id })?;
+            .map_err(|id| BuildError::NonFiniteBounds { structure: settings.structure(), id })?;
         let size = boxes.scene().size().to_array();
         let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
         let mut ids: Vec<u32> = (0..prims.len() as u32).collect();
         let low = |id: &u32| boxes.of(*id).min.to_array()[axis].to_f64();
         ids.sort_by(|a, b| low(a).total_cmp(&low(b)));
-        let first = (params.real("share") * ids.len() as f64) as usize;
+        let first = (settings.share * ids.len() as f64) as usize;
         let second = ids.split_off(first);
         let around =
             |ids: Vec<u32>| (ids.iter().fold(Aabb::empty(), |b, &id| b.union(boxes.of(id))), ids);

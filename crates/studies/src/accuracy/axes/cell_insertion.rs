@@ -7,6 +7,7 @@
 //! single precision takes it to be in, and for points that are exact the cell by exact arithmetic.
 
 use accel_core::grid::voxel_traversal::GridFrame;
+use accel_core::params::config::Settings;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Ball, PrimSet, PrimitiveKind};
 use accel_core::structure::Structure;
@@ -81,7 +82,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 /// Points whose cells do not list their primitives.
 fn judged<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P, label: &str) -> Result<Tally, StudyError> {
     let row = Row::parse(stage.registry, label)?;
-    let grid = UniformGrid::<f32>::build(set, &row.params).map_err(|e| stage.refused(e))?;
+    let settings = Settings::of(&row.params);
+    let grid = UniformGrid::<f32>::build(set, &settings).map_err(|e| stage.refused(e))?;
     let frame = grid.frame();
     let wide = frame.in_double();
     let mut random = stage.random("points");

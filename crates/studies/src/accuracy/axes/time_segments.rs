@@ -126,8 +126,9 @@ fn built<'a>(
     batches: Vec<Batches<f32>>,
 ) -> Result<Rows<'a>, StudyError> {
     let row = Row::parse(stage.registry, label)?;
+    let prepared = row.entry.prepare(&row.params);
     let start = stage.clock.now();
-    let build = |geometry: &'a Geometry<f32>| row.entry.build(geometry.prims(), &row.params);
+    let build = |geometry: &'a Geometry<f32>| prepared(geometry.prims(), None);
     let tracers: Result<Vec<_>, _> = geometries.iter().map(build).collect();
     let build_s = stage.clock.seconds_since(start);
     Ok(Rows { tracers: tracers.map_err(|e| stage.refused(e))?, batches, build_s })

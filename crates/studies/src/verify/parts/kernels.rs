@@ -5,7 +5,7 @@
 
 use accel_core::geometry::scalar::{Vec3, Vector};
 use accel_core::primitives::Shear;
-use accel_core::primitives::{PrimSet, TriangleBlock, TriangleSet};
+use accel_core::primitives::{PrimSet, TriangleBlock, TriangleSet, TriangleTest, Watertight};
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray};
 
@@ -29,8 +29,8 @@ fn block<S: Buildable>(random: &mut Random, rays: usize) -> Findings {
         let coordinates = triangles.iter().flat_map(|(_, corners)| corners.iter().flatten());
         let magnitude = coordinates.fold(S::ZERO, |most, c| most.greater(c.abs()));
         let shear = Shear::of(ray, magnitude);
-        block.closest(ray, &shear, best);
-        block.any(ray, &shear, |_| true)
+        Watertight::closest_in_block(&block, ray, &shear, best);
+        Watertight::any_in_block(&block, ray, &shear, |_| true)
     })
 }
 

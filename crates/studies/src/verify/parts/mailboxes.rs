@@ -4,6 +4,7 @@
 //! primitive may be tested again, but never skipped wrongly: the hits must be those of brute force.
 
 use accel_core::params::Params;
+use accel_core::params::config::Settings;
 use accel_core::query::mailbox::{MailboxSource, Slots, Stamps};
 use accel_core::query::tracer::{Bound, Tracer};
 use accel_core::registry::Buildable;
@@ -93,7 +94,7 @@ fn answers<S: Buildable, B: MailboxSource>(
     let Model::Triangles(set) = &model else { return Err("no triangles".to_owned()) };
     let params = Params::new(INFO.name, INFO.params, [("density", "8")]);
     let params = params.map_err(|e| e.to_string())?;
-    let grid = UniformGrid::build(set, &params).map_err(|e| e.to_string())?;
+    let grid = UniformGrid::build(set, &Settings::of(&params)).map_err(|e| e.to_string())?;
     let mut hits = vec![Hit::NONE; rays.len()];
     Bound::new(set, grid).count_closest(rays, &mut hits, mailbox);
     let mut expected = vec![Hit::NONE; rays.len()];
