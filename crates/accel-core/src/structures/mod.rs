@@ -32,7 +32,7 @@ pub mod wide_bvh;
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimsRef;
+use crate::primitives::{MixedSet, PrimsRef};
 use crate::query::tracer::tested::{mailbox_of, tested_as};
 use crate::query::tracer::{Before, Bound, BoundInMotion, Tracer};
 use crate::registry::{self, Buildable, Listed};
@@ -126,16 +126,12 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S>>(
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let choice = Choice::of(params);
     match (prims, choice) {
-        (PrimsRef::Mixed(p), choice) if p.has_motion() => {
+        (PrimsRef::Mixed(p), None) if p.has_motion() => in_motion::<S, T, false>(p, params),
+        (PrimsRef::Mixed(p), Some(choice)) if p.has_motion() => {
             let mailbox = mailbox_of::<S, _>(p, params)?;
             let segments = TimeSegments::<S, T>::build(p, params)?;
-            Ok(match choice {
-                None => Box::new(BoundInMotion::new(p.in_motion(), segments, mailbox)),
-                Some(choice) => {
-                    let view = Box::new(ChosenTests::of_mixed(p, choice));
-                    Box::new(BoundInMotion::new(view, segments, mailbox))
-                }
-            })
+            let view = Box::new(ChosenTests::of_mixed(p, choice));
+            Ok(Box::new(BoundInMotion::<S, _, T, false>::new(view, segments, mailbox)))
         }
         (PrimsRef::Watertight(p), None) => tested_as::<S, _, _, T>(p, p, params, before),
         (PrimsRef::Mixed(p), None) => tested_as::<S, _, _, T>(p, p, params, before),
@@ -156,8 +152,18 @@ pub fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     }
 }
 
-/// [`build_tracer`] for a structure whose chosen tests are compiled into its traversals where the
-/// feature `compiled-tests` is on (f32 alone).
+/// Builds `T` over a set that moves, under its own tests.
+fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
+    set: &'a MixedSet<S>,
+    params: &Params,
+) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+    let mailbox = mailbox_of::<S, _>(set, params)?;
+    let segments = TimeSegments::<S, T>::build(set, params)?;
+    Ok(Box::new(BoundInMotion::<S, _, T, COMPILED>::new(set.in_motion(), segments, mailbox)))
+}
+
+/// [`build_tracer`] for a structure of which more is compiled into its traversals, in f32 alone: the queries of
+/// sets that move, and chosen tests where the feature `compiled-tests` is on.
 pub fn build_compiled<'a, T: Structure<f32>>(
     prims: PrimsRef<'a, f32>,
     params: &Params,
@@ -166,6 +172,11 @@ pub fn build_compiled<'a, T: Structure<f32>>(
     #[cfg(feature = "compiled-tests")]
     if let Some(built) = crate::variants::compiled_tests::build::<T>(prims, params) {
         return built;
+    }
+    if let (PrimsRef::Mixed(set), None) = (prims, Choice::of(params))
+        && set.has_motion()
+    {
+        return in_motion::<f32, T, true>(set, params);
     }
     build_tracer::<f32, T>(prims, params, before)
 }
@@ -190,7 +201,7 @@ macro_rules! entry {
     };
 }
 
-/// [`entry!`] for a structure whose chosen tests can be compiled in: see [`build_compiled`].
+/// [`entry!`] for a structure of which more can be compiled in: see [`build_compiled`].
 macro_rules! compiled_entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(
