@@ -1,9 +1,10 @@
 //! What motion costs that is not there: rays per second over a scene whose every primitive moves, by next to
-//! nothing, against the same scene at rest, the same rays at one time, rounds interleaved in one process:
+//! nothing, against the same scene at rest, the same rays at one time, the median of the ratios of interleaved rounds:
 //! `cargo run --release -p renderer --example motion_price -- SCENE STRUCTURE [STRUCTURE ...]`.
 //!
 //! The way is so short that bounds are those of the scene at rest, and rays have the time at which it begins, so that
-//! their hits are: what is left is the price of the timed pass over sets that move. *shared*: all have one velocity; *own*: each primitive has another one than its neighbours.
+//! their hits are: what is left is the price of the timed pass over sets that move. *shared*: all have one velocity;
+//! *bodies*: each of eight stretches of primitives has one; *own*: each primitive has another one than its neighbours.
 
 use std::time::Instant;
 
@@ -14,7 +15,7 @@ use glam::DVec3;
 use renderer::{Geometry, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;
 
-const ROUNDS: usize = 9;
+const ROUNDS: usize = 31;
 
 /// Seconds of the rays of a kind, and how many hit.
 fn seconds(tracer: &dyn Tracer<f32>, rays: &[Ray<f32>], kind: RayKind) -> (f64, usize) {
@@ -29,12 +30,11 @@ fn seconds(tracer: &dyn Tracer<f32>, rays: &[Ray<f32>], kind: RayKind) -> (f64, 
     (took, found + blocked.iter().filter(|b| **b).count())
 }
 
-/// The scene with velocities that are nearly nothing; the first is that of all where they share one.
-fn moving(scene: &Scene, is_shared: bool) -> Scene {
+/// The scene with velocities that are nearly nothing: of seven or eight, by the number of a primitive.
+fn moving(scene: &Scene, of: impl Fn(usize) -> usize) -> Scene {
     let mut scene = scene.clone();
     let way = scene.bounds().size().length() * 1e-6;
-    let velocity =
-        |i: usize| DVec3::new(1.0, 0.5, if is_shared { 0.25 } else { (i % 7) as f64 / 7.0 }) * way;
+    let velocity = |i: usize| DVec3::new(1.0, 0.5, of(i) as f64 / 8.0) * way;
     scene.velocities = (0..scene.primitives.len()).map(velocity).collect();
     scene.camera.shutter = 1.0;
     scene
@@ -49,15 +49,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
     let scene = scene_loading::procedural::generate(&args.next().ok_or("which scene?")?)?;
     let rest = Geometry::<f32>::of(&scene)?;
-    let [shared, own] = [true, false].map(|is_shared| moving(&scene, is_shared));
-    let (shared, own) = (Geometry::<f32>::of(&shared)?, Geometry::<f32>::of(&own)?);
+    let n = scene.primitives.len();
+    let moving = [moving(&scene, |_| 2), moving(&scene, |i| i * 8 / n), moving(&scene, |i| i % 7)];
+    let [shared, bodies, own] = moving.each_ref().map(Geometry::<f32>::of);
+    let (shared, bodies, own) = (shared?, bodies?, own?);
     for name in args {
         let mut parts = name.split(':');
         let entry = find(parts.next().unwrap_or_default()).ok_or("no such structure")?;
         let asked = parts.map(|part| part.split_once('=').ok_or("expected name=value"));
         let params = entry.params(asked.collect::<Result<Vec<_>, _>>()?)?;
         let mut tracers = Vec::new();
-        for geometry in [&rest, &shared, &own] {
+        for geometry in [&rest, &shared, &bodies, &own] {
             tracers.push(entry.build(geometry.prims(), &params)?);
         }
         let settings = RaySettings { resolution: [256, 256], ..RaySettings::default() };
@@ -75,13 +77,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     found[k] = hits;
                 }
             }
-            let [rest, shared, own] = [0, 1, 2].map(|k| median(times[k].clone()));
+            // within each round, so that what else the machine does is alike for both
+            let over = |k: usize| times[k].iter().zip(&times[0]).map(|(t, rest)| t / rest);
+            let [shared, bodies, own] = [1, 2, 3].map(|k| median(over(k).collect()));
+            let rest = median(times[0].clone());
             println!(
-                "{name} {kind:?}: {} rays, {found:?} hits, {:.3} Mrays/s at rest; time over it: shared {:.2}, own {:.2}",
+                "{name} {kind:?}: {} rays, {found:?} hits, {:.3} Mrays/s at rest; time over it: shared {:.2}, bodies {:.2}, own {:.2}",
                 rays.len(),
                 rays.len() as f64 / rest * 1e-6,
-                shared / rest,
-                own / rest
+                shared,
+                bodies,
+                own
             );
         }
     }

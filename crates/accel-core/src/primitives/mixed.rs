@@ -31,6 +31,17 @@ pub(crate) enum ShapeRef<'a, S: Scalar> {
     Other,
 }
 
+/// What tests of a set in motion need to know of a ray.
+#[derive(Debug, Clone, Copy)]
+pub struct MovingSetup<S: Scalar> {
+    pub(crate) shear: Shear<S>,
+    pub(crate) moment: S,
+    /// The shear where most primitives see the ray.
+    pub(crate) usual: Shear<S>,
+    /// Of its direction.
+    pub(crate) squared_length: S,
+}
+
 /// Primitives of any kind. Built by [`MixedSetBuilder`].
 #[derive(Debug, Clone)]
 pub struct MixedSet<S: Scalar> {
@@ -43,6 +54,8 @@ pub struct MixedSet<S: Scalar> {
     transmissive: TransmissiveSet,
     magnitude: S,
     motion: Motion<S>,
+    /// The spheres where anything moves, each with its velocity (and a zero): one look-up per test.
+    moving_spheres: Vec<(Sphere<S>, [S; 4])>,
     instances: Instances,
 }
 
@@ -65,6 +78,7 @@ impl<S: Scalar> Default for MixedSetBuilder<S> {
                 transmissive: TransmissiveSet::default(),
                 magnitude: S::ZERO,
                 motion: Motion::default(),
+                moving_spheres: Vec::new(),
                 instances: Instances::default(),
             },
         }
@@ -163,7 +177,8 @@ impl<S: Scalar> MixedSetBuilder<S> {
     /// The finished set.
     pub fn finish(mut self) -> MixedSet<S> {
         if self.set.has_motion() {
-            self.set.motion.hold(self.set.len());
+            self.set.motion.settle(self.set.len());
+            self.set.moving_spheres = self.set.spheres_with_velocities();
         }
         if !self.set.is_empty() {
             self.set.magnitude = self.set.scene_bounds().magnitude();
@@ -227,21 +242,39 @@ impl<S: Scalar> MixedSet<S> {
         }
     }
 
-    /// The parameter of the hit of primitive `id` where it is at `moment`; `shear` is that of the ray. At rest, or
+    fn spheres_with_velocities(&self) -> Vec<(Sphere<S>, [S; 4])> {
+        let spheres = (0..).zip(&self.order).filter(|(_, t)| t.kind() == PrimitiveKind::Sphere);
+        let moving = |(id, tagged): (u32, &Tagged)| {
+            let [x, y, z] = *self.motion.velocity_or_zero(id);
+            (self.spheres[tagged.index()], [x, y, z, S::ZERO])
+        };
+        spheres.map(moving).collect()
+    }
+
+    /// The parameter of the hit of primitive `id` where it is at the moment; `setup` is of the ray. At rest, or
     /// at time 0, it is that of the primitive as it stands, to the bit.
     #[inline(always)]
     pub(crate) fn intersect_moved(
         &self,
         id: u32,
         ray: &Ray<S>,
-        shear: &Shear<S>,
-        moment: S,
+        setup: &MovingSetup<S>,
         t_max: S,
     ) -> Option<S> {
         let tagged = self.order[id as usize];
         let i = tagged.index();
-        let velocity = self.motion.velocity_or_zero(id);
         // each kind computes no more than its test needs, and what is rare anew: nothing is kept in memory
+        if tagged.kind() == PrimitiveKind::Sphere {
+            let a = setup.squared_length;
+            // none where nothing moves
+            let Some((sphere, [x, y, z, _])) = self.moving_spheres.get(i) else {
+                return self.spheres[i].intersect_from(ray.origin, ray, a, t_max);
+            };
+            let origin = ray.moved_back(&[*x, *y, *z], setup.moment).origin;
+            return sphere.intersect_from(origin, ray, a, t_max);
+        }
+        let MovingSetup { shear, moment, .. } = *setup;
+        let velocity = self.motion.velocity_or_zero(id);
         match tagged.kind() {
             PrimitiveKind::Triangle => {
                 let triangle = &self.triangles[i];
@@ -256,10 +289,7 @@ impl<S: Scalar> MixedSet<S> {
                 let shear = shear.moved_back(velocity, moment, self.magnitude);
                 self.polygons[i].intersect(&self.polygon_vertices, &relative, &shear, t_max)
             }
-            PrimitiveKind::Sphere => {
-                self.spheres[i].intersect(&ray.moved_back(velocity, moment), t_max)
-            }
-            PrimitiveKind::Cone => {
+            PrimitiveKind::Sphere | PrimitiveKind::Cone => {
                 self.cones[i].intersect(&ray.moved_back(velocity, moment), t_max)
             }
         }
@@ -408,6 +438,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + size_of_val(self.polygon_vertices.as_slice())
             + size_of_val(self.spheres.as_slice())
             + size_of_val(self.cones.as_slice())
+            + size_of_val(self.moving_spheres.as_slice())
             + self.transmissive.bytes()
             + self.motion.bytes()
             + self.instances.bytes()

@@ -1,5 +1,7 @@
 //! How the primitives of a set move (see `moving.rs`).
 
+use std::cmp::Reverse;
+
 use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
@@ -13,6 +15,8 @@ pub(crate) struct Motion<S: Scalar> {
     /// World units per unit of time; the first is zero. What belongs together has one, so that blocks of it are
     /// known by their numbers.
     velocities: Vec<[S; 3]>,
+    /// The number that most primitives have.
+    usual: u32,
     /// They move from time 0 to this one.
     exposure: S,
     /// The times of which bounds hold the way: all of them, or a segment's.
@@ -24,7 +28,8 @@ pub(crate) struct Motion<S: Scalar> {
 impl<S: Scalar> Default for Motion<S> {
     fn default() -> Self {
         let (which, zero) = (Vec::new(), S::ZERO);
-        Self { which, velocities: vec![[zero; 3]], exposure: zero, span: [zero; 2], margin: zero }
+        let velocities = vec![[zero; 3]];
+        Self { which, velocities, usual: 0, exposure: zero, span: [zero; 2], margin: zero }
     }
 }
 
@@ -50,6 +55,15 @@ impl<S: Scalar> Motion<S> {
     /// Has a number for each of so many primitives, and maybe more.
     pub fn hold(&mut self, primitives: usize) {
         self.which.resize(primitives.max(self.which.len()), 0);
+    }
+
+    /// The same, once no more are set.
+    pub fn settle(&mut self, primitives: usize) {
+        self.hold(primitives);
+        let mut counts = vec![0_u32; self.velocities.len()];
+        self.which.iter().for_each(|&number| counts[number as usize] += 1);
+        let most = (0..).zip(counts).max_by_key(|&(number, count)| (count, Reverse(number)));
+        self.usual = most.map_or(0, |(number, _): (u32, u32)| number);
     }
 
     /// From now on bounds are those of segment `k` of `n` equal ones of the exposure, a little more of it on
@@ -99,6 +113,20 @@ impl<S: Scalar> Motion<S> {
         debug_assert!(number < self.velocities.len(), "numbers are those of velocities");
         // SAFETY: the first is always there, and `set` alone gives numbers, of velocities that stay
         unsafe { self.velocities.get_unchecked(number) }
+    }
+
+    /// The velocity that most primitives have.
+    #[inline(always)]
+    pub(crate) fn usual_velocity(&self) -> &[S; 3] {
+        &self.velocities[self.usual as usize]
+    }
+
+    /// Its velocity, unless it has the one that most have.
+    #[inline(always)]
+    pub(crate) fn unusual_velocity(&self, id: u32) -> Option<&[S; 3]> {
+        let number = self.which.get(id as usize).map_or(0, |&number| number);
+        // SAFETY: as in `velocity_or_zero`
+        (number != self.usual).then(|| unsafe { self.velocities.get_unchecked(number as usize) })
     }
 
     /// Whether all of these move alike, as far as numbers tell.

@@ -13,11 +13,12 @@ use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
-use crate::geometry::scalar::Scalar;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::primitives::mixed::MovingSetup;
 use crate::primitives::prim_set::as_its_set;
 use crate::primitives::triangle_block::{StartLanes, TriangleBlock};
 use crate::primitives::watertight;
-use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind, Shear};
+use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
 
 /// A mixed set as rays with a time see it.
 #[derive(Debug)]
@@ -41,13 +42,16 @@ impl<S: Scalar> InMotion<S> {
         &self,
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
-        (shear, moment): &(Shear<S>, S),
+        MovingSetup { shear, moment, usual, .. }: &MovingSetup<S>,
         t_max: S,
     ) -> Option<(u32, [S; 8])> {
         let (motion, magnitude) = (self.set.motion(), self.set.magnitude());
         let from = if block.moves_as_one() {
-            let velocity = motion.velocity_or_zero(block.id(0));
-            StartLanes::same(&shear.moved_back(velocity, *moment, magnitude))
+            // a branch, and not what is looked up, is waited for: it is guessed, mostly right
+            match motion.unusual_velocity(block.id(0)) {
+                None => StartLanes::same(usual),
+                Some(velocity) => StartLanes::same(&shear.moved_back(velocity, *moment, magnitude)),
+            }
         } else {
             let velocities = block.ids().0.map(|id| motion.velocity_or_zero(id));
             StartLanes::each(velocities, shear, *moment, magnitude)
@@ -62,8 +66,7 @@ impl<S: Scalar> InMotion<S> {
 }
 
 impl<S: Scalar> PrimSet<S> for InMotion<S> {
-    /// The shear, and the moment.
-    type RaySetup = (Shear<S>, S);
+    type RaySetup = MovingSetup<S>;
 
     as_its_set!(S);
 
@@ -71,18 +74,16 @@ impl<S: Scalar> PrimSet<S> for InMotion<S> {
 
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup {
-        (self.set.setup(ray), self.set.motion().moment(ray.time))
+        let (shear, motion) = (self.set.setup(ray), self.set.motion());
+        let moment = motion.moment(ray.time);
+        let usual = shear.moved_back(motion.usual_velocity(), moment, self.set.magnitude());
+        let squared_length = ray.direction.dot(ray.direction);
+        MovingSetup { shear, moment, usual, squared_length }
     }
 
     #[inline(always)]
-    fn intersect(
-        &self,
-        id: u32,
-        ray: &Ray<S>,
-        (shear, moment): &Self::RaySetup,
-        t_max: S,
-    ) -> Option<S> {
-        self.set.intersect_moved(id, ray, shear, *moment, t_max)
+    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S> {
+        self.set.intersect_moved(id, ray, setup, t_max)
     }
 
     #[inline(always)]

@@ -45,12 +45,23 @@ impl<S: Scalar> Sphere<S> {
     /// The near root if it lies in `[ray.t_min, t_max]`, else the far one likewise.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray<S>, t_max: S) -> Option<S> {
+        self.intersect_from(ray.origin, ray, ray.direction.dot(ray.direction), t_max)
+    }
+
+    /// The same of the ray as it would be from another origin; `a` is the square of its direction's length.
+    #[inline(always)]
+    pub(super) fn intersect_from(
+        &self,
+        origin: Vec3<S>,
+        ray: &Ray<S>,
+        a: S,
+        t_max: S,
+    ) -> Option<S> {
         if self.radius <= S::ZERO {
             return None;
         }
         let d = ray.direction;
-        let f = ray.origin - self.center;
-        let a = d.dot(d);
+        let f = origin - self.center;
         let b = -f.dot(d);
         let r2 = self.radius * self.radius;
         // distance of the centre from the line, as a vector

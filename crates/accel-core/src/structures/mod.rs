@@ -33,7 +33,7 @@ pub mod wide_bvh;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimsRef;
+use crate::primitives::{MixedSet, PrimsRef};
 use crate::query::tracer::tested::{Testing, tested_as};
 use crate::query::tracer::{Before, Bound, BoundInMotion, Tracer};
 use crate::registry::{self, Buildable, Listed};
@@ -150,16 +150,12 @@ fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     let (settings, testing) = how;
     let limits = settings.limits();
     match (prims, testing.choice) {
-        (PrimsRef::Mixed(p), choice) if p.has_motion() => {
+        (PrimsRef::Mixed(p), None) if p.has_motion() => in_motion::<S, T, false>(p, how, segments),
+        (PrimsRef::Mixed(p), Some(choice)) if p.has_motion() => {
             let mailbox = testing.mailbox::<S, _>(p, limits)?;
             let segments = TimeSegments::<S, T>::build(p, settings, testing, segments)?;
-            Ok(match choice {
-                None => Box::new(BoundInMotion::new(p.in_motion(), segments, mailbox)),
-                Some(choice) => {
-                    let view = Box::new(ChosenTests::of_mixed(p, choice));
-                    Box::new(BoundInMotion::new(view, segments, mailbox))
-                }
-            })
+            let view = Box::new(ChosenTests::of_mixed(p, choice));
+            Ok(Box::new(BoundInMotion::<S, _, T, false>::new(view, segments, mailbox)))
         }
         (PrimsRef::Watertight(p), None) => tested_as::<S, _, _, T>(p, p, how, before),
         (PrimsRef::Mixed(p), None) => tested_as::<S, _, _, T>(p, p, how, before),
@@ -180,21 +176,35 @@ fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     }
 }
 
-/// [`prepare`] for a structure whose chosen tests are compiled into its traversals where the
-/// feature `compiled-tests` is on (f32 alone).
+/// Builds `T` over a set that moves, under its own tests.
+fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
+    set: &'a MixedSet<S>,
+    (settings, testing): (&Settings<T::Config>, &Testing),
+    segments: usize,
+) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+    let mailbox = testing.mailbox::<S, _>(set, settings.limits())?;
+    let segments = TimeSegments::<S, T>::build(set, settings, testing, segments)?;
+    Ok(Box::new(BoundInMotion::<S, _, T, COMPILED>::new(set.in_motion(), segments, mailbox)))
+}
+
+/// [`prepare`] for a structure of which more is compiled into its traversals, in f32 alone: the queries of
+/// sets that move, and chosen tests where the feature `compiled-tests` is on.
 pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> Prepared<f32> {
-    #[cfg(not(feature = "compiled-tests"))]
-    return prepare::<f32, T>(params);
-    #[cfg(feature = "compiled-tests")]
-    {
-        let (settings, testing) = (Settings::of(params), Testing::of(params));
-        let segments = time_segments::of(params);
-        Box::new(move |prims, before| {
-            let how = (&settings, &testing);
-            crate::variants::compiled_tests::build::<T>(prims, how)
-                .unwrap_or_else(|| build_tracer::<f32, T>(prims, how, segments, before))
-        })
-    }
+    let (settings, testing) = (Settings::of(params), Testing::of(params));
+    let segments = time_segments::of(params);
+    Box::new(move |prims, before| {
+        let how = (&settings, &testing);
+        #[cfg(feature = "compiled-tests")]
+        if let Some(built) = crate::variants::compiled_tests::build::<T>(prims, how) {
+            return built;
+        }
+        match prims {
+            PrimsRef::Mixed(set) if testing.choice.is_none() && set.has_motion() => {
+                in_motion::<f32, T, true>(set, how, segments)
+            }
+            _ => build_tracer::<f32, T>(prims, how, segments, before),
+        }
+    })
 }
 
 /// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree, my_tree::INFO)`.
@@ -217,7 +227,7 @@ macro_rules! entry {
     };
 }
 
-/// [`entry!`] for a structure whose chosen tests can be compiled in: see [`prepare_compiled`].
+/// [`entry!`] for a structure of which more can be compiled in: see [`prepare_compiled`].
 macro_rules! compiled_entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(

@@ -10,8 +10,8 @@ use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet};
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::kernel::ListBlocks;
-use crate::query::sink::{ErasedSink, RelayedSink};
+use crate::query::kernel::{BlockSink, ListBlocks};
+use crate::query::sink::{ErasedSink, RelayedSink, Sink};
 use crate::query::tracer::tested::Testing;
 use crate::structure::{BuildError, Structure, StructureStats};
 
@@ -100,13 +100,30 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
         if T::HAS_LISTS { self.at(ray).blocks.as_ref() } else { None }
     }
 
+    /// The query after its traversal, which is compiled for it.
+    #[inline(always)]
+    pub(crate) fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
+        let Segment { structure, blocks } = self.at(ray);
+        match blocks {
+            Some(blocks) if T::HAS_LISTS => {
+                let mut sink = BlockSink::new(blocks, query);
+                structure.traverse(ray, &mut sink);
+                sink.into_query()
+            }
+            _ => {
+                structure.traverse(ray, &mut query);
+                query
+            }
+        }
+    }
+
     /// The traversal of all passes that count.
     #[inline(never)]
     pub(crate) fn counted_traversal(&self, ray: &Ray<S>, mut sink: ErasedSink<'_, S>) {
         self.at(ray).structure.traverse(ray, &mut sink);
     }
 
-    /// The traversal of all passes that are timed.
+    /// The traversal of all passes that are timed, where it is compiled once for all queries.
     #[inline(never)]
     pub(crate) fn timed_traversal(&self, ray: &Ray<S>, mut sink: RelayedSink<'_, S>) {
         self.at(ray).structure.traverse(ray, &mut sink);

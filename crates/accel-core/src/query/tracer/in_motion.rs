@@ -1,12 +1,14 @@
 //! Tracing a set whose primitives move.
 //!
 //! A structure has one traversal for what counts, with the one [`ErasedSink`], and one for what is timed, with the one
-//! [`RelayedSink`]: motion costs no structure a traversal for each query and mailbox. Scenes at rest are traced by
-//! [`Bound`](super::Bound) as ever.
+//! [`RelayedSink`]: motion costs no structure a traversal for each query and mailbox. Where a structure's traversals are
+//! worth their time in the compiler (`COMPILED`), those without a mailbox have the query itself compiled in, as those of
+//! scenes at rest have. Scenes at rest are traced by [`Bound`](super::Bound) as ever.
 
 use std::ops::Deref;
 
 use super::counting::Counting;
+use super::nearby::{closest, near};
 use super::timing::Timing;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
@@ -14,24 +16,24 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::counters::WorkCounters;
+use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::mailbox::{NoMailbox, Setting};
-use crate::query::sink::{ErasedSink, RelayedSink};
+use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
 use crate::query::way::Way;
 use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
 
 /// Structures over a set in motion, one per segment of time. `H` holds the primitives, as in
-/// [`Bound`](super::Bound).
-pub struct BoundInMotion<'a, S: Scalar, H, T> {
+/// [`Bound`](super::Bound). `COMPILED`: queries are compiled into the traversals.
+pub struct BoundInMotion<'a, S: Scalar, H, T, const COMPILED: bool> {
     prims: H,
     segments: TimeSegments<'a, S, T>,
     mailbox: Setting,
     reach: S,
 }
 
-impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>>
-    BoundInMotion<'a, S, H, T>
+impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const COMPILED: bool>
+    BoundInMotion<'a, S, H, T, COMPILED>
 {
     /// Joins structures with the primitives they were built over.
     pub fn new(prims: H, segments: TimeSegments<'a, S, T>, mailbox: Setting) -> Self {
@@ -57,12 +59,30 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>>
         })
     }
 
+    #[inline(always)]
+    fn compiled_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
+            let query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
+            self.segments.traversed(ray, query).finish().0
+        });
+    }
+
+    #[inline(always)]
+    fn compiled_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = near(self.reach, ray, false, |ray, _| {
+                let query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
+                self.segments.traversed(ray, query).finish().0
+            });
+        }
+    }
+
     fn has_no_mailbox(&self) -> bool {
         !T::DUPLICATES || matches!(self.mailbox, Setting::None)
     }
 }
 
-impl<S, P, H, T> Tracer<S> for BoundInMotion<'_, S, H, T>
+impl<S, P, H, T, const COMPILED: bool> Tracer<S> for BoundInMotion<'_, S, H, T, COMPILED>
 where
     S: Scalar,
     P: PrimSet<S>,
@@ -70,6 +90,9 @@ where
     T: Structure<S>,
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        if COMPILED && self.has_no_mailbox() {
+            return self.compiled_closest(rays, hits);
+        }
         self.timing(|timing| match self.has_no_mailbox() {
             true => timing.closest_hits(rays, hits, NoMailbox),
             false => self.mailbox.with(|mailbox| timing.closest_hits(rays, hits, mailbox)),
@@ -77,6 +100,9 @@ where
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        if COMPILED && self.has_no_mailbox() {
+            return self.compiled_occlusions(rays, blocked);
+        }
         self.timing(|timing| match self.has_no_mailbox() {
             true => timing.occlusions(rays, blocked, NoMailbox),
             false => self.mailbox.with(|mailbox| timing.occlusions(rays, blocked, mailbox)),
