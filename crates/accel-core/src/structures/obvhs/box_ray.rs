@@ -66,10 +66,10 @@ impl<S: Scalar> RaySetup<S> {
             let direction = [0, 1, 2].map(|k| rays.direction[k][lane]);
             let shorter = if is_own { S::ONE } else { unit_factor(direction) };
             lanes.parameters[lane].scale = unit / shorter;
-            for k in 0..3 {
+            for (k, d) in direction.into_iter().enumerate() {
                 lanes.origin[k][lane] = (rays.origin[k][lane] * unit).to_f64() as f32;
                 // -0 becomes 0
-                lanes.direction[k][lane] = (direction[k] * shorter).to_f64() as f32 + 0.0;
+                lanes.direction[k][lane] = (d * shorter).to_f64() as f32 + 0.0;
             }
         }
         lanes
