@@ -42,7 +42,7 @@ sed -i 's/new("median-bvh"/new("kd-tree"/' src/median_bvh.rs
 ends_with 1 "${program[@]}" list structures
 grep -q "two structures have the name 'kd-tree'" said.txt
 cp "$root/peers/rust-template/src/median_bvh.rs" src
-sed -i 's/default: "4"/default: "0"/' src/median_bvh.rs
+sed -i 's/"leaf", "4"/"leaf", "0"/' src/median_bvh.rs
 ends_with 1 "${program[@]}" list structures
 grep -q "median-bvh.leaf = '0': expected a whole number from 1 to 64" said.txt
 echo "rust-template: builds, is right, and its planted mistakes are found"

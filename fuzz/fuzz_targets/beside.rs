@@ -23,7 +23,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Ok(material) = read
         && bytes.len() % 32 == 0
     {
-        let _ = page(&material, true, Progress::new(false, 1, None));
+        let _ = page(&[material], true, Progress::new(false, 1, None));
     }
     std::fs::remove_file(&file).expect("it was written");
 });

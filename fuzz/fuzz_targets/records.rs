@@ -3,6 +3,7 @@
 //! long as reading.
 #![no_main]
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use measurement::record::merge::{Part, merge};
@@ -18,6 +19,7 @@ use rtbench::like::{Narrowed, narrowed};
 use rtbench::report::material::{DataFile, Material};
 use rtbench::report::page;
 use studies::run::costs::profiles;
+use studies::run::view::View;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Ok(record) = file::record(Path::new("results.json"), bytes) else { return };
@@ -51,13 +53,14 @@ fn compared(record: &RunRecord) {
 fn exported(record: &RunRecord) {
     let _ = studies::run::csv::to_string(record);
     let _ = studies::run::markdown::exported(record);
-    let _ = github_action_benchmark::smaller(record);
-    let _ = github_action_benchmark::bigger(record);
-    let _ = bencher::to_string(record);
+    let _ = github_action_benchmark::smaller(record, None);
+    let _ = github_action_benchmark::bigger(record, None);
+    let _ = bencher::to_string(record, None);
+    let view = View::fastest_first();
     for scene in &record.scenes {
-        let _ = studies::run::text::write_scene(&mut std::io::sink(), record, scene, true);
+        let _ = studies::run::text::write_scene(&mut std::io::sink(), record, scene, &view);
     }
-    let _ = studies::run::text::write_summary(&mut std::io::sink(), record, false);
+    let _ = studies::run::text::write_end(&mut std::io::sink(), record, &view);
 }
 
 fn checked(record: &RunRecord) {
@@ -89,7 +92,9 @@ fn reported(run: RunRecord) {
         folder: PathBuf::from("no-such-folder"),
         data: DataFile { name: file::NAME.into(), bytes: 0, sha256: String::new() },
         profiles: run.scenes.iter().map(profiles).collect(),
+        pictures: BTreeMap::new(),
         accuracy: None,
+        machines: None,
         tracers: Vec::new(),
         heat_maps: Vec::new(),
         sweeps: Vec::new(),
@@ -97,5 +102,5 @@ fn reported(run: RunRecord) {
         lecture: None,
         run,
     };
-    let _ = page(&material, true, Progress::new(false, 1, None));
+    let _ = page(&[material], true, Progress::new(false, 1, None));
 }

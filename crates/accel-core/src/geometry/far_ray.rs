@@ -163,6 +163,8 @@ fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::scalar::Vec3;
+    use crate::structures::test_scenes::Random;
 
     fn ray(o: [f32; 3], d: [f32; 3]) -> Ray<f32> {
         Ray::new(o.into(), d.into())
@@ -221,5 +223,45 @@ mod tests {
         assert!(matches!(place(&zero, reach), PlacedRay::Nowhere));
         let endless = ray([0.0; 3], [f32::INFINITY, 1.0, 0.0]);
         assert!(matches!(place(&endless, reach), PlacedRay::Nowhere));
+    }
+
+    fn lanes_agree<S: Scalar>() {
+        let mut random = Random(9);
+        let reach = S::from_f64(8.0);
+        let special = [f64::NAN, f64::INFINITY, -9.0, 1e30, -1e-30, -0.5, 0.0];
+        let (mut near, mut others) = (0, 0);
+        for round in 0..4000 {
+            let mut rays: [Ray<S>; LANES] = std::array::from_fn(|_| {
+                let mut point = |size: f64| {
+                    let axis = [0; 3].map(|_| S::from_f64((random.unit() - 0.5) * size));
+                    Vec3::<S>::from_array(axis)
+                };
+                let (origin, direction) = (point(15.9), point(2.0));
+                Ray { t_max: S::from_f64(2.0), ..Ray::new(origin, direction) }
+            });
+            if round % 4 > 0 {
+                let ray = &mut rays[round % LANES];
+                let x = S::from_f64(special[round % special.len()]);
+                match round % 5 {
+                    0 => ray.origin = Vec3::<S>::new(ray.origin.to_array()[1], x, S::ZERO),
+                    1 => ray.direction = Vec3::<S>::new(x, S::ONE, x),
+                    2 => ray.t_min = x,
+                    3 => ray.t_max = x,
+                    _ => ray.direction = Vec3::<S>::splat(x),
+                }
+            }
+            let is_near = |ray: &Ray<S>| matches!(place(ray, reach), PlacedRay::Near);
+            let expected = rays.iter().all(|ray| is_near(ray) && ray.t_min >= S::ZERO);
+            assert_eq!(are_near(&RayLanes::of(&rays), reach), expected, "{rays:?}");
+            near += u32::from(expected);
+            others += u32::from(!expected);
+        }
+        assert!(near > 1000 && others > 1000, "{near} {others}");
+    }
+
+    #[test]
+    fn rays_in_lanes_are_near_where_all_of_them_are() {
+        lanes_agree::<f32>();
+        lanes_agree::<f64>();
     }
 }

@@ -40,8 +40,8 @@ impl Query {
 }
 
 /// What stands below tables that have rows of both.
-pub const NOTE: &str = "query: batch rows answer many rays in one call, with several of them in \
-                        flight; to all others, the reference among them, rays are issued one by one.";
+pub const NOTE: &str = "query: batch rows answer many rays in one call, together; to all others, \
+                        the reference among them, rays are issued one by one.";
 
 #[cfg(test)]
 mod tests {

@@ -134,8 +134,8 @@ fn factors(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: &[Rays<'_
 const GLOSSARY: &[&str] = &[
     "Ratios of times for the same rays in the same rounds, with their 95% intervals; below 1 is faster, = \
      where the interval contains 1. direct: a library as its authors use it; all others: our setup of rays \
-     and the watertight test, one triangle at a time (scalar) or eight (block), rays one by one or several \
-     of a batch in flight (batch).",
+     and the watertight test, one triangle at a time (scalar) or eight (block), rays one by one or those \
+     of a batch together (batch).",
     "structure: another structure, all else the same. kernel, query: the same structure, asked \
      otherwise. adapter: what right answers cost: padded boxes, robust setup of rays, our test. A factor \
      that can be had before and after another one is the geometric mean of both.",

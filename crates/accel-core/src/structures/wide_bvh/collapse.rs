@@ -230,3 +230,59 @@ fn joined(
     }
     Subtree { cost, primitives, levels: 1 + lower.levels.max(upper.levels) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::structures::test_scenes::Random;
+
+    /// As the paper has it: every way to share so many roots between both sides, the first of the best.
+    fn shared(lower: &Subtree, upper: &Subtree, roots: usize) -> (f32, u8) {
+        let mut best = (f32::INFINITY, 0);
+        for of_lower in 1..roots {
+            let cost = lower.cost[of_lower - 1] + upper.cost[roots - of_lower - 1];
+            if cost < best.0 {
+                best = (cost, of_lower as u8);
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn lanes_find_the_least_cost_of_every_number_of_roots() {
+        let mut random = Random(5);
+        let (mut leaves, mut divided) = (0, 0);
+        for round in 0..3000 {
+            // on a coarse lattice, so that costs tie; more roots cost no more
+            let mut subtree = || {
+                let mut cost =
+                    [0; WIDTH].map(|_| (random.unit() * 16.0).floor() as f32 / 4.0 + 0.25);
+                cost.sort_by(|a, b| b.total_cmp(a));
+                Subtree { cost, primitives: 1 + round % 7, levels: 1 + round % 3 }
+            };
+            let (lower, upper) = (subtree(), subtree());
+            let costs = Costs { node: 1.0, longest_leaf: 10 };
+            let area = (random.unit() * 8.0) as f32;
+            let mut choice = Choice::default();
+            let all = joined(&lower, &upper, area, costs, &mut choice);
+            assert_eq!((all.primitives, all.levels), (2 * (1 + round % 7), 2 + round % 3));
+            let as_node = shared(&lower, &upper, WIDTH).0 + area;
+            let as_leaf = area * blocks(all.primitives) as f32;
+            let is_leaf = all.primitives <= 10 && as_leaf <= as_node;
+            assert_eq!(choice.leaf_primitives, if is_leaf { all.primitives } else { 0 });
+            let mut least = (if is_leaf { as_leaf } else { as_node }, 1);
+            assert_eq!((all.cost[0], choice.roots[0]), least);
+            for roots in 2..=WIDTH {
+                let (cost, of_lower) = shared(&lower, &upper, roots);
+                assert_eq!(choice.lower[roots - 1], of_lower);
+                if cost < least.0 {
+                    least = (cost, roots as u8);
+                }
+                assert_eq!((all.cost[roots - 1], choice.roots[roots - 1]), least, "{roots}");
+            }
+            leaves += u32::from(is_leaf);
+            divided += u32::from(least.1 > 1);
+        }
+        assert!(leaves > 100 && divided > 100, "{leaves} {divided}");
+    }
+}
