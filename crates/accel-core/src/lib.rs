@@ -39,8 +39,8 @@
 //! * A [`query::sink::Sink`] is the query: closest hit or occlusion, with or without
 //!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. Lists of
 //!   triangles may be kept as [`primitives::TriangleBlock`]s, which a sink tests at once and counts
-//!   as the triangles they are. The irregular grid has one more traversal, for batches of rays with
-//!   several in flight ([`structure::Batches`]).
+//!   as the triangles they are. Batches of rays may be traversed side by side, or be
+//!   prepared together ([`structure::Batches`]).
 //! * [`query::tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
 //! * [`query::region::FrustumQueries`] answers the other question, which primitives a beam or cone may meet.

@@ -105,7 +105,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
 pub enum Batches {
     /// Each is traversed ([`Structure::traverse`]) to its end before the next one begins.
     RayByRay,
-    /// Several are in flight, or prepared at once, with the answers of [`Structure::traverse`].
+    /// Several go side by side, or are prepared at once, with the answers of [`Structure::traverse`].
     Together,
     /// With the triangles, the test and the traversal of the library that the structure is of, and
     /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].

@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
-use wide::{f32x4, f32x8, f64x4, f64x8, i32x4};
+use wide::{f32x4, f32x8, f64x4, f64x8, i32x4, i32x8};
 
 /// Arithmetic that vectors of any width have.
 pub trait Lanes:
@@ -64,6 +64,12 @@ pub trait Eight: Lanes + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn transposed(rows: [Self; 8]) -> [Self; 8];
     /// The highest bit of each lane, the first lane's lowest.
     fn high_bits(self) -> u32;
+    /// Exact for |i| < 2^24.
+    fn from_i32(i: i32x8) -> Self;
+    /// Truncates towards zero what is in the range of i32.
+    fn truncate(self) -> i32x8;
+    /// Lanes of all ones or zeros as those of integers.
+    fn to_mask(self) -> i32x8;
 }
 
 macro_rules! lanes {
@@ -101,7 +107,7 @@ lanes!(f32x8, f32, 8);
 lanes!(f64x8, f64, 8);
 
 macro_rules! eight {
-    ($vector:ty) => {
+    ($vector:ty, {$($conversions:tt)*}) => {
         impl Eight for $vector {
             #[inline(always)]
             fn equal(self, other: Self) -> Self {
@@ -131,12 +137,39 @@ macro_rules! eight {
             fn high_bits(self) -> u32 {
                 self.to_bitmask()
             }
+            $($conversions)*
         }
     };
 }
 
-eight!(f32x8);
-eight!(f64x8);
+eight!(f32x8, {
+    #[inline(always)]
+    fn from_i32(i: i32x8) -> Self {
+        Self::from_i32x8(i)
+    }
+    #[inline(always)]
+    fn truncate(self) -> i32x8 {
+        self.fast_trunc_int()
+    }
+    #[inline(always)]
+    fn to_mask(self) -> i32x8 {
+        bytemuck::cast(self)
+    }
+});
+eight!(f64x8, {
+    #[inline(always)]
+    fn from_i32(i: i32x8) -> Self {
+        Self::new(i.to_array().map(f64::from))
+    }
+    #[inline(always)]
+    fn truncate(self) -> i32x8 {
+        i32x8::new(self.to_array().map(|x| x as i32))
+    }
+    #[inline(always)]
+    fn to_mask(self) -> i32x8 {
+        i32x8::new(self.to_array().map(|x| (x.to_bits() >> 32) as i32))
+    }
+});
 
 impl Four for f32x4 {
     #[inline(always)]
@@ -212,6 +245,13 @@ mod tests {
         assert_eq!(a.where_set(b.below(a), b).to_array()[3..5], [s(3.0), s(4.0)]);
         let rows = V::transposed(std::array::from_fn(|i| V::splat(s(i as f64))));
         assert!(rows.iter().all(|row| row.to_array() == a.to_array()));
+        assert_eq!(a.below(b).to_mask().to_array(), [-1, -1, -1, 0, 0, 0, 0, 0]);
+        let i = i32x8::new([-7, 0, 65_535, 9, -1, 1, 2, 3]);
+        assert_eq!(V::from_i32(i).to_array()[..3], [s(-7.0), s(0.0), s(65_535.0)]);
+        assert_eq!(
+            (V::from_i32(i) + V::splat(s(0.75))).truncate().to_array()[..4],
+            [-6, 0, 65_535, 9]
+        );
     }
 
     #[test]

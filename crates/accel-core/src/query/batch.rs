@@ -1,5 +1,5 @@
 //! Batches of rays: closest hits, or whether rays are blocked. How the rays go through a structure is the
-//! business of `in_flight.rs` and `prepared.rs`.
+//! business of `prepared.rs` and `side_by_side.rs`.
 //!
 //! The loop over rays is compiled twice on x86-64: for the target, and for AVX-512, whose 32 registers hold what
 //! is known of a ray; which of both runs is decided where it runs. The operations are the same, none is

@@ -67,6 +67,15 @@ impl<S: Scalar> Lists<S> {
         }
     }
 
+    /// Begins to load the beginning of a list that is not empty.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, number: u32) {
+        match self {
+            Self::Ids(ids) => prefetch(&ids[number as usize]),
+            Self::Blocks(blocks) => prefetch(&blocks[number as usize]),
+        }
+    }
+
     /// The ids of a list.
     pub(crate) fn ids(&self, number: u32, into: &mut Vec<u32>) {
         into.clear();
@@ -84,4 +93,19 @@ impl<S: Scalar> Lists<S> {
             Self::Blocks(blocks) => size_of_val(blocks.as_slice()),
         }
     }
+}
+
+/// Asks for all cache lines of a value.
+#[inline(always)]
+fn prefetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    for offset in (0..size_of::<T>()).step_by(64) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a hint, which reads nothing
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast::<i8>().wrapping_add(offset))
+        };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
 }

@@ -3,7 +3,7 @@
 //! What a structure and a triangle test derive from a ray is a quarter of the instructions of a closest hit in a
 //! wide BVH, and a third of an occlusion's, and it is waited for: nothing can be fetched before. In lanes it is
 //! the work of one ray for eight, and done when a ray begins. Steps, answers and counters are those of
-//! [`in_flight::traverse`]. To have several prepared rays in flight besides was a loss (two 0.85 to 1.0, four
+//! [`resumable::traverse`]. To have several prepared rays in flight besides was a loss (two 0.85 to 1.0, four
 //! 0.77 to 0.88 of one after the other).
 
 use crate::geometry::far_ray;
@@ -11,7 +11,7 @@ use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::batch::{Batch, Drive};
-use crate::query::in_flight::{self, Resumable};
+use crate::query::resumable::{self, Resumable};
 
 /// A structure that derives what it needs of eight rays at once.
 pub(crate) trait Prepared<S: Scalar>: Resumable<S> {
@@ -48,7 +48,7 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
             for (lane, ray) in rays.iter().enumerate() {
                 let mut sink = batch.sink(ray, setups(lane));
                 let state = structure.begin_prepared(&eight, lane, ray.t_max);
-                in_flight::run(structure, state, &mut sink);
+                resumable::run(structure, state, &mut sink);
                 batch.keep(first + lane, &sink);
             }
         }

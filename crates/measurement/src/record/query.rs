@@ -1,6 +1,6 @@
 //! How a row is asked: ray by ray, or a batch at a time.
 //!
-//! A call that has several rays in flight, or prepares several at once, hides the time that each of them waits
+//! A call that has several rays go side by side, or prepares several at once, hides the time that each of them waits
 //! for; one ray alone cannot. The two are different questions, so tables say which one a row
 //! answered. It is read off what was built over the scene, not off names or settings: a structure may
 //! have its batches for triangles alone.

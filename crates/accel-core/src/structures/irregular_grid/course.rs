@@ -2,12 +2,11 @@
 //! and without branches: which face a ray leaves through is as good as random, and a processor that
 //! guesses wrong loses more than a step.
 
-use wide::{i32x4, u8x16};
+use wide::{i32x4, i32x8, u8x16};
 
-use crate::geometry::lanes::{Four, Lanes};
+use crate::geometry::lanes::{Eight, Four, Lanes};
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::FourOf;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::{EightOf, FourOf, Scalar, Vector};
 use crate::structures::irregular_grid::voxels::{Point, Voxel};
 
 /// Where a grid's lattice lies.
@@ -39,6 +38,26 @@ impl<S: Scalar> LatticeFrame<S> {
     #[inline(always)]
     fn within(&self, x: FourOf<S>) -> Point {
         x.greater(FourOf::<S>::splat(S::ZERO)).lesser(self.last_coordinate).truncate()
+    }
+
+    /// On an axis: where the lattice begins, cells per unit of length, and cells.
+    #[inline(always)]
+    pub(super) fn along(&self, axis: usize) -> [S; 3] {
+        [&self.low, &self.per_length, &self.size].map(|all| all.to_array()[axis])
+    }
+
+    /// The last lattice coordinate on an axis.
+    #[inline(always)]
+    pub(super) fn last_along(&self, axis: usize) -> i32x8 {
+        i32x8::splat(self.last.to_array()[axis])
+    }
+
+    /// The lattice cells at coordinates on an axis, within the lattice.
+    #[inline(always)]
+    pub(super) fn within_along(&self, axis: usize, x: EightOf<S>) -> i32x8 {
+        let splat = EightOf::<S>::splat;
+        let last = self.last_coordinate.to_array()[axis];
+        x.greater(splat(S::ZERO)).lesser(splat(last)).truncate()
     }
 
     /// True when the point is none of the lattice.

@@ -17,6 +17,7 @@
 
 mod cells;
 mod course;
+mod course_lanes;
 mod empty_boxes;
 mod expand;
 mod lattice;
@@ -33,6 +34,7 @@ use glam::DVec3;
 
 use crate::config;
 use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_overlap;
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
@@ -43,21 +45,20 @@ use crate::params::{config, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::in_flight::{self, InFlight, Resumable};
 use crate::query::lists::Lists;
 use crate::query::mailbox;
+use crate::query::resumable::{self, Resumable};
+use crate::query::side_by_side::{InLanes, RAYS, SideBySide};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use cells::{FIRST_PART, TooLarge};
 use course::{Course, LatticeFrame};
+use course_lanes::{Beginnings, Courses};
 use lattice::Lattice;
 use place::{Placement, Source};
 use subdivide::{Settings, subdivide};
 use voxels::{Point, Voxel, Voxels};
-
-/// Rays of a batch in flight.
-const RAYS: usize = 24;
 
 config! {
     /// How the cells are divided and asked.
@@ -72,8 +73,8 @@ config! {
         longest_list: u64 = ParamSpec::integer("longest-list", "0", 0, 1 << 20),
         /// what a step costs, in tests of a primitive
         step_cost: f64 = ParamSpec::real("step-cost", "3", 0.0, 1e3),
-        /// batch keeps 24 rays of a batch in flight; sets with other primitives than triangles are traversed one ray
-        /// after the other
+        /// batch has 32 rays of a batch take their steps side by side; sets with other primitives than triangles are
+        /// traversed one ray after the other
         is_batch: bool = ParamSpec::choice("query", "one", &["one", "batch"]) => |query| query == "batch",
         /// what the divisions in one line of descent may multiply references by, and so most references to a
         /// primitive on average
@@ -125,7 +126,7 @@ pub struct IrregularGrid<S: Scalar> {
     voxels: Voxels,
     lists: Lists<S>,
     place: LatticeFrame<S>,
-    /// Several rays of a batch are in flight.
+    /// Rays of a batch are side by side.
     is_batch: bool,
     stats: StructureStats,
     /// Where cells are, for those who look at them.
@@ -209,7 +210,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        in_flight::traverse(self, ray, sink);
+        resumable::traverse(self, ray, sink);
     }
 
     #[inline(always)]
@@ -225,7 +226,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         hits: &mut [Hit<S>],
     ) {
-        batch::closest::<InFlight<RAYS>, _, _, _>(self, prims, rays, reach, hits);
+        batch::closest::<InLanes, _, _, _>(self, prims, rays, reach, hits);
     }
 
     #[inline(always)]
@@ -236,7 +237,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         blocked: &mut [bool],
     ) {
-        batch::occlusions::<InFlight<RAYS>, _, _, _>(self, prims, rays, reach, blocked);
+        batch::occlusions::<InLanes, _, _, _>(self, prims, rays, reach, blocked);
     }
 
     fn stats(&self) -> StructureStats {
@@ -311,6 +312,50 @@ impl<S: Scalar> Resumable<S> for IrregularGrid<S> {
     unsafe fn leave<K: Sink<S>>(&self, state: &mut State<S>, (): &mut (), sink: &mut K) -> bool {
         let State { course, at, voxel, .. } = state;
         course.leave(at, voxel, sink.t_max(), &self.place)
+    }
+}
+
+impl<S: Scalar> SideBySide<S> for IrregularGrid<S> {
+    type Eight = Beginnings<S>;
+    type State = Courses<S>;
+
+    #[inline(always)]
+    fn prepare(&self, rays: &RayLanes<S>) -> Beginnings<S> {
+        Beginnings::of(rays, &self.place)
+    }
+
+    #[inline(always)]
+    fn meeting(eight: &Beginnings<S>) -> u32 {
+        eight.meeting
+    }
+
+    fn idle() -> Courses<S> {
+        Courses::idle()
+    }
+
+    #[inline(always)]
+    fn begin(&self, state: &mut Courses<S>, lane: usize, eight: &Beginnings<S>, ray: usize) {
+        state.begin(lane, eight, ray);
+    }
+
+    #[inline(always)]
+    fn arrive(&self, state: &mut Courses<S>) -> [u32; RAYS] {
+        state.arrive(&self.voxels)
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, list: u32) {
+        self.lists.prefetch(list);
+    }
+
+    #[inline(always)]
+    fn test<K: Sink<S>>(&self, list: u32, sink: &mut K) -> ControlFlow<()> {
+        self.lists.test(list, sink)
+    }
+
+    #[inline(always)]
+    fn leave(&self, state: &mut Courses<S>, t_max: &[S; RAYS]) -> u32 {
+        state.leave(t_max, &self.place)
     }
 }
 

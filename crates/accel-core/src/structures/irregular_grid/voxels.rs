@@ -2,7 +2,7 @@
 //! coordinates of a lattice point.
 
 use rayon::prelude::*;
-use wide::{i32x4, u8x16, u32x4};
+use wide::{i32x4, i32x8, u8x16, u32x4, u32x8};
 
 use crate::structures::irregular_grid::cells::{Cells, DIVIDED, FIRST_PART};
 use crate::structures::irregular_grid::lattice::{Division, Lattice};
@@ -96,6 +96,60 @@ impl Voxel {
     }
 }
 
+/// Eight records, word by word.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Records([u32x8; 4]);
+
+impl Records {
+    /// Empty boxes.
+    pub(super) const NOTHING: Self = Self([u32x8::ZERO; 4]);
+
+    /// The last words: of undivided ones the numbers of their lists.
+    #[inline(always)]
+    pub(super) fn words(&self) -> u32x8 {
+        self.0[3]
+    }
+
+    /// All ones where they are divided.
+    #[inline(always)]
+    fn divided(&self) -> u32x8 {
+        // the highest bit says it
+        const { assert!(DIVIDED == 1 << 31) };
+        let words: i32x8 = bytemuck::cast(self.words());
+        let divided: i32x8 = words >> 31;
+        bytemuck::cast(divided)
+    }
+
+    /// The first three words of 16 bits, and the next three.
+    #[inline(always)]
+    fn threes(&self) -> [[u32x8; 3]; 2] {
+        let [a, b, c, _] = self.0;
+        let low = |pair: u32x8| pair & u32x8::splat(0xffff);
+        let high = |pair: u32x8| pair.unbounded_shr_scalar(16);
+        [[low(a), high(a), low(b)], [high(b), low(c), high(c)]]
+    }
+
+    /// Of divided ones, the numbers of the records of the parts at these points.
+    #[inline(always)]
+    fn parts(&self, [x, y, z]: &[u32x8; 3]) -> u32x8 {
+        let [right, left] = self.threes();
+        let y = y.unbounded_shr(right[1]).unbounded_shl(left[1]);
+        let z = z.unbounded_shr(right[2]).unbounded_shl(left[2]);
+        (self.words() + x.unbounded_shr(right[0]) + y + z) & u32x8::splat(!DIVIDED)
+    }
+
+    /// Of undivided ones, the coordinates after the last of their boxes, or the first on axes with -1.
+    #[inline(always)]
+    pub(super) fn far_planes(&self, down: &[i32x8; 3]) -> [i32x8; 3] {
+        let [first, end] = self.threes();
+        let far = |axis: usize| {
+            let is_down: u32x8 = bytemuck::cast(down[axis]);
+            bytemuck::cast(is_down.select(first[axis], end[axis]))
+        };
+        [far(0), far(1), far(2)]
+    }
+}
+
 /// The records.
 #[derive(Debug)]
 pub(super) struct Voxels {
@@ -171,6 +225,42 @@ impl Voxels {
         let [x, y, z, _] = p.unbounded_shr(right).unbounded_shl(left).to_array();
         let number = voxel.word().wrapping_add(x).wrapping_add(y).wrapping_add(z) & !DIVIDED;
         self.records[number as usize]
+    }
+
+    /// The records of the undivided parts at sixteen lattice points, by axis and lane.
+    #[inline(always)]
+    pub(super) fn at_sixteen(&self, at: &[[u32x8; 3]; 2]) -> [Records; 2] {
+        let shift = self.shift.to_array().map(u32x8::splat);
+        let strides = self.strides.to_array().map(u32x8::splat);
+        let top = |[x, y, z]: &[u32x8; 3]| {
+            let (y, z) = (y.unbounded_shr(shift[1]), z.unbounded_shr(shift[2]));
+            x.unbounded_shr(shift[0]) + y * strides[1] + z * strides[2]
+        };
+        let mut numbers = [top(&at[0]), top(&at[1])];
+        loop {
+            let records = self.of_numbers(&numbers);
+            // all ones where divided
+            let divided = [records[0].divided(), records[1].divided()];
+            if (divided[0] | divided[1]).to_bitmask() == 0 {
+                return records;
+            }
+            for half in 0..2 {
+                let parts = records[half].parts(&at[half]);
+                numbers[half] = divided[half].select(parts, numbers[half]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn of_numbers(&self, numbers: &[u32x8; 2]) -> [Records; 2] {
+        let [first, second] = [numbers[0].to_array(), numbers[1].to_array()];
+        let pair = |lane: usize| {
+            let pair = [first[lane], second[lane]].map(|number| self.records[number as usize].0);
+            bytemuck::cast(pair)
+        };
+        let rows = [pair(0), pair(1), pair(2), pair(3), pair(4), pair(5), pair(6), pair(7)];
+        let [a, b, c, d, e, f, g, h] = u32x8::transpose(rows);
+        [Records([a, b, c, d]), Records([e, f, g, h])]
     }
 
     /// The record of the undivided part at a lattice point.

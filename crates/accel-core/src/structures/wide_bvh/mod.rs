@@ -28,9 +28,9 @@ use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::in_flight::{self, Resumable};
 use crate::query::lists::Lists;
 use crate::query::prepared::{OneByOne, Prepared};
+use crate::query::resumable::{self, Resumable};
 use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{AdapterConfig, PRESET, UNPADDED, is_unpadded};
@@ -208,7 +208,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        in_flight::traverse(self, ray, sink);
+        resumable::traverse(self, ray, sink);
     }
 
     #[inline(always)]

@@ -1,0 +1,275 @@
+//! The ways of many rays over the lattice, side by side: [`Course`](super::course::Course) axis by axis, with a ray
+//! in each lane, to the same bits.
+
+use wide::{i32x8, u32x8};
+
+use crate::geometry::lanes::{Eight, Lanes};
+use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::scalar::{EightOf, Scalar};
+use crate::query::side_by_side::{EIGHTS, RAYS};
+use crate::structures::irregular_grid::course::LatticeFrame;
+use crate::structures::irregular_grid::voxels::{Records, Voxels};
+
+/// Eight rays in lattice cells and where they are, by axis and lane; kept as numbers, of which single lanes are
+/// replaced.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+struct EightCourses<S> {
+    origin: [[S; LANES]; 3],
+    direction: [[S; LANES]; 3],
+    inverse: [[S; LANES]; 3],
+    /// 0 on an axis along which the ray goes up, -1 where it goes down.
+    down: [[i32; LANES]; 3],
+    at: [[u32; LANES]; 3],
+}
+
+/// Eight rays that are to begin.
+pub struct Beginnings<S> {
+    courses: EightCourses<S>,
+    /// A bit for each that meets the lattice.
+    pub(super) meeting: u32,
+}
+
+impl<S: Scalar> Beginnings<S> {
+    /// Of rays; what [`Course::of`](super::course::Course::of) says of each.
+    #[inline(always)]
+    pub(super) fn of(rays: &RayLanes<S>, place: &LatticeFrame<S>) -> Self {
+        let (splat, vector) = (EightOf::<S>::splat, EightOf::<S>::new);
+        let (zero, infinity) = (splat(S::ZERO), splat(S::INFINITY));
+        let padding = splat(S::ONE + S::EPSILON + S::EPSILON);
+        let mut courses = EightCourses::idle();
+        let (mut start, mut end) = (zero - infinity, infinity);
+        let mut meeting = zero.at_most(zero);
+        for axis in 0..3 {
+            let [low, per_length, size] = place.along(axis).map(splat);
+            let origin = (vector(rays.origin[axis]) - low) * per_length;
+            let direction = vector(rays.direction[axis]) * per_length;
+            let inverse = splat(S::ONE) / direction;
+            let moves = (inverse * zero).at_most(zero);
+            let (low, high) = ((zero - origin) * inverse, (size - origin) * inverse);
+            start = start.greater(low.lesser(high).where_set(moves, zero - infinity));
+            end = end.lesser((low.greater(high) * padding).where_set(moves, infinity));
+            meeting = meeting & (zero.at_most(origin) & origin.at_most(size) | moves);
+            courses.origin[axis] = origin.to_array();
+            courses.direction[axis] = direction.where_set(moves, zero).to_array();
+            courses.inverse[axis] = inverse.where_set(moves, infinity).to_array();
+            courses.down[axis] = (moves.to_mask() & !zero.at_most(direction).to_mask()).to_array();
+        }
+        start = start.greater(vector(rays.t_min));
+        meeting = meeting & start.at_most(end.lesser(vector(rays.t_max)));
+        for axis in 0..3 {
+            let origin = vector(courses.origin[axis]);
+            let entry = origin + vector(courses.direction[axis]) * start;
+            courses.at[axis] = bytemuck::cast(place.within_along(axis, entry));
+            let rests = infinity.at_most(vector(courses.inverse[axis]));
+            courses.origin[axis] = splat(S::ZERO - S::ONE).where_set(rests, origin).to_array();
+        }
+        Self { courses, meeting: meeting.high_bits() }
+    }
+}
+
+/// Rays side by side, and where they are.
+pub struct Courses<S: Scalar> {
+    eights: [EightCourses<S>; EIGHTS],
+    /// Of the undivided parts that they have come to.
+    records: [Records; EIGHTS],
+}
+
+impl<S: Scalar> Courses<S> {
+    pub(super) fn idle() -> Self {
+        Self { eights: [EightCourses::idle(); EIGHTS], records: [Records::NOTHING; EIGHTS] }
+    }
+
+    #[inline(always)]
+    pub(super) fn begin(&mut self, lane: usize, beginnings: &Beginnings<S>, ray: usize) {
+        let (to, from) = (&mut self.eights[lane / LANES], &beginnings.courses);
+        let lane = lane % LANES;
+        for axis in 0..3 {
+            to.origin[axis][lane] = from.origin[axis][ray];
+            to.direction[axis][lane] = from.direction[axis][ray];
+            to.inverse[axis][lane] = from.inverse[axis][ray];
+            to.down[axis][lane] = from.down[axis][ray];
+            to.at[axis][lane] = from.at[axis][ray];
+        }
+    }
+
+    /// Looks up the undivided parts that they have come to; the numbers of their lists.
+    #[inline(always)]
+    pub(super) fn arrive(&mut self, voxels: &Voxels) -> [u32; RAYS] {
+        let mut lists = [0; RAYS];
+        let pairs = self.eights.as_chunks::<2>().0.iter().zip(self.records.as_chunks_mut().0);
+        for ((eights, records), lists) in pairs.zip(lists.as_chunks_mut().0) {
+            *records = voxels.at_sixteen(&[eights[0].points(), eights[1].points()]);
+            *lists =
+                bytemuck::cast::<_, [u32; 2 * LANES]>([records[0].words(), records[1].words()]);
+        }
+        lists
+    }
+
+    /// Goes on to where they leave these; a bit for each that does not, as it leaves the lattice or comes to its
+    /// end.
+    #[inline(always)]
+    pub(super) fn leave(&mut self, t_max: &[S; RAYS], place: &LatticeFrame<S>) -> u32 {
+        let mut over = 0;
+        let ends = t_max.as_chunks::<LANES>().0;
+        for (number, (eight, records)) in self.eights.iter_mut().zip(&self.records).enumerate() {
+            let ended = eight.leave(records, EightOf::<S>::new(ends[number]), place);
+            over |= ended << (number * LANES);
+        }
+        over
+    }
+}
+
+impl<S: Scalar> EightCourses<S> {
+    fn idle() -> Self {
+        let zero = [[S::ZERO; LANES]; 3];
+        Self {
+            origin: zero,
+            direction: zero,
+            inverse: zero,
+            down: [[0; LANES]; 3],
+            at: [[0; LANES]; 3],
+        }
+    }
+
+    #[inline(always)]
+    fn points(&self) -> [u32x8; 3] {
+        let [x, y, z] = self.at;
+        [u32x8::new(x), u32x8::new(y), u32x8::new(z)]
+    }
+
+    /// [`Course::leave`](super::course::Course::leave).
+    #[inline(always)]
+    fn leave(&mut self, records: &Records, t_max: EightOf<S>, place: &LatticeFrame<S>) -> u32 {
+        let (splat, vector) = (EightOf::<S>::splat, EightOf::<S>::new);
+        let down: [i32x8; 3] =
+            [i32x8::new(self.down[0]), i32x8::new(self.down[1]), i32x8::new(self.down[2])];
+        let planes = records.far_planes(&down);
+        let exit = |axis: usize| {
+            let distance = EightOf::<S>::from_i32(planes[axis]) - vector(self.origin[axis]);
+            distance * vector(self.inverse[axis])
+        };
+        let exits = [exit(0), exit(1), exit(2)];
+        let t = exits[0].lesser(exits[1]).lesser(exits[2]);
+        let infinity = splat(S::INFINITY);
+        let goes_on = t.at_most(t_max) & t.absolute().below(infinity);
+        // below zero where it is over
+        let mut left: i32x8 = !goes_on.to_mask();
+        let mut to = [i32x8::ZERO; 3];
+        for axis in 0..3 {
+            let exit = vector(self.origin[axis]) + vector(self.direction[axis]) * t;
+            let (there, at) = (place.within_along(axis, exit), bytemuck::cast(self.at[axis]));
+            let down = down[axis];
+            let onward = (there ^ down).max(i32x8::new(at) ^ down) ^ down;
+            let beyond = planes[axis] + down;
+            to[axis] = exits[axis].at_most(t).to_mask().select(beyond, onward);
+            left |= to[axis].simd_gt(place.last_along(axis)) | to[axis];
+        }
+        let is_over: i32x8 = left >> 31;
+        for axis in 0..3 {
+            // one that is over is somewhere in the lattice, too
+            self.at[axis] = bytemuck::cast(to[axis] & !is_over);
+        }
+        left.to_bitmask()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ray::Ray;
+    use crate::geometry::scalar::{Vec3, Vector};
+    use crate::params::config::Settings;
+    use crate::primitives::{TriangleSet, Watertight};
+    use crate::structure::Structure;
+    use crate::structures::irregular_grid::course::Course;
+    use crate::structures::irregular_grid::{INFO, IrregularGrid};
+    use crate::structures::test_scenes::Random;
+
+    /// The lists of a ray that goes alone.
+    fn alone<S: Scalar>(grid: &IrregularGrid<S>, ray: &Ray<S>) -> Vec<u32> {
+        let mut lists = Vec::new();
+        if let Some((course, mut at)) = Course::of(ray, &grid.place) {
+            loop {
+                let voxel = grid.voxels.at(at);
+                lists.push(voxel.list());
+                if !course.leave(&mut at, &voxel, ray.t_max, &grid.place) {
+                    break;
+                }
+            }
+        }
+        lists
+    }
+
+    /// A dense part in a sparse one, and rays of all kinds: most of any direction, some along axes and in planes of
+    /// cells, some past it.
+    fn steps_agree<S: Scalar>() {
+        let mut random = Random(11);
+        let corner = |p: glam::DVec3| p.to_array().map(S::from_f64);
+        let triangles = (0..3000).map(|i| {
+            let size = if i % 5 == 0 { 1.0 } else { 0.125 };
+            let at = random.point([size; 3]);
+            [at, at + random.point([0.1 * size; 3]), at + random.point([0.1 * size; 3])].map(corner)
+        });
+        let set = TriangleSet::<S, Watertight>::new(triangles.collect(), |_| false).unwrap();
+        let params = INFO.defaults().set("longest-list", 4).unwrap();
+        let grid = IrregularGrid::<S>::build(&set, &Settings::of(&params)).unwrap();
+        let (mut steps, mut missed, mut full) = (0, 0, 0);
+        for round in 0..400 {
+            let rays: [Ray<S>; LANES] = std::array::from_fn(|lane| {
+                let from = random.point([2.0; 3]) - 0.5;
+                let mut d = random.point([1.0; 3]) - from;
+                match (round + lane) % 6 {
+                    0 => d = glam::DVec3::X * d.x.signum(),
+                    1 => d.y = 0.0,
+                    2 => d.z = -1e-30,
+                    _ => {}
+                }
+                let snapped = (from * 16.0).round() / 16.0;
+                let from = if round % 3 == 0 { snapped } else { from };
+                let vector = |v: glam::DVec3| Vec3::<S>::from_dvec3(v);
+                let mut ray = Ray::<S>::new(vector(from), vector(d));
+                ray.t_max = if round % 4 == 0 { S::ONE } else { S::INFINITY };
+                ray
+            });
+            let expected = rays.each_ref().map(|ray| alone(&grid, ray));
+            let beginnings = Beginnings::of(&RayLanes::of(&rays), &grid.place);
+            let mut courses = Courses::idle();
+            // among other lanes, which go on for ever
+            let lanes = [round, round + 9, round + 18, round + 27];
+            let lanes: Vec<usize> = (0..LANES).map(|i| (lanes[i % 4] + i / 4) % RAYS).collect();
+            let mut found = vec![Vec::new(); LANES];
+            let mut going = 0u32;
+            for (i, &lane) in lanes.iter().enumerate() {
+                let meets = beginnings.meeting >> i & 1 == 1;
+                assert_eq!(meets, !expected[i].is_empty());
+                missed += u32::from(!meets);
+                if meets {
+                    courses.begin(lane, &beginnings, i);
+                    going |= 1 << lane;
+                }
+            }
+            let mut t_max = [S::ZERO; RAYS];
+            lanes.iter().zip(&rays).for_each(|(&lane, ray)| t_max[lane] = ray.t_max);
+            while going != 0 {
+                let lists = courses.arrive(&grid.voxels);
+                for (i, &lane) in lanes.iter().enumerate() {
+                    if going >> lane & 1 == 1 {
+                        found[i].push(lists[lane]);
+                    }
+                }
+                going &= !courses.leave(&t_max, &grid.place);
+            }
+            assert_eq!(found, expected, "{rays:?}");
+            steps += found.iter().map(Vec::len).sum::<usize>();
+            full += found.iter().flatten().filter(|list| **list != 0).count();
+        }
+        assert!(steps > 4000 && missed > 100 && full > 500, "{steps} {missed} {full}");
+    }
+
+    #[test]
+    fn steps_in_lanes_are_those_of_one_ray() {
+        steps_agree::<f32>();
+        steps_agree::<f64>();
+    }
+}
