@@ -67,23 +67,12 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed ray by ray.
     /// With [`Batches::Together`] rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
     #[inline(always)]
-    fn closest_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>>(
         &self,
         _prims: &P,
         _rays: &[Ray<S>],
         _reach: S,
-        _hits: &mut [Hit<S>],
-    ) {
-    }
-
-    /// [`Structure::closest_batch`] for occlusion by opaque primitives.
-    #[inline(always)]
-    fn occlusion_batch<P: PrimSet<S>>(
-        &self,
-        _prims: &P,
-        _rays: &[Ray<S>],
-        _reach: S,
-        _blocked: &mut [bool],
+        _answers: BatchAnswers<'_, S>,
     ) {
     }
 
@@ -110,6 +99,15 @@ pub enum Batches {
     /// With the triangles, the test and the traversal of the library that the structure is of, and
     /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].
     Library,
+}
+
+/// What is asked about the rays of a batch, and where the answers go: one for each ray.
+#[derive(Debug)]
+pub enum BatchAnswers<'a, S: Scalar> {
+    /// Closest hits.
+    Closest(&'a mut [Hit<S>]),
+    /// Whether an opaque primitive is in the way.
+    Occlusion(&'a mut [bool]),
 }
 
 /// What a structure consists of, in the symbols of Havran and Sixta (1999).

@@ -12,7 +12,7 @@ use crate::query::counters::NoCounters;
 use crate::query::mailbox::NoMailbox;
 use crate::query::sink::{AnyHit, ClosestHit, Sink};
 use crate::query::tracer::nearby;
-use crate::structure::Structure;
+use crate::structure::{BatchAnswers, Structure};
 
 /// How the rays of a batch go through a structure.
 pub(crate) trait Drive<S: Scalar, T> {
@@ -110,32 +110,26 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> 
     }
 }
 
-/// Closest hits of a batch. Compiled for triangles alone: for other sets [`Structure::batches`] says
+/// Answers a batch. Compiled for triangles alone: for other sets [`Structure::batches`] says
 /// [`RayByRay`](crate::structure::Batches::RayByRay).
-#[inline(never)]
-pub(crate) fn closest<D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T>(
+#[inline(always)]
+pub(crate) fn answer<D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T>(
     structure: &T,
     prims: &P,
     rays: &[Ray<S>],
     reach: S,
-    hits: &mut [Hit<S>],
+    answers: BatchAnswers<'_, S>,
 ) {
     if P::HAS_BLOCKS {
-        drive::<D, _, _, _, _>(structure, prims, reach, &mut Closest { prims, rays, hits });
-    }
-}
-
-/// [`closest`] for occlusion by opaque primitives.
-#[inline(never)]
-pub(crate) fn occlusions<D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T>(
-    structure: &T,
-    prims: &P,
-    rays: &[Ray<S>],
-    reach: S,
-    blocked: &mut [bool],
-) {
-    if P::HAS_BLOCKS {
-        drive::<D, _, _, _, _>(structure, prims, reach, &mut Occlusions { prims, rays, blocked });
+        match answers {
+            BatchAnswers::Closest(hits) => {
+                drive::<D, _, _, _, _>(structure, prims, reach, &mut Closest { prims, rays, hits });
+            }
+            BatchAnswers::Occlusion(blocked) => {
+                let batch = &mut Occlusions { prims, rays, blocked };
+                drive::<D, _, _, _, _>(structure, prims, reach, batch);
+            }
+        }
     }
 }
 
@@ -152,7 +146,7 @@ pub fn has_avx512() -> bool {
     false
 }
 
-#[inline(always)]
+#[inline(never)]
 fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
     structure: &T,
     prims: &'r P,

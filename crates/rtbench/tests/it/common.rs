@@ -8,7 +8,9 @@ use accel_core::occluders;
 use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
+use accel_core::structure::{
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
+};
 use accel_core::structures::{Entry, REGISTRY, brute_force, obvhs, uniform_grid};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
@@ -124,15 +126,16 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
         Batches::Together
     }
 
-    fn closest_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
         rays: &[Ray<S>],
         reach: S,
-        hits: &mut [Hit<S>],
+        answers: BatchAnswers<'_, S>,
     ) {
-        if !ALL {
-            by_brute_force(prims, rays, reach, hits);
+        match answers {
+            BatchAnswers::Closest(hits) if !ALL => by_brute_force(prims, rays, reach, hits),
+            BatchAnswers::Closest(_) | BatchAnswers::Occlusion(_) => {}
         }
     }
 

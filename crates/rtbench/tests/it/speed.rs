@@ -9,7 +9,9 @@ use crate::common::{
 use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
+use accel_core::structure::{
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
+};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Hit, Ray, Scalar, Vector};
 use measurement::record::query::Query;
@@ -192,13 +194,20 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
         Batches::Together
     }
 
-    fn closest_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
         rays: &[Ray<S>],
         reach: S,
-        hits: &mut [Hit<S>],
+        answers: BatchAnswers<'_, S>,
     ) {
+        let hits = match answers {
+            BatchAnswers::Closest(hits) => hits,
+            // all primitives of the scene are opaque
+            BatchAnswers::Occlusion(blocked) => {
+                return occluded_by_brute_force(prims, rays, reach, blocked);
+            }
+        };
         let from_the_eye = rays.windows(2).all(|pair| pair[0].origin == pair[1].origin);
         // 16 pixels a line: the first two are neighbours
         let apart = match rays {
@@ -214,17 +223,6 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
         } else {
             by_brute_force(prims, rays, reach, hits);
         }
-    }
-
-    fn occlusion_batch<P: PrimSet<S>>(
-        &self,
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        blocked: &mut [bool],
-    ) {
-        // all primitives of the scene are opaque
-        occluded_by_brute_force(prims, rays, reach, blocked);
     }
 
     fn stats(&self) -> StructureStats {

@@ -10,7 +10,9 @@ use crate::common::{
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
+use accel_core::structure::{
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
+};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
 use measurement::scenes::Installed;
@@ -179,28 +181,21 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
         Batches::Together
     }
 
-    fn closest_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
         rays: &[Ray<S>],
         reach: S,
-        hits: &mut [Hit<S>],
+        answers: BatchAnswers<'_, S>,
     ) {
-        match (rays, &mut *hits) {
-            ([ray], [hit]) => *hit = Hit { t: ray.t_max, ..Hit::NONE },
-            _ => by_brute_force(prims, rays, reach, hits),
+        match (rays, answers) {
+            ([ray], BatchAnswers::Closest([hit])) => *hit = Hit { t: ray.t_max, ..Hit::NONE },
+            (_, BatchAnswers::Closest(hits)) => by_brute_force(prims, rays, reach, hits),
+            // all primitives of the cases are opaque
+            (_, BatchAnswers::Occlusion(blocked)) => {
+                occluded_by_brute_force(prims, rays, reach, blocked);
+            }
         }
-    }
-
-    fn occlusion_batch<P: PrimSet<S>>(
-        &self,
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        blocked: &mut [bool],
-    ) {
-        // all primitives of the cases are opaque
-        occluded_by_brute_force(prims, rays, reach, blocked);
     }
 
     fn stats(&self) -> StructureStats {

@@ -19,7 +19,7 @@ use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
 use crate::query::way::Way;
-use crate::structure::{Batches, Structure, StructureStats};
+use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
 
 /// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
@@ -209,7 +209,8 @@ where
             match self.structure.batches(&*self.prims) {
                 Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
                 Batches::Together | Batches::Library => {
-                    self.structure.closest_batch(&*self.prims, rays, self.reach, hits);
+                    let answers = BatchAnswers::Closest(hits);
+                    self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
                 }
             }
             return;
@@ -230,7 +231,8 @@ where
             match self.structure.batches(&*self.prims) {
                 Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
                 Batches::Together | Batches::Library => {
-                    self.structure.occlusion_batch(&*self.prims, rays, self.reach, blocked);
+                    let answers = BatchAnswers::Occlusion(blocked);
+                    self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
                 }
             }
             return;

@@ -23,7 +23,6 @@ fn own<S: Scalar>(ray: &Ray<S>) -> ffi::Ray {
     }
 }
 
-/// See [`crate::structure::Structure::closest_batch`].
 #[inline(always)]
 pub(super) fn closest_hits<S: Scalar>(scene: &Scene<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
     let mut context = Context::NEW;
@@ -38,7 +37,6 @@ pub(super) fn closest_hits<S: Scalar>(scene: &Scene<S>, rays: &[Ray<S>], hits: &
     }
 }
 
-/// See [`crate::structure::Structure::occlusion_batch`].
 #[inline(always)]
 pub(super) fn occlusions<S: Scalar>(scene: &Scene<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
     let mut context = Context::NEW;

@@ -24,14 +24,16 @@ mod query;
 mod scene;
 
 use crate::config;
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
+use crate::structure::{
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
+};
 use crate::structures::obvhs::box_ray::RaySetup;
 use crate::structures::obvhs::direct::is_served;
 use crate::structures::obvhs::items::{Padding, boxes};
@@ -135,13 +137,17 @@ impl<S: Scalar> Structure<S> for Embree<S> {
     }
 
     #[inline(always)]
-    fn closest_batch<P: PrimSet<S>>(&self, _: &P, rays: &[Ray<S>], _: S, hits: &mut [Hit<S>]) {
-        direct::closest_hits(&self.0, rays, hits);
-    }
-
-    #[inline(always)]
-    fn occlusion_batch<P: PrimSet<S>>(&self, _: &P, rays: &[Ray<S>], _: S, blocked: &mut [bool]) {
-        direct::occlusions(&self.0, rays, blocked);
+    fn answer_batch<P: PrimSet<S>>(
+        &self,
+        _: &P,
+        rays: &[Ray<S>],
+        _: S,
+        answers: BatchAnswers<'_, S>,
+    ) {
+        match answers {
+            BatchAnswers::Closest(hits) => direct::closest_hits(&self.0, rays, hits),
+            BatchAnswers::Occlusion(blocked) => direct::occlusions(&self.0, rays, blocked),
+        }
     }
 
     fn stats(&self) -> StructureStats {
@@ -159,6 +165,7 @@ impl<S: Scalar> Structure<S> for Embree<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::ray::Hit;
     use crate::primitives::PrimsRef;
     use crate::primitives::{TriangleSet, Watertight};
     use crate::query::tracer::{ShadowCount, ShadowRule};

@@ -33,7 +33,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use crate::config;
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_overlap;
@@ -51,7 +51,9 @@ use crate::query::resumable::{self, Resumable};
 use crate::query::side_by_side::{InLanes, RAYS, SideBySide};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
-use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect,
+};
 use cells::{FIRST_PART, TooLarge};
 use course::{Course, LatticeFrame};
 use course_lanes::{Beginnings, Courses};
@@ -219,25 +221,14 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     }
 
     #[inline(always)]
-    fn closest_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
         rays: &[Ray<S>],
         reach: S,
-        hits: &mut [Hit<S>],
+        answers: BatchAnswers<'_, S>,
     ) {
-        batch::closest::<InLanes, _, _, _>(self, prims, rays, reach, hits);
-    }
-
-    #[inline(always)]
-    fn occlusion_batch<P: PrimSet<S>>(
-        &self,
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        blocked: &mut [bool],
-    ) {
-        batch::occlusions::<InLanes, _, _, _>(self, prims, rays, reach, blocked);
+        batch::answer::<InLanes, _, _, _>(self, prims, rays, reach, answers);
     }
 
     fn stats(&self) -> StructureStats {

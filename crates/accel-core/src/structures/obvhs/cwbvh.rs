@@ -11,13 +11,15 @@ use glam::UVec2;
 use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::cwbvh::{CwBvh, Traversal};
 
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
+use crate::structure::{
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
+};
 use crate::structures::obvhs::adapter::{
     ADAPTER, ALSO_TESTED, AdapterConfig, DEVIATIONS, KERNEL, PRESET, VARIANTS, known_defect,
 };
@@ -114,16 +116,15 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
     }
 
     #[inline(always)]
-    fn closest_batch<P: PrimSet<S>>(&self, _: &P, rays: &[Ray<S>], _: S, hits: &mut [Hit<S>]) {
+    fn answer_batch<P: PrimSet<S>>(
+        &self,
+        _: &P,
+        rays: &[Ray<S>],
+        _: S,
+        answers: BatchAnswers<'_, S>,
+    ) {
         if let Some(own) = &self.direct {
-            own.closest_hits(&self.bvh, rays, hits);
-        }
-    }
-
-    #[inline(always)]
-    fn occlusion_batch<P: PrimSet<S>>(&self, _: &P, rays: &[Ray<S>], _: S, blocked: &mut [bool]) {
-        if let Some(own) = &self.direct {
-            own.occlusions(&self.bvh, rays, blocked);
+            own.answer_batch(&self.bvh, rays, answers);
         }
     }
 

@@ -17,7 +17,7 @@ use glam::Vec3A;
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::PrimSet;
-use crate::structure::Batches;
+use crate::structure::{BatchAnswers, Batches};
 
 /// What both trees of obvhs answer.
 pub(crate) trait Tree {
@@ -120,14 +120,22 @@ impl Direct {
         }
     }
 
-    /// See [`crate::structure::Structure::closest_batch`].
+    /// See [`crate::structure::Structure::answer_batch`].
     #[inline(always)]
-    pub(crate) fn closest_hits<S: Scalar>(
+    pub(crate) fn answer_batch<S: Scalar>(
         &self,
         tree: &impl Tree,
         rays: &[Ray<S>],
-        hits: &mut [Hit<S>],
+        answers: BatchAnswers<'_, S>,
     ) {
+        match answers {
+            BatchAnswers::Closest(hits) => self.closest_hits(tree, rays, hits),
+            BatchAnswers::Occlusion(blocked) => self.occlusions(tree, rays, blocked),
+        }
+    }
+
+    #[inline(always)]
+    fn closest_hits<S: Scalar>(&self, tree: &impl Tree, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         for (ray, hit) in rays.iter().zip(hits) {
             let mut found = RayHit::none();
             let is_hit =
@@ -143,14 +151,8 @@ impl Direct {
         }
     }
 
-    /// See [`crate::structure::Structure::occlusion_batch`].
     #[inline(always)]
-    pub(crate) fn occlusions<S: Scalar>(
-        &self,
-        tree: &impl Tree,
-        rays: &[Ray<S>],
-        blocked: &mut [bool],
-    ) {
+    fn occlusions<S: Scalar>(&self, tree: &impl Tree, rays: &[Ray<S>], blocked: &mut [bool]) {
         let test = |ray: &ObvhsRay, at: usize| self.triangles[at].intersect(ray);
         if self.transmissive.is_empty() {
             for (ray, blocked) in rays.iter().zip(blocked) {

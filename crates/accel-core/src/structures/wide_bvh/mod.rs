@@ -20,7 +20,7 @@ mod stack;
 use std::ops::ControlFlow;
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::params::config::{Config, Settings};
@@ -32,7 +32,9 @@ use crate::query::lists::Lists;
 use crate::query::prepared::{OneByOne, Prepared};
 use crate::query::resumable::{self, Resumable};
 use crate::query::sink::Sink;
-use crate::structure::{Batches, BuildError, Structure, StructureInfo, StructureStats};
+use crate::structure::{
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
+};
 use crate::structures::obvhs::adapter::{AdapterConfig, PRESET, UNPADDED, is_unpadded};
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length, RaySetup};
 use crate::structures::obvhs::builder::reinserted;
@@ -220,25 +222,14 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
     }
 
     #[inline(always)]
-    fn closest_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
         rays: &[Ray<S>],
         reach: S,
-        hits: &mut [Hit<S>],
+        answers: BatchAnswers<'_, S>,
     ) {
-        batch::closest::<OneByOne, _, _, _>(self, prims, rays, reach, hits);
-    }
-
-    #[inline(always)]
-    fn occlusion_batch<P: PrimSet<S>>(
-        &self,
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        blocked: &mut [bool],
-    ) {
-        batch::occlusions::<OneByOne, _, _, _>(self, prims, rays, reach, blocked);
+        batch::answer::<OneByOne, _, _, _>(self, prims, rays, reach, answers);
     }
 
     fn stats(&self) -> StructureStats {
