@@ -9,6 +9,7 @@ pub mod instruction_set;
 pub mod interrupt;
 pub mod kept_folder;
 pub mod machine;
+pub mod memory_layout;
 pub mod memory_limit;
 pub mod panics;
 pub mod pools;

@@ -19,6 +19,7 @@ use measurement::callgrind::counted::count_all;
 use measurement::plan::OneProcess;
 use measurement::plan::strides::FixedStrides;
 use measurement::record::RunRecord;
+use measurement::system::memory_layout::HeldBlocks;
 use presentation::format_error::FormatError;
 
 /// Where few answers are checked, one ray in that many of those that would be.
@@ -49,6 +50,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             return Ok(SUCCESS);
         }
         ChildAction::Measure { rounds, lightly, process, first_round } => {
+            let elsewhere = HeldBlocks::draw();
             let record = record()?;
             let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };
             let mut plan = like::plan(&record, &wanted, context)?;
@@ -62,6 +64,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             }
             let measured =
                 measure_scenes(context, &plan, &mut Outputs::default(), |_, _, _| Ok(()))?;
+            drop(elsewhere);
             (serde_json::to_string(&measured.record), measured.failures)
         }
         ChildAction::Accuracy => (serde_json::to_string(&accuracy::times(context, &asked()?)?), 0),

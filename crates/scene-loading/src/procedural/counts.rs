@@ -104,6 +104,11 @@ pub(super) fn stadium(size: u32) -> ShapeCounts {
     triangles(8 * u64::from(size).pow(2) + 8 + 28 * 141 * 4)
 }
 
+/// Sticks of twelve triangles.
+pub(super) fn sticks(size: u32) -> ShapeCounts {
+    triangles(12 * u64::from(size).pow(2))
+}
+
 #[cfg(test)]
 mod tests {
     use crate::procedural::generators;

@@ -19,6 +19,7 @@ pub(crate) mod parts;
 mod printed;
 mod rings;
 mod stadium;
+mod sticks;
 mod teapot;
 mod teapot_patches;
 mod tetra;
@@ -64,6 +65,7 @@ pub static SPD: &[SpdEntry] = &[
 pub static OURS: &[SpdEntry] = &[
     SpdEntry { name: "hare", default_size: 93, max_size: 1581, summary: "a hare as a closed mesh of 8 n^2 small triangles", generate: hare::generate, count: counts::hare },
     SpdEntry { name: "stadium", default_size: 93, max_size: 1580, summary: "the hare in a stadium: 8 n^2 small triangles, 15,800 up to 800 times as large", generate: stadium::generate, count: counts::stadium },
+    SpdEntry { name: "sticks", default_size: 91, max_size: 1290, summary: "a heap of n^2 long thin sticks in all directions, 12 triangles each", generate: sticks::generate, count: counts::sticks },
 ];
 
 /// All generators: [`SPD`], then [`OURS`].

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use glam::DVec3;
 use scene_loading::procedural::{OURS, generate};
 use scene_loading::{Scene, Shape};
 
@@ -72,10 +73,31 @@ fn the_stadium_is_800_times_as_long_as_the_hare_is_tall() {
 }
 
 #[test]
+fn sticks_are_closed_thin_and_in_all_directions() {
+    let scene = generate("sticks:12").unwrap();
+    let all = triangles(&scene);
+    assert_eq!((all.len(), is_closed(&all)), (12 * 144, true));
+    let size = scene.bounds().size();
+    assert!(size.min_element() > 2.0 && size.max_element() < 3.3, "{size}");
+    // six times the volume of a stick, and boxes that are far larger
+    let mut small = 0;
+    for stick in all.chunks(12) {
+        let corners = stick.iter().map(|t| t.map(|i| scene.vertices[i as usize]));
+        let volume: f64 = corners.clone().map(|[a, b, c]| a.dot(b.cross(c))).sum();
+        let expected = 6.0 * 1.2 * 0.002 * 0.002;
+        assert!((volume / expected - 1.0).abs() < 1e-6, "{volume} {expected}");
+        let points = || corners.clone().flatten();
+        let low = points().fold(DVec3::INFINITY, DVec3::min);
+        let sides = points().fold(DVec3::NEG_INFINITY, DVec3::max) - low;
+        small += usize::from(sides.element_product() < 1000.0 * expected / 6.0);
+    }
+    assert!(small < 20, "{small} of 144 lie along an axis, or nearly");
+}
+
+#[test]
 fn largest_sizes_stay_below_twenty_million_primitives() {
     for entry in OURS {
-        let count =
-            |n: u32| 8 * u64::from(n).pow(2) + if entry.name == "hare" { 0 } else { 15_800 };
+        let count = |n: u32| (entry.count)(n).primitives();
         assert!(count(entry.max_size) < 20_000_000 && count(entry.max_size + 1) > 20_000_000);
         assert_eq!((entry.generate)(3).primitives.len() as u64, count(3));
     }
