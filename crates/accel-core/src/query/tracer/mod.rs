@@ -8,6 +8,7 @@ mod kept;
 pub(crate) mod nearby;
 pub(crate) mod tested;
 mod timing;
+pub(crate) mod walks;
 
 pub use bound::Bound;
 pub use foreign::{Foreign, Origin};
