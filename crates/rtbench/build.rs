@@ -9,7 +9,6 @@ fn main() {
     set("RTBENCH_TARGET", env::var("TARGET").ok());
     set("RTBENCH_TARGET_FEATURES", env::var("CARGO_CFG_TARGET_FEATURE").ok());
     set("RTBENCH_PROFILE", env::var("PROFILE").ok());
-    set("RTBENCH_OPT_LEVEL", env::var("OPT_LEVEL").ok());
     set("RTBENCH_GIT_REVISION", output("git", &["rev-parse", "HEAD"]));
     println!("cargo::rerun-if-changed=build.rs");
     // The log of HEAD changes with every commit and checkout; HEAD where logs are off.

@@ -125,11 +125,17 @@ pub fn check<L: Listed>(registry: &[Entry<L>], taken: &[&str]) -> Result<(), Reg
 pub trait Buildable: Scalar {
     /// The entry's builder for this scalar.
     fn builder<L: Listed>(entry: &Entry<L>) -> L::Builder<Self>;
+    /// The function for this scalar.
+    fn of_both<F: PerScalar>(both: &Both<F>) -> F::In<Self>;
 }
 
 impl Buildable for f32 {
     fn builder<L: Listed>(entry: &Entry<L>) -> L::Builder<f32> {
         entry.build_f32
+    }
+
+    fn of_both<F: PerScalar>(both: &Both<F>) -> F::In<f32> {
+        both.f32
     }
 }
 
@@ -137,61 +143,28 @@ impl Buildable for f64 {
     fn builder<L: Listed>(entry: &Entry<L>) -> L::Builder<f64> {
         entry.build_f64
     }
+
+    fn of_both<F: PerScalar>(both: &Both<F>) -> F::In<f64> {
+        both.f64
+    }
+}
+
+/// A function over a scalar.
+pub trait PerScalar {
+    /// It, in a scalar.
+    type In<S: Buildable>: Copy;
+}
+
+/// A function over a scalar, compiled for both where this stands and not again in each crate that calls it, with
+/// whatever that one is optimised for.
+pub struct Both<F: PerScalar> {
+    /// In f32.
+    pub f32: F::In<f32>,
+    /// In f64.
+    pub f64: F::In<f64>,
 }
 
 /// The entry of that name.
 pub fn find<L: Listed>(registry: &'static [Entry<L>], name: &str) -> Option<&'static Entry<L>> {
     registry.iter().find(|e| e.info.name == name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::params::ParamKind;
-    use crate::structures::{REGISTRY, Traceable};
-
-    const LEAF: ParamSpec = ParamSpec {
-        name: "leaf",
-        summary: "",
-        default: "4",
-        kind: ParamKind::Integer { min: 1, max: 8 },
-    };
-    const PARAMS: &[ParamSpec] = &[LEAF];
-    const LEAF_0: &[ParamSpec] = &[ParamSpec { default: "0", ..LEAF }];
-    const TWICE: &[ParamSpec] = &[LEAF, LEAF];
-    const OF_ALL: &[ParamSpec] = &[ParamSpec { name: Traceable::COMMON[0].name, ..LEAF }];
-
-    /// What is said of a registry with that line in it, whose builders are never asked.
-    fn said_of(info: StructureInfo) -> String {
-        let info: &'static StructureInfo = Box::leak(Box::new(info));
-        let line = Entry { info, ..REGISTRY[0] };
-        let registry: Vec<_> = REGISTRY.iter().copied().chain([line]).collect();
-        check(&registry, &["light-buffer"]).err().map(|e| e.to_string()).unwrap_or_default()
-    }
-
-    #[test]
-    fn planted_mistakes_are_named() {
-        let own = |params, variants| StructureInfo {
-            params,
-            variants,
-            ..StructureInfo::new("my-tree", "a tree")
-        };
-        assert_eq!(said_of(own(PARAMS, &["", "leaf=8"])), "");
-        for (info, expected) in [
-            (StructureInfo::new("", ""), "cannot be the name"),
-            (StructureInfo::new("all", ""), "cannot be the name"),
-            (StructureInfo::new("my tree", ""), "'my tree' cannot be the name"),
-            (StructureInfo::new("kd-tree", ""), "two structures have the name 'kd-tree'"),
-            (StructureInfo::new("light-buffer", ""), "two structures have the name"),
-            (own(TWICE, &[""]), "my-tree has two parameters of the name 'leaf'"),
-            (own(OF_ALL, &[""]), "my-tree has two parameters of the name"),
-            (own(LEAF_0, &[""]), "my-tree.leaf = '0': expected a whole number from 1 to 8"),
-            (own(PARAMS, &["leaf=9"]), "my-tree.leaf = '9'"),
-            (own(PARAMS, &["depth=9"]), "my-tree has no parameter 'depth'; it has leaf"),
-            (own(PARAMS, &["leaf 9"]), "'leaf 9' is no variant"),
-        ] {
-            let said = said_of(info);
-            assert!(said.contains(expected), "{said}: expected {expected}");
-        }
-    }
 }

@@ -4,7 +4,7 @@ use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
     Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
 };
-use accel_core::registry::Buildable;
+use accel_core::registry::{Both, Buildable, PerScalar};
 use accel_core::update;
 use accel_core::{Vec3, Vector};
 use glam::DVec3;
@@ -36,6 +36,10 @@ impl<S: Buildable> Geometry<S> {
     /// [`GeometryError`] for coordinates that are not finite in `S` and polygons with too few
     /// vertices.
     pub fn of(scene: &Scene) -> Result<Self, GeometryError> {
+        S::of_both(&OF_SCENE)(scene)
+    }
+
+    fn of_scene(scene: &Scene) -> Result<Self, GeometryError> {
         let error = |source| GeometryError { scene: scene.name.clone(), source };
         let moves =
             scene.camera.shutter > 0.0 && scene.velocities.iter().any(|v| *v != DVec3::ZERO);
@@ -112,6 +116,15 @@ impl<S: Buildable> Geometry<S> {
         }
     }
 }
+
+/// [`Geometry::of`], compiled here.
+struct OfScene;
+
+impl PerScalar for OfScene {
+    type In<S: Buildable> = fn(&Scene) -> Result<Geometry<S>, GeometryError>;
+}
+
+static OF_SCENE: Both<OfScene> = Both { f32: Geometry::of_scene, f64: Geometry::of_scene };
 
 fn is_triangle(shape: Shape) -> bool {
     matches!(shape, Shape::Triangle { .. } | Shape::Patch { .. } | Shape::Polygon { count: 3, .. })

@@ -29,3 +29,7 @@ pub use shading::{ray_offset, refined_hit, surface};
 pub use tracers::generate_rays;
 pub use tracers::whitted::{Rendered, render, render_plan, render_watched};
 pub use tracers::work;
+
+/// The level at which this crate is optimised. It is that of `accel_core`, too, in every profile: of what is timed, as
+/// opposed to the program around it.
+pub const OPT_LEVEL: Option<&str> = option_env!("RENDERER_OPT_LEVEL");

@@ -20,7 +20,7 @@ pub fn compiler() -> Compiler {
         target: option_env!("RTBENCH_TARGET").map(Into::into),
         target_features: features.split(',').filter(|f| !f.is_empty()).map(Into::into).collect(),
         profile: option_env!("RTBENCH_PROFILE").map(Into::into),
-        opt_level: option_env!("RTBENCH_OPT_LEVEL").map(Into::into),
+        opt_level: renderer::OPT_LEVEL.map(Into::into),
     }
 }
 

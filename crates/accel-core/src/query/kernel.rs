@@ -60,6 +60,7 @@ impl<S: Scalar> ListBlocks<S> {
 
     /// Of these lists, each named once, parts of one array. `None` where
     /// blocks do not serve the set or are too many for their numbers, or lists lie too far apart.
+    #[inline(never)]
     pub(crate) fn of<P: PrimSet<S>>(prims: &P, lists: &[&[u32]]) -> Option<Self> {
         let address = |list: &[u32]| list.as_ptr() as usize;
         let full = || lists.iter().filter(|list| !list.is_empty());
@@ -82,6 +83,7 @@ impl<S: Scalar> ListBlocks<S> {
     /// The blocks of these lists, of which `changed` are others than those that these blocks are of: those are made
     /// anew, where they were if they are no more than before, else behind all others. What is left over stays until
     /// it is a third of all; all are made anew then.
+    #[inline(never)]
     pub(crate) fn changed<P: PrimSet<S>>(
         mut self,
         prims: &P,
@@ -208,8 +210,7 @@ impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, S, K> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::{PrimsRef, TriangleSet, Watertight};
-    use crate::structures::find;
+    use crate::primitives::{TriangleSet, Watertight};
 
     #[test]
     fn lists_are_found_by_where_they_lie() {
@@ -235,20 +236,5 @@ mod tests {
         assert!(blocks.behind(&ids[1..3]).is_none());
         assert!(blocks.behind(&[7]).is_none());
         assert!(ListBlocks::of(&set, &[]).is_none());
-    }
-
-    #[test]
-    fn blocks_and_mailboxes_exclude_each_other() {
-        let triangle = [[0.0f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let set = TriangleSet::<f32, Watertight>::new(vec![triangle; 9], |_| false).unwrap();
-        let entry = find("kd-tree").unwrap();
-        let bytes = |settings: &[(&str, &str)]| {
-            let params = entry.params(settings.iter().copied()).unwrap();
-            entry.build(PrimsRef::Watertight(&set), &params).map(|tracer| tracer.stats().bytes)
-        };
-        let [scalar, block] = ["scalar", "block"].map(|k| bytes(&[("kernel", k)]).unwrap());
-        assert!(block >= scalar + 2 * 320, "{scalar} {block}");
-        let both = bytes(&[("kernel", "block"), ("mailbox", "hash")]).unwrap_err().to_string();
-        assert!(both.contains("kd-tree.kernel = 'block': expected scalar where"), "{both}");
     }
 }

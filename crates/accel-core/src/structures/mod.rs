@@ -42,6 +42,7 @@ use crate::structures::time_segments::TimeSegments;
 use crate::variants::chosen_tests::{self, ChosenTests};
 
 /// Every structure of the workspace: one line each.
+#[cfg(any(not(test), feature = "compiled-tests", feature = "embree"))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     compiled_entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
@@ -65,6 +66,15 @@ pub static REGISTRY: &[Entry] = &[
     compiled_entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
     #[cfg(feature = "embree")]
     entry!(embree::Embree, embree::INFO),
+];
+
+/// What unit tests ask for by name, or through the light buffer. Each line compiles a structure for all sets and
+/// queries: all of them once more, for unit tests alone, would double the cost of this crate. So tests that ask for
+/// others by name are in `tests/`.
+#[cfg(not(any(not(test), feature = "compiled-tests", feature = "embree")))]
+pub static REGISTRY: &[Entry] = &[
+    entry!(brute_force::BruteForce, brute_force::INFO),
+    entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
 ];
 
 /// Parameters that every structure has.
@@ -228,6 +238,7 @@ macro_rules! entry {
 }
 
 /// [`entry!`] for a structure of which more can be compiled in: see [`prepare_compiled`].
+#[cfg(any(not(test), feature = "compiled-tests", feature = "embree"))]
 macro_rules! compiled_entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(
@@ -243,5 +254,6 @@ macro_rules! compiled_entry {
         )
     };
 }
+#[cfg(any(not(test), feature = "compiled-tests", feature = "embree"))]
 use compiled_entry;
 use entry;

@@ -269,6 +269,3 @@ fn add_child<S: Scalar>(child: &Child<S>, stats: &mut StructureStats) {
     stats.references += references;
     stats.bytes += references * 4;
 }
-
-#[cfg(test)]
-mod tests;

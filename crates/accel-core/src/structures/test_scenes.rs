@@ -1,15 +1,14 @@
-//! Scenes and rays for differential tests, and the comparison with brute force.
+//! Scenes and rays for differential tests. The tests in `tests/` have them, too.
 
 use glam::DVec3;
 
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::PrimsRef;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
-use crate::query::counters::WorkCounters;
-use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use crate::query::tracer::Tracer;
 use crate::registry::Buildable;
-use crate::structures::{Entry, find};
+use crate::structures::Entry;
 
 /// A small generator of test numbers.
 pub(crate) struct Random(pub u64);
@@ -111,18 +110,6 @@ pub(crate) fn rays<S: Scalar>(set: &MixedSet<S>, n: usize, seed: u64) -> Vec<Ray
     out
 }
 
-/// Stands where no hit was written: not even equal to itself.
-fn unwritten<S: Scalar>() -> Hit<S> {
-    Hit { t: S::from_f64(f64::NAN), id: 0 }
-}
-
-/// The closest hits, with nothing in their places before that could be one.
-pub(crate) fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let mut hits = vec![unwritten(); rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    hits
-}
-
 /// Which rays are blocked, whatever stood there before.
 pub(crate) fn occlusions<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<bool> {
     written(rays.len(), |blocked| tracer.occlusions(rays, blocked))
@@ -137,23 +124,6 @@ pub(crate) fn written(n: usize, mut ask: impl FnMut(&mut [bool])) -> Vec<bool> {
     });
     assert!(free == blocked, "answers are left out");
     free
-}
-
-/// What a tracer did: hits, blocked, counters of both kinds of query.
-pub(crate) type AnswersAndWork<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
-
-/// Runs every query of a tracer; counted and timed answers must agree.
-pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> AnswersAndWork<S> {
-    let hits = closest_hits(tracer, rays);
-    let mut counted_hits = vec![unwritten(); rays.len()];
-    let blocked = occlusions(tracer, rays);
-    let preset = |blocked: &bool| ShadowCount { blocked: !blocked, glass: 0 };
-    let mut answers: Vec<_> = blocked.iter().map(preset).collect();
-    let closest = tracer.count_closest_hits(rays, &mut counted_hits);
-    let shadow = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
-    assert_eq!(hits, counted_hits);
-    assert!(answers.iter().map(|a| a.blocked).eq(blocked.iter().copied()));
-    (hits, blocked, closest, shadow)
 }
 
 /// Builds with settings written as in a variant.
@@ -176,80 +146,6 @@ pub(crate) fn hard_scenes<S: Scalar>() -> Vec<(&'static str, MixedSet<S>)> {
         ("one", mixed_scene(1, 4, [1.0; 3])),
         ("duplicates", duplicates()),
     ]
-}
-
-/// Every setting must give brute force's hits, bit for bit.
-pub(crate) fn agrees_with_brute_force<S: Buildable>(name: &str, settings: &[&str]) {
-    let entry = find(name).unwrap();
-    for (scene, set) in hard_scenes::<S>() {
-        let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 99);
-        let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
-        assert!(right.0.iter().filter(|h| h.is_hit()).count() * 20 > rays.len(), "{scene}");
-        for settings in settings {
-            let got = work(built(entry, &set, settings).as_ref(), &rays);
-            for (i, ray) in rays.iter().enumerate() {
-                assert_eq!(got.0[i], right.0[i], "{name} {settings} {scene} {ray:?}");
-                assert_eq!(got.1[i], right.1[i], "{name} {settings} {scene} {ray:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn grids_agree_with_brute_force() {
-    for name in ["uniform-grid", "hashed-grid", "bricked-grid"] {
-        let settings = [
-            "",
-            "traversal=driving-axis",
-            "density=20 traversal=driving-axis order=reverse",
-            "resolution=16x8x8",
-            "resolution=cubic",
-            "resolution=auto",
-        ];
-        agrees_with_brute_force::<f32>(name, &settings);
-        agrees_with_brute_force::<f64>(name, &settings);
-    }
-}
-
-#[test]
-fn storages_have_the_same_cells_and_do_the_same_work() {
-    for (scene, set) in hard_scenes::<f64>() {
-        let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 5);
-        for settings in ["", "density=9 order=reverse", "boxes=historical traversal=driving-axis"] {
-            let dense = built(find("uniform-grid").unwrap(), &set, settings);
-            let expected = work(dense.as_ref(), &rays);
-            for name in ["hashed-grid", "bricked-grid"] {
-                let other = built(find(name).unwrap(), &set, settings);
-                assert!(work(other.as_ref(), &rays) == expected, "{name} {settings} {scene}");
-                let (mut a, mut b) = (dense.stats(), other.stats());
-                (a.bytes, b.bytes) = (0, 0);
-                assert_eq!(a, b, "{name} {settings} {scene}");
-            }
-        }
-    }
-}
-
-#[test]
-fn a_virtual_grid_of_2048_cubed_works() {
-    // HARD_CASES Gr3: 2^33 cells
-    let mut set = MixedSetBuilder::<f32>::default();
-    let mut random = Random(11);
-    for _ in 0..400 {
-        let at = random.point([1.0; 3]);
-        set.triangle([at, at + random.point([0.01; 3]), at + random.point([0.01; 3])]).unwrap();
-    }
-    let set = set.finish();
-    let rays = rays(&set, 600, 12);
-    let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
-    for traversal in ["t-next", "driving-axis"] {
-        let settings = format!("resolution=2048x2048x2048 traversal={traversal}");
-        let grid = built(find("hashed-grid").unwrap(), &set, &settings);
-        let got = work(grid.as_ref(), &rays);
-        assert!(got.0 == right.0 && got.1 == right.1);
-        let stats = grid.stats();
-        assert_eq!(stats.cells, 1 << 33);
-        assert!(stats.bytes < 1 << 27, "{stats:?}");
-    }
 }
 
 #[test]

@@ -12,6 +12,7 @@ use crate::primitives::{MixedSet, PrimSet};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};
+use crate::query::tracer::compiled_once;
 use crate::query::tracer::tested::Testing;
 use crate::structure::{BuildError, Structure, StructureStats};
 
@@ -118,15 +119,13 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     }
 
     /// The traversal of all passes that count.
-    #[inline(never)]
-    pub(crate) fn counted_traversal(&self, ray: &Ray<S>, mut sink: ErasedSink<'_, S>) {
-        self.at(ray).structure.traverse(ray, &mut sink);
+    pub(crate) fn counted_traversal(&self, ray: &Ray<S>, sink: ErasedSink<'_, S>) {
+        compiled_once::counted(&self.at(ray).structure, ray, sink);
     }
 
     /// The traversal of all passes that are timed, where it is compiled once for all queries.
-    #[inline(never)]
-    pub(crate) fn timed_traversal(&self, ray: &Ray<S>, mut sink: RelayedSink<'_, S>) {
-        self.at(ray).structure.traverse(ray, &mut sink);
+    pub(crate) fn timed_traversal(&self, ray: &Ray<S>, sink: RelayedSink<'_, S>) {
+        compiled_once::relayed(&self.at(ray).structure, ray, sink);
     }
 
     /// The sum of all; the resolution is that of the first.

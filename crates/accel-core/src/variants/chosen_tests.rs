@@ -1,8 +1,8 @@
 //! A set whose tests are chosen at run time: what other tests of triangles and spheres lose, all
 //! through equal machinery.
 //!
-//! It is a view of a set. A test is a call of one function that branches to the test chosen, the
-//! same way for all rays; the tests that are the default are compiled into every traversal and pass by
+//! It is a view of a set. A traversal hands lists over by a call, and a test is a call of one function
+//! that branches to the test chosen, the same way for all rays; the tests that are the default are compiled into every traversal and pass by
 //! here not at all. So the times of chosen tests say nothing beside the default's, and little beside
 //! one another's: the call hides what differs. Their prices are measured with the feature
 //! `compiled-tests`, which compiles each into the traversals of some structures as the default
@@ -240,6 +240,8 @@ macro_rules! seen {
 
 impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
     type RaySetup = ChosenSetup<S>;
+
+    const IS_CALLED: bool = true;
 
     fn len(&self) -> usize {
         seen!(self, set => set.len())

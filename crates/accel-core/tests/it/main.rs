@@ -9,15 +9,25 @@ mod differential;
 mod duplicates;
 mod edge_on;
 mod frames;
+mod grids;
 mod instances;
 mod leaving_faces;
+mod lines_of_registries;
+mod mailboxes;
 mod memory;
 mod motion;
 mod nested_grids;
 mod obvhs;
 mod obvhs_direct;
 mod octree_and_kd_tree;
+mod out_of_scale;
 mod planes_of_cells;
+mod recursive_grid;
+/// Scenes and rays that unit tests have, too. They name what they need as seen from the crate.
+#[path = "../../src/structures/test_scenes.rs"]
+mod test_scenes;
 mod threads;
 mod time_segments;
 mod volumes;
+
+use accel_core::{geometry, primitives, query, registry, structures};

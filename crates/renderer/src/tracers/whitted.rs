@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use accel_core::query::tracer::Tracer;
-use accel_core::registry::Buildable;
+use accel_core::registry::{Both, Buildable, PerScalar};
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
 use rand_xoshiro::SplitMix64;
@@ -139,7 +139,7 @@ impl<'a> Whitted<'a> {
     pub fn trace_row<S: Buildable>(&self, tracer: &dyn Tracer<S>, y: u32) -> TracedRow<S> {
         let rays = Some(RayBatches::default());
         let mut row = TracedRow { rays, counts: RayCounts::default(), colors: Vec::new() };
-        self.trace_group(tracer, y, 0..self.columns(), &mut row);
+        S::of_both(&TRACE_GROUP)(self, tracer, y, 0..self.columns(), &mut row);
         row
     }
 
@@ -155,7 +155,7 @@ impl<'a> Whitted<'a> {
         let group = (BATCH as u32 / rays.max(1)).max(1);
         for start in columns.clone().step_by(group as usize) {
             let end = start.saturating_add(group).min(columns.end);
-            self.trace_group(tracer, y, start..end, &mut row);
+            S::of_both(&TRACE_GROUP)(self, tracer, y, start..end, &mut row);
         }
         row
     }
@@ -302,6 +302,18 @@ impl<'a> Whitted<'a> {
         ray
     }
 }
+
+/// [`Whitted::trace_group`], which takes the time of an image: compiled here, with this crate's optimisation.
+struct TraceGroup;
+
+impl PerScalar for TraceGroup {
+    type In<S: Buildable> = fn(&Whitted<'_>, &dyn Tracer<S>, u32, Range<u32>, &mut TracedRow<S>);
+}
+
+static TRACE_GROUP: Both<TraceGroup> = Both {
+    f32: |whitted, tracer, y, columns, row| whitted.trace_group(tracer, y, columns, row),
+    f64: |whitted, tracer, y, columns, row| whitted.trace_group(tracer, y, columns, row),
+};
 
 /// The pixels that are being traced.
 struct Colors {

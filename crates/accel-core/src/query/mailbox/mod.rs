@@ -147,23 +147,32 @@ impl Setting {
     /// Calls `use_it` with the mailbox of this thread; `primitive` waits until no other thread
     /// uses it.
     pub fn with<R>(&self, use_it: impl FnOnce(AnyMailbox) -> R) -> R {
-        match self {
-            Self::None => use_it(AnyMailbox::None),
+        let (mut locked, mut slots);
+        let mut taken = None;
+        let mailbox = match self {
+            Self::None => AnyMailbox::None,
             Self::Primitive(stamps) => {
                 // after a panic elsewhere the stamps are still those of earlier rays
-                let mut stamps = stamps.lock().unwrap_or_else(PoisonError::into_inner);
-                use_it(AnyMailbox::Stamps(&mut stamps))
+                locked = stamps.lock().unwrap_or_else(PoisonError::into_inner);
+                AnyMailbox::Stamps(&mut locked)
             }
             Self::Array(primitives) => {
                 // taken out while in use, so that a query within a query gets one of its own
-                let mut stamps = ARRAY.take();
+                let stamps = taken.insert(ARRAY.take());
                 stamps.hold(*primitives);
-                let result = use_it(AnyMailbox::Stamps(&mut stamps));
-                ARRAY.replace(stamps);
-                result
+                AnyMailbox::Stamps(stamps)
             }
-            Self::Hash(slots) => use_it(AnyMailbox::Slots(&mut Slots::new(*slots))),
+            Self::Hash(number) => {
+                slots = Slots::new(*number);
+                AnyMailbox::Slots(&mut slots)
+            }
+        };
+        // in one place, so that it is compiled once
+        let result = use_it(mailbox);
+        if let Some(stamps) = taken {
+            ARRAY.replace(stamps);
         }
+        result
     }
 
     /// Bytes of a mailbox that belongs to the structure.

@@ -1,11 +1,13 @@
 //! A structure with its primitives: what is timed is compiled for each structure, kind of primitive
-//! and query; what counts traverses with one [`ErasedSink`].
+//! and query, but for tests that are called anyway; what counts traverses with one [`ErasedSink`].
 
 use std::ops::Deref;
 
+use super::compiled_once;
 use super::counting::Counting;
 use super::kept::{Kept, Parts};
 use super::nearby::{closest, near};
+use super::timing::Timing;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
@@ -17,7 +19,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
-use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
+use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
 use crate::query::way::Way;
 use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
@@ -134,9 +136,24 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     }
 
     fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
-        let traversal =
-            |ray: &Ray<S>, mut sink: ErasedSink<'_, S>| self.structure.traverse(ray, &mut sink);
+        let traversal = |ray: &Ray<S>, sink: ErasedSink<'_, S>| {
+            compiled_once::counted(&self.structure, ray, sink)
+        };
         pass(Counting { prims: &*self.prims, reach: self.reach, traversal: &traversal })
+    }
+
+    /// For sets that are not compiled into the traversal.
+    fn relaying<R>(&self, pass: impl FnOnce(Timing<'_, S, P>) -> R) -> R {
+        let traversal = |ray: &Ray<S>, sink: RelayedSink<'_, S>| {
+            compiled_once::relayed(&self.structure, ray, sink)
+        };
+        let blocks = |_: &Ray<S>| None;
+        pass(Timing {
+            prims: &*self.prims,
+            reach: self.reach,
+            traversal: &traversal,
+            blocks: &blocks,
+        })
     }
 
     #[inline(always)]
@@ -158,9 +175,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     }
 
     fn count_all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.counting(|counting| {
-            self.mailbox.with(|mailbox| counting.closest_hits(rays, hits, mailbox))
-        })
+        self.counting(|counting| counting.all_closest(rays, hits, &self.mailbox))
     }
 
     fn count_all_occlusions(
@@ -169,13 +184,11 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        self.counting(|counting| {
-            self.mailbox.with(|mailbox| counting.occlusions(rays, rule, answers, mailbox))
-        })
+        self.counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox))
     }
 
     fn way_of(&self, ray: &Ray<S>) -> Way<S> {
-        self.counting(|counting| self.mailbox.with(|mailbox| counting.way(ray, mailbox)))
+        self.counting(|counting| counting.way_of(ray, &self.mailbox))
     }
 
     fn cells_of(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
@@ -203,19 +216,27 @@ where
         {
             return self.closest_by_blocks(blocks, rays, hits);
         }
-        if self.has_no_mailbox() {
-            let n = rays.len().min(hits.len());
-            let (rays, hits) = (&rays[..n], &mut hits[..n]);
-            match self.structure.batches(&*self.prims) {
-                Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
-                Batches::Together | Batches::Library => {
-                    let answers = BatchAnswers::Closest(hits);
-                    self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
-                }
+        // the constants stand here: what they exclude is not compiled
+        if T::DUPLICATES && !self.has_no_mailbox() {
+            if P::IS_CALLED {
+                self.relaying(|timing| timing.all_closest(rays, hits, Some(&self.mailbox)));
+            } else {
+                self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
             }
             return;
         }
-        self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
+        let n = rays.len().min(hits.len());
+        let (rays, hits) = (&rays[..n], &mut hits[..n]);
+        match self.structure.batches(&*self.prims) {
+            Batches::RayByRay if P::IS_CALLED => {
+                self.relaying(|timing| timing.all_closest(rays, hits, None));
+            }
+            Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
+            Batches::Together | Batches::Library => {
+                let answers = BatchAnswers::Closest(hits);
+                self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
+            }
+        }
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
@@ -225,19 +246,27 @@ where
         {
             return self.occlusions_by_blocks(blocks, rays, blocked);
         }
-        if self.has_no_mailbox() {
-            let n = rays.len().min(blocked.len());
-            let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
-            match self.structure.batches(&*self.prims) {
-                Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
-                Batches::Together | Batches::Library => {
-                    let answers = BatchAnswers::Occlusion(blocked);
-                    self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
-                }
+        // the constants stand here: what they exclude is not compiled
+        if T::DUPLICATES && !self.has_no_mailbox() {
+            if P::IS_CALLED {
+                self.relaying(|timing| timing.all_occlusions(rays, blocked, Some(&self.mailbox)));
+            } else {
+                self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
             }
             return;
         }
-        self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
+        let n = rays.len().min(blocked.len());
+        let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
+        match self.structure.batches(&*self.prims) {
+            Batches::RayByRay if P::IS_CALLED => {
+                self.relaying(|timing| timing.all_occlusions(rays, blocked, None));
+            }
+            Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
+            Batches::Together | Batches::Library => {
+                let answers = BatchAnswers::Occlusion(blocked);
+                self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
+            }
+        }
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
@@ -291,9 +320,8 @@ mod tests {
     use super::*;
     use crate::params::config::Settings;
     use crate::query::mailbox::{Slots, Stamps};
-    use crate::structures::test_scenes::{built, hard_scenes, mixed_scene, rays, work};
+    use crate::structures::test_scenes::{mixed_scene, rays};
     use crate::structures::uniform_grid::{INFO, UniformGrid};
-    use crate::structures::{find, uniform_grid};
 
     #[test]
     fn ray_numbers_may_wrap() {
@@ -325,51 +353,5 @@ mod tests {
         check("one slot", &mut |h, c| *c = bound.count_closest(&rays, h, &mut slots));
         assert!(saved[0] > 0 && saved[..4].iter().all(|&s| s == saved[0]), "{saved:?}");
         assert!(saved[4] < saved[0], "{saved:?}");
-    }
-
-    #[test]
-    fn mailboxes_change_no_answer_and_account_for_every_test() {
-        let entry = find(uniform_grid::INFO.name).unwrap();
-        for (scene, set) in hard_scenes::<f32>() {
-            let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 23);
-            let (hits, blocked, closest, _) = work(built(entry, &set, "density=8").as_ref(), &rays);
-            assert_eq!(closest.tests_saved, 0);
-            for mailbox in ["primitive", "array", "hash", "hash mailbox-slots=1"] {
-                let settings = format!("density=8 mailbox={mailbox}");
-                let got = work(built(entry, &set, &settings).as_ref(), &rays);
-                assert!(got.0 == hits && got.1 == blocked, "{settings} {scene}");
-                let tests = got.2.intersection_tests + got.2.tests_saved;
-                assert_eq!(tests, closest.intersection_tests, "{settings} {scene}");
-                assert_eq!(got.2.traversal_steps, closest.traversal_steps);
-                if scene == "cube" && !mailbox.contains('=') {
-                    assert!(got.2.tests_saved > 0, "{settings}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn threads_share_a_mailbox_without_harm() {
-        let set = mixed_scene::<f32>(200, 24, [1.0; 3]);
-        let rays = rays(&set, 600, 25);
-        let entry = find(uniform_grid::INFO.name).unwrap();
-        let mut expected = vec![Hit::NONE; rays.len()];
-        built(entry, &set, "density=8").closest_hits(&rays, &mut expected);
-        for mailbox in ["primitive", "array", "hash"] {
-            let tracer = built(entry, &set, &format!("density=8 mailbox={mailbox}"));
-            std::thread::scope(|scope| {
-                for _ in 0..4 {
-                    scope.spawn(|| {
-                        for part in [7, 100, 600] {
-                            for (r, e) in rays.chunks(part).zip(expected.chunks(part)) {
-                                let mut hits = vec![Hit::NONE; r.len()];
-                                tracer.closest_hits(r, &mut hits);
-                                assert_eq!(hits, e, "{mailbox}");
-                            }
-                        }
-                    });
-                }
-            });
-        }
     }
 }

@@ -8,7 +8,7 @@ use crate::geometry::scalar::Scalar;
 use crate::historical::shadow_sink::{HistoricalCellShadow, HistoricalShadow};
 use crate::primitives::PrimSet;
 use crate::query::counters::WorkCounters;
-use crate::query::mailbox::{AnyMailbox, MailboxSource};
+use crate::query::mailbox::{AnyMailbox, MailboxSource, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
 use crate::query::way::{Recorder, Way};
 
@@ -22,7 +22,34 @@ pub(super) struct Counting<'a, S: Scalar, P> {
     pub traversal: &'a dyn Fn(&Ray<S>, ErasedSink<'_, S>),
 }
 
+// Mailboxes are taken out here, too: a structure would have its own code for each.
 impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
+    /// [`Counting::closest_hits`] with the mailbox of the settings.
+    pub fn all_closest(
+        &self,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+        mailbox: &Setting,
+    ) -> WorkCounters {
+        mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox))
+    }
+
+    /// [`Counting::occlusions`] with the mailbox of the settings.
+    pub fn all_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+        mailbox: &Setting,
+    ) -> WorkCounters {
+        mailbox.with(|mailbox| self.occlusions(rays, rule, answers, mailbox))
+    }
+
+    /// [`Counting::way`] with the mailbox of the settings.
+    pub fn way_of(&self, ray: &Ray<S>, mailbox: &Setting) -> Way<S> {
+        mailbox.with(|mailbox| self.way(ray, mailbox))
+    }
+
     /// The closest hit of every ray.
     pub fn closest_hits<B: MailboxSource>(
         &self,
@@ -43,7 +70,7 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
     }
 
     /// The closest hit of a ray, and the way to it.
-    pub fn way<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> Way<S> {
+    fn way<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> Way<S> {
         let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
         closest::<S, B>(
             self.reach,
@@ -64,7 +91,7 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
     }
 
     /// What every shadow ray meets.
-    pub fn occlusions(
+    fn occlusions(
         &self,
         rays: &[Ray<S>],
         rule: ShadowRule,

@@ -77,8 +77,9 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
         }
     }
 
-    fn has_no_mailbox(&self) -> bool {
-        !T::DUPLICATES || matches!(self.mailbox, Setting::None)
+    /// The mailbox that rays are timed with.
+    fn timed_mailbox(&self) -> Option<&Setting> {
+        Some(&self.mailbox).filter(|mailbox| T::DUPLICATES && !matches!(mailbox, Setting::None))
     }
 }
 
@@ -90,29 +91,23 @@ where
     T: Structure<S>,
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        if COMPILED && self.has_no_mailbox() {
+        let mailbox = self.timed_mailbox();
+        if COMPILED && mailbox.is_none() {
             return self.compiled_closest(rays, hits);
         }
-        self.timing(|timing| match self.has_no_mailbox() {
-            true => timing.closest_hits(rays, hits, NoMailbox),
-            false => self.mailbox.with(|mailbox| timing.closest_hits(rays, hits, mailbox)),
-        });
+        self.timing(|timing| timing.all_closest(rays, hits, mailbox));
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        if COMPILED && self.has_no_mailbox() {
+        let mailbox = self.timed_mailbox();
+        if COMPILED && mailbox.is_none() {
             return self.compiled_occlusions(rays, blocked);
         }
-        self.timing(|timing| match self.has_no_mailbox() {
-            true => timing.occlusions(rays, blocked, NoMailbox),
-            false => self.mailbox.with(|mailbox| timing.occlusions(rays, blocked, mailbox)),
-        });
+        self.timing(|timing| timing.all_occlusions(rays, blocked, mailbox));
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.counting(|counting| {
-            self.mailbox.with(|mailbox| counting.closest_hits(rays, hits, mailbox))
-        })
+        self.counting(|counting| counting.all_closest(rays, hits, &self.mailbox))
     }
 
     fn count_occlusions(
@@ -121,9 +116,7 @@ where
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        self.counting(|counting| {
-            self.mailbox.with(|mailbox| counting.occlusions(rays, rule, answers, mailbox))
-        })
+        self.counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox))
     }
 
     fn stats(&self) -> StructureStats {
@@ -137,6 +130,6 @@ where
     }
 
     fn way(&self, ray: &Ray<S>) -> Result<Way<S>, NoCells> {
-        Ok(self.counting(|counting| self.mailbox.with(|mailbox| counting.way(ray, mailbox))))
+        Ok(self.counting(|counting| counting.way_of(ray, &self.mailbox)))
     }
 }

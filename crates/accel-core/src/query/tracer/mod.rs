@@ -1,6 +1,7 @@
 //! A built structure as an object: one dynamic call for a batch of rays, everything inside static.
 
 mod bound;
+pub(crate) mod compiled_once;
 mod counting;
 mod foreign;
 mod in_motion;

@@ -7,7 +7,7 @@ use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::NoCounters;
 use crate::query::kernel::{BlockSink, ListBlocks};
-use crate::query::mailbox::MailboxSource;
+use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, RelayedSink, Sink};
 
 /// A structure's traversal with the primitives it was built over.
@@ -23,13 +23,24 @@ pub(super) struct Timing<'a, S: Scalar, P> {
 }
 
 impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
+    /// [`Timing::closest_hits`] with the mailbox of the settings, if there is one.
+    pub fn all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailbox: Option<&Setting>) {
+        match mailbox {
+            None => self.closest_hits(rays, hits, NoMailbox),
+            Some(mailbox) => mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox)),
+        }
+    }
+
+    /// [`Timing::occlusions`] with the mailbox of the settings, if there is one.
+    pub fn all_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool], mailbox: Option<&Setting>) {
+        match mailbox {
+            None => self.occlusions(rays, blocked, NoMailbox),
+            Some(mailbox) => mailbox.with(|mailbox| self.occlusions(rays, blocked, mailbox)),
+        }
+    }
+
     /// The closest hit of every ray.
-    pub fn closest_hits<B: MailboxSource>(
-        &self,
-        rays: &[Ray<S>],
-        hits: &mut [Hit<S>],
-        mailboxes: B,
-    ) {
+    fn closest_hits<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
         closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
             let query = ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
             self.traversed(ray, query).finish().0
@@ -37,7 +48,7 @@ impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
     }
 
     /// Whether every ray is blocked.
-    pub fn occlusions<B: MailboxSource>(
+    fn occlusions<B: MailboxSource>(
         &self,
         rays: &[Ray<S>],
         blocked: &mut [bool],

@@ -120,8 +120,7 @@ mod tests {
     #[test]
     fn leaves_name_their_triangles() {
         let set = triangles(5000);
-        let entry = crate::structures::find("obvhs-bvh2").unwrap();
-        let params = entry.params([]).unwrap();
+        let params = crate::structures::obvhs::bvh2::INFO.defaults();
         let settings = Settings::<AdapterConfig>::of(&params);
         let boxes = items(&set, &settings).unwrap().boxes;
         let preset = settings.preset;
@@ -151,8 +150,7 @@ mod tests {
     #[test]
     fn places_of_nodes_name_their_triangles() {
         let set = triangles(5000);
-        let entry = crate::structures::find("obvhs-cwbvh").unwrap();
-        let params = entry.params([]).unwrap();
+        let params = crate::structures::obvhs::cwbvh::INFO.defaults();
         let settings = Settings::<AdapterConfig>::of(&params);
         let boxes = items(&set, &settings).unwrap().boxes;
         let ids = builder::eight_wide(&boxes, &settings.preset, true).unwrap();

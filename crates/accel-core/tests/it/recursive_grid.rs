@@ -1,17 +1,20 @@
 use glam::{DVec3, dvec3};
 
-use crate::Vector;
-use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::{Hit, Ray};
-use crate::geometry::scalar::Vec3;
-use crate::memory::MemoryLimit;
-use crate::primitives::PrimsRef;
-use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight};
-use crate::query::tracer::Tracer;
-use crate::registry::Buildable;
-use crate::structure::BuildError;
-use crate::structures::find;
-use crate::structures::test_scenes::{closest_hits as hits, occlusions as blocked};
+use crate::grids::closest_hits as hits;
+use crate::test_scenes::occlusions as blocked;
+use accel_core::Vector;
+use accel_core::geometry::aabb::Aabb;
+use accel_core::geometry::ray::{Hit, Ray};
+use accel_core::geometry::scalar::Vec3;
+use accel_core::memory::MemoryLimit;
+use accel_core::primitives::PrimsRef;
+use accel_core::primitives::{
+    Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight,
+};
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::structures::find;
 
 /// splitmix64, to [0, 1).
 struct Random(u64);
