@@ -42,6 +42,8 @@ fn json(e: serde_json::Error) -> FormatError {
 /// [`Error`] for a record that cannot be read or measured.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let record = asked::<RunRecord>;
+    let times = matches!(args.action, ChildAction::Measure { .. } | ChildAction::Accuracy);
+    let elsewhere = times.then(HeldBlocks::draw);
     let (answer, failures) = match &args.action {
         ChildAction::Build(build) => return trial_build::run(context, build).map(|()| SUCCESS),
         ChildAction::Plugin(args) => {
@@ -50,7 +52,6 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             return Ok(SUCCESS);
         }
         ChildAction::Measure { rounds, lightly, process, first_round } => {
-            let elsewhere = HeldBlocks::draw();
             let record = record()?;
             let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };
             let mut plan = like::plan(&record, &wanted, context)?;
@@ -64,7 +65,6 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             }
             let measured =
                 measure_scenes(context, &plan, &mut Outputs::default(), |_, _, _| Ok(()))?;
-            drop(elsewhere);
             (serde_json::to_string(&measured.record), measured.failures)
         }
         ChildAction::Accuracy => (serde_json::to_string(&accuracy::times(context, &asked()?)?), 0),
@@ -77,6 +77,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             (serde_json::to_string(&ask_all(&plan, *rays as usize)?), 0)
         }
     };
+    drop(elsewhere);
     writeln!(context.out, "{}", answer.map_err(json)?)?;
     context.out.flush()?;
     Ok(if failures == 0 { SUCCESS } else { FAILURE })
