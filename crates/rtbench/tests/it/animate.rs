@@ -91,7 +91,7 @@ fn a_wrong_row_is_wrong_and_never_fast() {
         "animate marbles:1 --frames 0..2 -s dropper,obvhs-cwbvh --size 16 --rounds 1 -o {}",
         folder.path()
     );
-    let ended = run_with(PLANTED, &Installed, &clock, &arguments);
+    let ended = run_with(&PLANTED, &Installed, &clock, &arguments);
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
     for row in frames(&folder) {
         let is_planted = row["structure"] == "dropper";

@@ -233,7 +233,7 @@ fn tables_fit_and_are_sorted_by_what_was_asked() {
                      dropper,obvhs-cwbvh,brute-force,light-buffer";
     let printed = |more: &str| {
         let clock = SteppingClock::new(std::time::Duration::from_millis(1));
-        run_with(PLANTED, &Installed, &clock, &format!("{arguments} {more}")).out
+        run_with(&PLANTED, &Installed, &clock, &format!("{arguments} {more}")).out
     };
     let usual = printed("");
     let widest = |text: &str| text.lines().map(|line| line.chars().count()).max().unwrap();
@@ -311,7 +311,7 @@ fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
     ] {
         let mut err = Vec::new();
         let mut context = Context {
-            registry: PLANTED,
+            registry: &PLANTED,
             occluders: accel_core::occluders::REGISTRY,
             scenes: &Installed,
             clock: &SystemClock::default(),

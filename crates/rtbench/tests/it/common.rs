@@ -1,6 +1,7 @@
 //! A run without a process: captured outputs, a registry and a clock of the test's choice.
 #![allow(dead_code)]
 
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use accel_core::geometry::far_ray::{Parameters, PlacedRay, place};
@@ -11,7 +12,7 @@ use accel_core::query::sink::Sink;
 use accel_core::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
-use accel_core::structures::{Entry, REGISTRY, brute_force, obvhs, uniform_grid};
+use accel_core::structures::{Entry, REGISTRY, brute_force, find, obvhs};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
 use measurement::scenes::{Installed, SceneSource};
@@ -154,14 +155,13 @@ static DROPPER: StructureInfo = INFO;
 static SHIPPED: StructureInfo =
     StructureInfo { known_defect: |_| Some("forgets on purpose"), ..INFO };
 
-/// The real structures and the wrong one.
-pub static PLANTED: &[Entry] = &[
-    accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
-    accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
-    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
-    accel_core::entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
-    accel_core::entry!(crate::common::Dropper, DROPPER),
-];
+/// Real structures and the wrong one. The real ones are taken from the registry as the program runs: named in a
+/// constant they would be compiled again with the tests, and not optimised.
+pub static PLANTED: LazyLock<Vec<Entry>> = LazyLock::new(|| {
+    let real = ["brute-force", "uniform-grid", "obvhs-bvh2", "obvhs-cwbvh"];
+    let real = real.iter().filter_map(|name| find(name).copied());
+    real.chain([accel_core::entry!(crate::common::Dropper, DROPPER)]).collect()
+});
 
 /// The wrong one, its defect declared.
 pub static DECLARED: &[Entry] = &[
@@ -264,13 +264,13 @@ fn run_in_terminal(
 
 /// The same over the real registry (with the wrong structure beside it) and a real clock.
 pub fn run(arguments: &str) -> Ended {
-    run_with(PLANTED, &Installed, &SystemClock::default(), arguments)
+    run_with(&PLANTED, &Installed, &SystemClock::default(), arguments)
 }
 
 /// The same with a clock on which every interval is a millisecond.
 pub fn run_stepping(arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
-    run_with(PLANTED, &Installed, &clock, arguments)
+    run_with(&PLANTED, &Installed, &clock, arguments)
 }
 
 /// A folder for outputs, and the record that a run left there.

@@ -24,7 +24,7 @@ fn a_run_is_a_function() {
         .quick()
         .rounds(2)
         .size(16);
-    let record = rtbench::measure(PLANTED, &settings).unwrap();
+    let record = rtbench::measure(&PLANTED, &settings).unwrap();
     assert!(record.complete && record.scenes.len() == 1 && record.summary.len() == 3);
     assert_eq!(record.settings.resolution, [16, 16]);
     assert_eq!(record.settings.reference, "brute-force");
@@ -60,15 +60,15 @@ fn settings_that_cannot_be_are_refused() {
         (base.clone().size(MeasuringSettings::LARGEST_SIZE + 1), "size: 8193"),
         (base.clone().threads(0), "threads: 0, expected a number from 1 to 1024"),
     ] {
-        let error = rtbench::measure(PLANTED, &settings).unwrap_err();
+        let error = rtbench::measure(&PLANTED, &settings).unwrap_err();
         let is_typed = matches!(error, Error::Plan(PlanError::OutOfRange { .. }));
         assert!(is_typed && error.to_string().starts_with(expected), "{error}");
     }
     // a structure that this registry does not have
     let row = base.row(&find("kd-tree").unwrap().defaults());
-    let error = rtbench::measure(PLANTED, &row).unwrap_err();
+    let error = rtbench::measure(&PLANTED, &row).unwrap_err();
     assert!(matches!(error, Error::Plan(PlanError::UnknownStructure { .. })), "{error}");
-    let error = rtbench::measure(PLANTED, &RunSettings::default().scene("nowhere")).unwrap_err();
+    let error = rtbench::measure(&PLANTED, &RunSettings::default().scene("nowhere")).unwrap_err();
     assert!(error.to_string().contains("nowhere"), "{error}");
     assert!(uniform_grid::INFO.defaults().set("density", "dense").is_err());
 }

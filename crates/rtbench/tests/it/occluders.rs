@@ -56,7 +56,7 @@ static OCCLUDERS: &[occluders::Entry] = &[
 ];
 
 fn run_planted(arguments: &str) -> Ended {
-    run_over(PLANTED, OCCLUDERS, &Installed, &SystemClock::default(), arguments)
+    run_over(&PLANTED, OCCLUDERS, &Installed, &SystemClock::default(), arguments)
 }
 
 #[test]

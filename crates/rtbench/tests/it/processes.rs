@@ -53,7 +53,7 @@ fn a_process_that_gives_no_answer_is_an_error_that_names_it() {
     // the program does not know the structures that are planted here
     let arguments = "run tetra:2 --quick --size 12 -s dropper,obvhs-cwbvh --processes 2";
     let clock = SystemClock::default();
-    let ended = run_timed(PLANTED, with_program(&folder.path()), &clock, arguments);
+    let ended = run_timed(&PLANTED, with_program(&folder.path()), &clock, arguments);
     assert_ne!(ended.code, 0, "{}", ended.out);
     let unknown = run(&folder, "run tetra:2 --processes 0");
     assert_eq!(unknown.code, 2, "{}", unknown.err);

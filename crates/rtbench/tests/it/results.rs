@@ -170,7 +170,8 @@ fn slow_rows_are_compared_on_the_same_rays() {
     let folder = Folder::new();
     let arguments = "run tetra:4 --size 48 -s brute-force,obvhs-cwbvh --rounds 2 -j 2";
     let clock = SystemClock::default();
-    let ended = run_with(PLANTED, &Installed, &clock, &format!("{arguments} -o {}", folder.path()));
+    let ended =
+        run_with(&PLANTED, &Installed, &clock, &format!("{arguments} -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let record = folder.record();
     let (brute, fast) = (row(&record, "brute-force"), row(&record, "obvhs-cwbvh"));
@@ -233,7 +234,7 @@ fn finished_scenes_are_written_before_the_next_begins() {
     let csv = PathBuf::from(folder.path()).join("results.csv");
     let scenes = Watching { name: "", csv, seen: Arc::default() };
     let arguments = format!("run both --quick -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
-    let ended = run_with(PLANTED, &scenes, &SystemClock::default(), &arguments);
+    let ended = run_with(&PLANTED, &scenes, &SystemClock::default(), &arguments);
     assert_eq!(ended.code, 0, "{}", ended.err);
     assert_eq!(*scenes.seen.lock().unwrap(), [1, 3], "the header, then the first scene's rows");
     assert_eq!(folder.csv().len(), 4);
@@ -271,7 +272,7 @@ fn a_scene_that_fails_costs_its_own_rows_only() {
         }
     }
     let clock = SystemClock::default();
-    let ended = run_with(PLANTED, &Both, &clock, "run both --quick -s obvhs-cwbvh");
+    let ended = run_with(&PLANTED, &Both, &clock, "run both --quick -s obvhs-cwbvh");
     assert_eq!(ended.code, 1);
     assert!(ended.err.contains("error: ") && ended.out.contains("tetra:1: 4 primitives"));
 }
@@ -290,7 +291,7 @@ fn outliers_are_counted_and_shown_and_a_noisy_machine_is_warned_of() {
     let clock = Jumping(SteppingClock::new(Duration::from_micros(10)), Default::default());
     let folder = Folder::new();
     let ended = run_with(
-        PLANTED,
+        &PLANTED,
         &Installed,
         &clock,
         &format!(

@@ -161,7 +161,7 @@ fn wrong_answers_are_shown_as_such_and_have_no_slope() {
 fn run_tried(trials: fn(&TrialBuild) -> Outcome, arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
     let world = FixedWorld { trials, ..FixedWorld::default() };
-    run_in_world(PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
+    run_in_world(&PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
 }
 
 #[test]

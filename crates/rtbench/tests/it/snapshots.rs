@@ -141,7 +141,7 @@ fn every_command_says_what_it_said() {
 fn compared(snapshot: &Snapshot) -> String {
     let Snapshot { name, before, command, files } = snapshot;
     let folder = Folder::new();
-    let registry: &[Entry] = if name.starts_with("planted") { PLANTED } else { REGISTRY };
+    let registry: &[Entry] = if name.starts_with("planted") { &PLANTED } else { REGISTRY };
     let run = |step, command: &str| {
         let clock = SteppingClock::new(Duration::from_millis(step));
         run_with(registry, &Installed, &clock, &command.replace("DIR", &folder.path()))

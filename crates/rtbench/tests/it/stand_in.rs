@@ -225,10 +225,10 @@ fn obvhs_as_its_authors_use_it_is_the_reference_where_it_is_among_the_rows() {
 
 #[test]
 fn runs_are_not_compared_where_their_references_differ() {
-    let (built, refused) = (results(PLANTED, 0), results(REFUSING, 1));
+    let (built, refused) = (results(&PLANTED, 0), results(REFUSING, 1));
     let compare = |options: &str| {
         let paths = format!("{} {}", built.path(), refused.path());
-        let ended = run(PLANTED, &format!("compare {paths} --all-metrics {options}"));
+        let ended = run(&PLANTED, &format!("compare {paths} --all-metrics {options}"));
         assert_eq!(ended.code, 0, "{}", ended.err);
         ended.out
     };
@@ -259,7 +259,7 @@ fn runs_are_not_compared_where_their_references_differ() {
 
 #[test]
 fn a_check_judges_no_ratios_to_another_row() {
-    let (built, refused) = (results(PLANTED, 0), results(REFUSING, 1));
+    let (built, refused) = (results(&PLANTED, 0), results(REFUSING, 1));
     let check = |folder: &Folder, options: &str| {
         let baseline = format!("--baseline {}/results.json", folder.path());
         run(REFUSING, &format!("check {baseline} {options}"))

@@ -242,7 +242,7 @@ fn a_wrong_reference_leaves_times_per_ray_to_compare() {
     assert_eq!(ended.code, 2, "a structure without parameters: {}", ended.err);
     let arguments = "sweep tetra:2 -s uniform-grid -p density --values 1,2 --reference dropper";
     let ended = run_with(
-        PLANTED,
+        &PLANTED,
         &Installed,
         &SystemClock::default(),
         &format!("{arguments} --quick --rounds 1"),

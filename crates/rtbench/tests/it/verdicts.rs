@@ -23,7 +23,7 @@ fn run(registry: &[Entry], arguments: &str) -> crate::common::Ended {
 fn a_structure_that_drops_a_primitive_is_wrong_and_has_no_times() {
     let folder = Folder::new();
     let arguments = "run tetra:2 --quick -s obvhs-cwbvh,dropper,brute-force -o";
-    let ended = run(PLANTED, &format!("{arguments} {}", folder.path()));
+    let ended = run(&PLANTED, &format!("{arguments} {}", folder.path()));
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
     let line = ended.out.lines().find(|l| l.starts_with("dropper")).unwrap();
     assert_eq!(line.matches("wrong").count(), 5, "four times and the verdict: {line}");

@@ -160,13 +160,13 @@ fn a_dropped_reference_is_caught_and_its_line_replays() {
     let folder = Folder::new();
     let file = format!("{}/results.csv", folder.path());
     let arguments = format!("--cases geometry -s dropper --rays 300 --export-csv {file}");
-    let ended = verify(PLANTED, &arguments);
+    let ended = verify(&PLANTED, &arguments);
     assert_eq!(ended.code, 4, "{}", ended.out);
     let line = offered(&ended.out);
-    let again = replay(PLANTED, &line);
+    let again = replay(&PLANTED, &line);
     assert_eq!(again.code, 4, "{line}: {}", again.out);
     assert!(again.out.contains("dropper: said"), "{}", again.out);
-    let right = replay(PLANTED, &line.replace("dropper", "brute-force"));
+    let right = replay(&PLANTED, &line.replace("dropper", "brute-force"));
     assert!(right.code == 0 && right.out.contains("brute-force: right"), "{}", right.out);
     let rows = folder.csv();
     assert!(rows.iter().any(|r| r["case"] == "G1" && r["mismatches"] != "0"));

@@ -166,9 +166,9 @@ impl<S: Scalar> EightCourses<S> {
             left |= to[axis].simd_gt(place.last_along(axis)) | to[axis];
         }
         let is_over: i32x8 = left >> 31;
-        for axis in 0..3 {
+        for (at, to) in self.at.iter_mut().zip(to) {
             // one that is over is somewhere in the lattice, too
-            self.at[axis] = bytemuck::cast(to[axis] & !is_over);
+            *at = bytemuck::cast(to & !is_over);
         }
         left.to_bitmask()
     }

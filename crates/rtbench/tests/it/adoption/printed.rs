@@ -68,7 +68,7 @@ fn a_program_compiled_below_its_processor_says_so_once() {
         let clock = SteppingClock::new(Duration::from_millis(1));
         let processor_features = features.to_vec();
         let world = FixedWorld { processor_features, ..FixedWorld::default() };
-        run_in_world(PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
+        run_in_world(&PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
     };
     let said = "compiled without bmi2, lzcnt, which this processor has";
     let (more, run) = (["avx2", "bmi2", "lzcnt"], "run tetra:1 tetra:2 --quick -s uniform-grid");

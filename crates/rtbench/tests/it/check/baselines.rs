@@ -7,7 +7,7 @@ use crate::common::{Folder, PLANTED};
 fn a_baseline_is_kept_listed_shown_promoted_and_removed() {
     let folder = Folder::new();
     let path = folder.path();
-    let run = |arguments: &str| run_in(PLANTED, in_folder(&path), arguments);
+    let run = |arguments: &str| run_in(&PLANTED, in_folder(&path), arguments);
     assert!(!run("baseline list").out.contains("tetra"));
     saved(&path, "branch");
     let listed = run("baseline list").out;
@@ -46,7 +46,7 @@ fn what_makes_no_sense_is_said_before_anything_is_measured() {
         ("check --baseline main -t much", 2, "percent"),
         ("check --baseline main --instructions", 1, "has no instruction counts"),
     ] {
-        let ended = run_in(PLANTED, in_folder(&path), arguments);
+        let ended = run_in(&PLANTED, in_folder(&path), arguments);
         assert_eq!(ended.code, code, "{arguments}: {}", ended.err);
         assert!(ended.err.contains(said), "{arguments}: {}", ended.err);
         assert_eq!(ended.out, "", "{arguments}");
@@ -56,7 +56,7 @@ fn what_makes_no_sense_is_said_before_anything_is_measured() {
 #[test]
 fn an_earlier_run_can_be_kept_and_half_a_run_cannot() {
     let (runs, folder) = (Folder::new(), Folder::new());
-    let run = |arguments: &str| run_in(PLANTED, in_folder(&folder.path()), arguments);
+    let run = |arguments: &str| run_in(&PLANTED, in_folder(&folder.path()), arguments);
     let arguments = format!("run tetra:2 --quick --size 16 -s obvhs-cwbvh -o {}", runs.path());
     assert_eq!(run(&arguments).code, 0);
     let save = format!("baseline save main --from {}", runs.path());
@@ -78,7 +78,7 @@ fn an_earlier_run_can_be_kept_and_half_a_run_cannot() {
 fn wrong_hits_are_not_kept() {
     let folder = Folder::new();
     let arguments = "baseline save main tetra:2 --quick --size 16 -s dropper,obvhs-cwbvh";
-    let ended = run_in(PLANTED, in_folder(&folder.path()), arguments);
+    let ended = run_in(&PLANTED, in_folder(&folder.path()), arguments);
     assert_eq!(ended.code, 4);
     assert!(ended.err.contains("not kept"), "{}", ended.err);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -87,7 +87,7 @@ fn wrong_hits_are_not_kept() {
 #[test]
 fn a_baseline_with_a_camera_is_checked_through_it() {
     let folder = Folder::new();
-    let run = |arguments: &str| run_in(PLANTED, in_folder(&folder.path()), arguments);
+    let run = |arguments: &str| run_in(&PLANTED, in_folder(&folder.path()), arguments);
     let options = "--quick --size 16 -s obvhs-cwbvh --rounds 2";
     let saved =
         run(&format!("baseline save main tetra:2 {options} --light 3,4,5 --camera 2,2,2:0,0,0"));

@@ -10,7 +10,7 @@ use super::{in_folder, run_in, run_timed, saved, with_program};
 use crate::common::{DECLARED, Ended, Folder, PLANTED};
 
 fn check(folder: &Folder, options: &str) -> Ended {
-    run_in(PLANTED, in_folder(&folder.path()), &format!("check --baseline main {options}"))
+    run_in(&PLANTED, in_folder(&folder.path()), &format!("check --baseline main {options}"))
 }
 
 /// Plants a fault in the baseline `main`: what it says is then not what is found.
@@ -115,7 +115,7 @@ fn github_gets_annotations_and_a_summary() {
         github_step_summary: Some(summary.clone()),
         ..in_folder(&folder.path())
     };
-    let ended = run_in(PLANTED, environment, "check --baseline main");
+    let ended = run_in(&PLANTED, environment, "check --baseline main");
     assert_eq!(ended.code, 3);
     let lines: Vec<&str> = ended.err.lines().collect();
     assert_eq!(lines.len(), 10, "{}", ended.err);
@@ -135,7 +135,7 @@ fn two_binaries_are_measured_in_turns() {
         folder.path()
     );
     let clock = SystemClock::default();
-    let ended = run_timed(PLANTED, with_program(&folder.path()), &clock, &arguments);
+    let ended = run_timed(&PLANTED, with_program(&folder.path()), &clock, &arguments);
     // two pairs are never significant
     assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
     assert!(ended.out.contains("check against binary "), "{}", ended.out);
@@ -171,12 +171,12 @@ fn a_binary_that_cannot_answer_is_an_error_that_says_so() {
             "check tetra:1 --against {} --rounds 1 --quick --size 8 -s obvhs-cwbvh",
             old.display()
         );
-        let ended = run_in(PLANTED, with_program(&folder.path()), &arguments);
+        let ended = run_in(&PLANTED, with_program(&folder.path()), &arguments);
         assert_eq!((ended.code, ended.out.as_str()), (1, ""), "{}", ended.err);
         assert!(ended.err.contains(said), "{}", ended.err);
     }
     let arguments = "check tetra:1 --against /nowhere/rtbench --quick --size 8 -s obvhs-cwbvh";
-    let missing = run_in(PLANTED, with_program(&folder.path()), arguments);
+    let missing = run_in(&PLANTED, with_program(&folder.path()), arguments);
     assert!(missing.code == 1 && missing.err.contains("/nowhere/rtbench"), "{}", missing.err);
 }
 
@@ -202,7 +202,7 @@ fn programs_that_print_times_are_compared() {
         let arguments = format!(
             "check --against {old} --new {new} --rounds 9 --overwrite --export-json {json} -- sort"
         );
-        run_in(PLANTED, with_program(&folder.path()), &arguments)
+        run_in(&PLANTED, with_program(&folder.path()), &arguments)
     };
     let same = check(&old);
     assert_eq!(same.code, 0, "{}{}", same.out, same.err);
@@ -227,10 +227,10 @@ fn programs_that_print_no_times_are_errors_that_say_so() {
     ] {
         let new = script(&folder, "new", text);
         let arguments = format!("check --against {old} --new {new} --rounds 2 -- x");
-        let ended = run_in(PLANTED, with_program(&folder.path()), &arguments);
+        let ended = run_in(&PLANTED, with_program(&folder.path()), &arguments);
         assert_eq!((ended.code, ended.out.as_str()), (1, ""), "{}", ended.err);
         assert!(ended.err.contains(said), "{}", ended.err);
     }
-    let usage = run_in(PLANTED, with_program(&folder.path()), "check --baseline main -- x");
+    let usage = run_in(&PLANTED, with_program(&folder.path()), "check --baseline main -- x");
     assert_eq!(usage.code, 2, "{}", usage.err);
 }

@@ -63,6 +63,6 @@ fn in_folder(folder: &str) -> Environment {
 fn saved(folder: &str, name: &str) {
     let arguments =
         format!("baseline save {name} tetra:2 --quick --size 16 -s uniform-grid,obvhs-cwbvh");
-    let ended = run_in(PLANTED, in_folder(folder), &arguments);
+    let ended = run_in(&PLANTED, in_folder(folder), &arguments);
     assert_eq!((ended.code, ended.out.as_str()), (0, ""), "{}", ended.err);
 }

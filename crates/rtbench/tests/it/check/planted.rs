@@ -22,7 +22,7 @@ pub fn record() -> RunRecord {
             "run tetra:2 --quick --size 16 --rounds 1 -s {ROW},{REFERENCE} -o {}",
             folder.path()
         );
-        let ended = run_in(PLANTED, in_folder(&folder.path()), &arguments);
+        let ended = run_in(&PLANTED, in_folder(&folder.path()), &arguments);
         assert_eq!(ended.code, 0, "{}", ended.err);
         folder.record()
     });

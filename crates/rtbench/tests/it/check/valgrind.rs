@@ -8,7 +8,7 @@ use crate::common::{Folder, PLANTED};
 #[test]
 fn instruction_counts_repeat_and_a_planted_3_percent_is_found() {
     let folder = Folder::new();
-    let run = |arguments: &str| run_in(PLANTED, with_program(&folder.path()), arguments);
+    let run = |arguments: &str| run_in(&PLANTED, with_program(&folder.path()), arguments);
     let save = "baseline save main tetra:2 --quick --size 8 --rounds 3 -s uniform-grid,obvhs-cwbvh \
                 --instructions";
     if let Err(missing) = callgrind::version() {
