@@ -72,6 +72,14 @@ pub trait Eight: Lanes + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn to_mask(self) -> i32x8;
 }
 
+/// The lowest of some bits that are set, which is then set no more.
+#[inline(always)]
+pub fn take_lowest(bits: &mut u32) -> usize {
+    let lowest = bits.trailing_zeros() as usize;
+    *bits &= *bits - 1;
+    lowest
+}
+
 macro_rules! lanes {
     ($vector:ty, $scalar:ty, $n:literal) => {
         impl Lanes for $vector {

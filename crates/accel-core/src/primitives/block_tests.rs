@@ -5,7 +5,7 @@
 //! `[ray.t_min, t_max]`, the lowest bit the first lane, and their parameters. Lanes without a triangle
 //! hold NaN, which fails all comparisons.
 
-use crate::geometry::lanes::{Eight, Lanes};
+use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{EightOf, Scalar, Vector};
 use crate::primitives::shear::Shear;
@@ -127,8 +127,7 @@ pub(crate) fn watertight_fallback<S: Scalar>(
     let mut t = t.to_array();
     let mut left = doubtful;
     while left != 0 {
-        let lane = left.trailing_zeros() as usize;
-        left &= left - 1;
+        let lane = take_lowest(&mut left);
         if let Some(found) = again(&block.triangle(lane)) {
             t[lane] = found;
             lanes |= 1 << lane;

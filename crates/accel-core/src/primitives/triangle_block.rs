@@ -6,7 +6,7 @@
 
 use wide::i32x8;
 
-use crate::geometry::lanes::{Eight, Lanes};
+use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::EightOf;
 use crate::geometry::scalar::Scalar;
@@ -146,8 +146,7 @@ impl<S: Scalar> TriangleBlock<S> {
     #[inline(always)]
     pub(crate) fn take_closest(&self, mut lanes: u32, t: &[S; LANES], best: &mut Hit<S>) {
         while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
+            let lane = take_lowest(&mut lanes);
             let (t, id) = (t[lane], self.id(lane));
             if t < best.t || t == best.t && id < best.id {
                 *best = Hit { t, id };
@@ -159,10 +158,9 @@ impl<S: Scalar> TriangleBlock<S> {
     #[inline(always)]
     pub(crate) fn any_of(&self, mut lanes: u32, counts: impl Fn(u32) -> bool) -> bool {
         while lanes != 0 {
-            if counts(self.id(lanes.trailing_zeros() as usize)) {
+            if counts(self.id(take_lowest(&mut lanes))) {
                 return true;
             }
-            lanes &= lanes - 1;
         }
         false
     }

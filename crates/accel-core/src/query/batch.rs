@@ -5,6 +5,8 @@
 //! is known of a ray; which of both runs is decided where it runs. The operations are the same, none is
 //! contracted, and so are the answers.
 
+use std::ops::Range;
+
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -35,8 +37,8 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S>> {
     fn sink(&self, ray: &'r Ray<S>, setup: P::RaySetup) -> Self::Sink;
     /// Keeps the answer of the ray at that place.
     fn keep(&mut self, place: usize, sink: &Self::Sink);
-    /// Answers the ray at that place, from wherever it comes, without the others.
-    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, place: usize);
+    /// Answers the rays at these places, from wherever they come, one after the other.
+    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>);
 }
 
 struct Closest<'r, 'a, S: Scalar, P> {
@@ -65,8 +67,8 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Closest<'r, '_, S, P> {
         self.hits[place] = if found.is_hit() { found } else { miss };
     }
 
-    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, place: usize) {
-        let (rays, hits) = (&self.rays[place..=place], &mut self.hits[place..=place]);
+    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
+        let (rays, hits) = (&self.rays[places.clone()], &mut self.hits[places]);
         nearby::closest(reach, rays, hits, NoMailbox, |ray, _| {
             let mut sink = ClosestHit::<S, P, NoCounters>::new(self.prims, ray);
             structure.traverse(ray, &mut sink);
@@ -101,12 +103,14 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> 
         self.blocked[place] = sink.is_blocked();
     }
 
-    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, place: usize) {
-        self.blocked[place] = nearby::near(reach, &self.rays[place], false, |ray, _| {
-            let mut sink = AnyHit::<S, P, NoCounters>::new(self.prims, ray);
-            structure.traverse(ray, &mut sink);
-            sink.finish().0
-        });
+    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
+        for place in places {
+            self.blocked[place] = nearby::near(reach, &self.rays[place], false, |ray, _| {
+                let mut sink = AnyHit::<S, P, NoCounters>::new(self.prims, ray);
+                structure.traverse(ray, &mut sink);
+                sink.finish().0
+            });
+        }
     }
 }
 

@@ -40,7 +40,7 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
             let first = number * rays.len();
             let lanes = RayLanes::of(rays);
             if !far_ray::are_near(&lanes, reach) {
-                (first..first + rays.len()).for_each(|place| batch.answer(structure, reach, place));
+                batch.answer(structure, reach, first..first + rays.len());
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -53,6 +53,6 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
             }
         }
         let all = batch.rays().len();
-        (all - rest.len()..all).for_each(|place| batch.answer(structure, reach, place));
+        batch.answer(structure, reach, all - rest.len()..all);
     }
 }

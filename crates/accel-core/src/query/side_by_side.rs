@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 use wide::u32x8;
 
 use crate::geometry::far_ray;
+use crate::geometry::lanes::take_lowest;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -75,7 +76,7 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
             let first = number * LANES;
             let lanes = RayLanes::of(rays);
             if !is_over && !far_ray::are_near(&lanes, reach) {
-                (first..first + LANES).for_each(|place| batch.answer(structure, reach, place));
+                batch.answer(structure, reach, first..first + LANES);
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -124,16 +125,8 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
             }
         }
         let all = batch.rays().len();
-        (all - rest.len()..all).for_each(|place| batch.answer(structure, reach, place));
+        batch.answer(structure, reach, all - rest.len()..all);
     }
-}
-
-/// The lowest of some bits, which is among them no more.
-#[inline(always)]
-fn take_lowest(bits: &mut u32) -> usize {
-    let lowest = bits.trailing_zeros() as usize;
-    *bits &= *bits - 1;
-    lowest
 }
 
 /// A bit for each list that is not empty.

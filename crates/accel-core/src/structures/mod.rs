@@ -238,7 +238,7 @@ macro_rules! entry {
 }
 
 /// [`entry!`] for a structure of which more can be compiled in: see [`prepare_compiled`].
-#[cfg(any(not(test), feature = "compiled-tests", feature = "embree"))]
+#[cfg_attr(test, allow(unused_macros, reason = "unit tests see two structures"))]
 macro_rules! compiled_entry {
     ($structure:path, $info:path) => {
         $crate::structures::Entry::new(
@@ -254,6 +254,6 @@ macro_rules! compiled_entry {
         )
     };
 }
-#[cfg(any(not(test), feature = "compiled-tests", feature = "embree"))]
+#[cfg_attr(test, allow(unused_imports, reason = "as above"))]
 use compiled_entry;
 use entry;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::geometry::ray::Ray;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::PrimsRef;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
@@ -108,6 +108,26 @@ pub(crate) fn rays<S: Scalar>(set: &MixedSet<S>, n: usize, seed: u64) -> Vec<Ray
         out.push(ray);
     }
     out
+}
+
+/// Stands where no hit was written: not even equal to itself.
+#[cfg_attr(
+    not(feature = "embree"),
+    allow(dead_code, reason = "unit tests of Embree alone have it")
+)]
+pub(crate) fn unwritten<S: Scalar>() -> Hit<S> {
+    Hit { t: S::from_f64(f64::NAN), id: 0 }
+}
+
+/// The closest hits, with nothing in their places before that could be one.
+#[cfg_attr(
+    not(feature = "embree"),
+    allow(dead_code, reason = "unit tests of Embree alone have it")
+)]
+pub(crate) fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
+    let mut hits = vec![unwritten(); rays.len()];
+    tracer.closest_hits(rays, &mut hits);
+    hits
 }
 
 /// Which rays are blocked, whatever stood there before.

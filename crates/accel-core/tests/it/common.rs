@@ -2,7 +2,10 @@
 
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, TriangleSet, Watertight};
+use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::structures::find;
 use accel_core::{Ray, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 
@@ -228,4 +231,15 @@ pub fn rays_for<S: Buildable>(bounds: (DVec3, DVec3), r: &mut Random) -> Vec<Ray
         }
     }
     rays
+}
+
+/// The structure of that name, by settings like `leaf-size=3 group=8`.
+pub fn build<'a, S: Buildable>(
+    prims: PrimsRef<'a, S>,
+    name: &str,
+    settings: &str,
+) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+    let entry = find(name).unwrap();
+    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
+    entry.build(prims, &entry.params(settings).unwrap())
 }

@@ -8,19 +8,9 @@ use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structures::find;
 
-use crate::test_scenes::{Random, built, hard_scenes, mixed_scene, occlusions, rays};
-
-/// Stands where no hit was written: not even equal to itself.
-fn unwritten<S: Scalar>() -> Hit<S> {
-    Hit { t: S::from_f64(f64::NAN), id: 0 }
-}
-
-/// The closest hits, with nothing in their places before that could be one.
-pub(crate) fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let mut hits = vec![unwritten(); rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    hits
-}
+use crate::test_scenes::{
+    Random, built, closest_hits, hard_scenes, mixed_scene, occlusions, rays, unwritten,
+};
 
 /// What a tracer did: hits, blocked, counters of both kinds of query.
 pub(crate) type AnswersAndWork<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);

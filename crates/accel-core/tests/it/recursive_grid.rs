@@ -1,6 +1,7 @@
 use glam::{DVec3, dvec3};
 
-use crate::grids::closest_hits as hits;
+use crate::common::build;
+use crate::test_scenes::closest_hits as hits;
 use crate::test_scenes::occlusions as blocked;
 use accel_core::Vector;
 use accel_core::geometry::aabb::Aabb;
@@ -11,7 +12,6 @@ use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
     Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight,
 };
-use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::find;
@@ -83,16 +83,6 @@ fn rays<S: Buildable>(n: usize, seed: u64) -> Vec<Ray<S>> {
         .collect()
 }
 
-fn tracer<'a, S: Buildable>(
-    prims: PrimsRef<'a, S>,
-    name: &str,
-    settings: &str,
-) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    let entry = find(name).unwrap();
-    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
-    entry.build(prims, &entry.params(settings).unwrap())
-}
-
 /// Deep grids in every setting that must give right answers.
 const SETTINGS: [&str; 9] = [
     "",
@@ -107,11 +97,11 @@ const SETTINGS: [&str; 9] = [
 ];
 
 fn same_as_oracle<S: Buildable>(prims: PrimsRef<S>, rays: &[Ray<S>]) {
-    let oracle = tracer(prims, "brute-force", "").unwrap();
+    let oracle = build(prims, "brute-force", "").unwrap();
     let (expected, shadowed) = (hits(oracle.as_ref(), rays), blocked(oracle.as_ref(), rays));
     assert!(expected.iter().filter(|h| h.is_hit()).count() > rays.len() / 20);
     for settings in SETTINGS {
-        let grid = tracer(prims, "recursive-grid", settings).unwrap();
+        let grid = build(prims, "recursive-grid", settings).unwrap();
         for (i, (ours, right)) in hits(grid.as_ref(), rays).iter().zip(&expected).enumerate() {
             assert_eq!(ours, right, "{settings}: ray {i} {:?}", rays[i]);
         }
@@ -177,7 +167,7 @@ fn ten_thousand_copies_of_one_triangle() {
     let set = TriangleSet::<f32, Watertight>::new(vec![one; 10_000], |_| false).unwrap();
     let prims = PrimsRef::Watertight(&set);
     for settings in ["", "max-depth=8", "build=lazy", "build=lazy max-references=12000000"] {
-        let grid = tracer(prims, "recursive-grid", settings).unwrap();
+        let grid = build(prims, "recursive-grid", settings).unwrap();
         assert!(grid.stats().bytes < 64 << 20, "{settings}: {:?}", grid.stats());
         let at = Vec3::<f32>::from_array([0.4, 0.4, 0.3]);
         for hit in
@@ -191,7 +181,7 @@ fn ten_thousand_copies_of_one_triangle() {
         "max-references=9999",
         "max-cells=1 max-references=9999 build=lazy",
     ] {
-        let refused = tracer(prims, "recursive-grid", settings).err();
+        let refused = build(prims, "recursive-grid", settings).err();
         let is_limit =
             matches!(refused, Some(BuildError::TooLarge { needed, limit, .. }) if needed > limit);
         assert!(is_limit, "{settings}: {refused:?}");
@@ -203,14 +193,14 @@ fn a_lazy_grid_whose_limit_is_reached_stays_right() {
     let set = mixed::<f64>(2000, 11);
     let prims = PrimsRef::Mixed(&set);
     let rays = rays(3000, 12);
-    let right = hits(tracer(prims, "uniform-grid", "").unwrap().as_ref(), &rays);
-    let root = tracer(prims, "recursive-grid", "max-depth=1").unwrap().stats();
+    let right = hits(build(prims, "uniform-grid", "").unwrap().as_ref(), &rays);
+    let root = build(prims, "recursive-grid", "max-depth=1").unwrap().stats();
     let limits = format!(
         "build=lazy max-depth=8 threshold=1 max-cells={} max-references={}",
         root.cells + 300,
         root.references + 500,
     );
-    let grid = tracer(prims, "recursive-grid", &limits).unwrap();
+    let grid = build(prims, "recursive-grid", &limits).unwrap();
     assert_eq!(hits(grid.as_ref(), &rays), right);
     assert!(grid.stats().references <= root.references + 500, "{:?}", grid.stats());
     assert!(grid.stats().cells <= root.cells + 300);
@@ -233,11 +223,11 @@ fn blocks_stand_for_the_lists_of_all_grids_made_with_the_structure() {
     let set = triangles(3000, 51);
     let prims = PrimsRef::Watertight(&set);
     let rays = rays(2000, 52);
-    let right = hits(tracer(prims, "brute-force", "").unwrap().as_ref(), &rays);
+    let right = hits(build(prims, "brute-force", "").unwrap().as_ref(), &rays);
     for settings in ["threshold=2", "build=lazy", "build=lazy lazy-levels=2 max-depth=6"] {
-        let scalar = tracer(prims, "recursive-grid", settings).unwrap();
+        let scalar = build(prims, "recursive-grid", settings).unwrap();
         let block = format!("{settings} kernel=block");
-        let block = tracer(prims, "recursive-grid", &block).unwrap();
+        let block = build(prims, "recursive-grid", &block).unwrap();
         let [a, b] = [&scalar, &block].map(|tracer| tracer.stats());
         let lists = a.cells - a.empty_cells - a.pending_cells.unwrap_or(0);
         assert!(b.bytes >= a.bytes + lists * 320, "{settings}: {a:?} {b:?}");
@@ -252,21 +242,21 @@ fn cells_and_references_share_the_memory() {
     let set = triangles(2000, 61);
     let prims = PrimsRef::Watertight(&set);
     let entry = find("recursive-grid").unwrap();
-    let build = |settings: &[(&str, &str)], bytes: u64| {
+    let within = |settings: &[(&str, &str)], bytes: u64| {
         let params = entry.params(settings.iter().copied()).unwrap();
         entry.build(prims, &params.within(MemoryLimit::new(bytes)))
     };
-    let stats = build(&[], u64::MAX).unwrap().stats();
+    let stats = within(&[], u64::MAX).unwrap().stats();
     // without the entries that stand for grids; cells and references alone would fit
     let needed = 8 * stats.cells + 4 * stats.references;
     assert!(8 * stats.cells < needed - 4000 && 4 * stats.references < needed - 4000);
-    let refused = build(&[], needed - 4000).err().expect("too little");
+    let refused = within(&[], needed - 4000).err().expect("too little");
     assert!(matches!(refused, BuildError::OutOfMemory(_)), "{refused}");
-    assert!(build(&[], 2 * needed).is_ok());
+    assert!(within(&[], 2 * needed).is_ok());
     // on demand: no more than there is room for, and right
-    let lazy = build(&[("build", "lazy"), ("max-depth", "8")], needed / 2).unwrap();
+    let lazy = within(&[("build", "lazy"), ("max-depth", "8")], needed / 2).unwrap();
     let rays = rays(2000, 62);
-    let right = hits(tracer(prims, "brute-force", "").unwrap().as_ref(), &rays);
+    let right = hits(build(prims, "brute-force", "").unwrap().as_ref(), &rays);
     assert_eq!(hits(lazy.as_ref(), &rays), right);
     let stats = lazy.stats();
     assert!(8 * stats.cells + 4 * stats.references <= needed / 2, "{stats:?}");
@@ -276,8 +266,8 @@ fn cells_and_references_share_the_memory() {
 fn lazy_builds_what_rays_ask_for_and_counts_the_same() {
     let set = mixed::<f64>(3000, 21);
     let prims = PrimsRef::Mixed(&set);
-    let eager = tracer(prims, "recursive-grid", "max-depth=4").unwrap();
-    let lazy = tracer(prims, "recursive-grid", "max-depth=4 build=lazy").unwrap();
+    let eager = build(prims, "recursive-grid", "max-depth=4").unwrap();
+    let lazy = build(prims, "recursive-grid", "max-depth=4 build=lazy").unwrap();
     let before = lazy.stats();
     assert_eq!(eager.stats().pending_cells, None);
     assert!(before.pending_cells > Some(0) && before.inner_cells == 1);
@@ -311,9 +301,9 @@ fn lazy_gives_the_same_hits_a_hundred_times_with_two_threads() {
     let set = mixed::<f32>(1500, 31);
     let prims = PrimsRef::Mixed(&set);
     let rays = rays(1000, 32);
-    let right = hits(tracer(prims, "recursive-grid", "").unwrap().as_ref(), &rays);
+    let right = hits(build(prims, "recursive-grid", "").unwrap().as_ref(), &rays);
     for round in 0..100 {
-        let grid = tracer(prims, "recursive-grid", "build=lazy").unwrap();
+        let grid = build(prims, "recursive-grid", "build=lazy").unwrap();
         let start = std::sync::Barrier::new(2);
         let (a, b) = std::thread::scope(|scope| {
             let run = || {
@@ -333,9 +323,9 @@ fn the_oracle_finds_a_grid_that_forgets() {
     // planted fault: a grid built over fewer primitives than the set has
     let set = mixed::<f64>(600, 41);
     let rays = rays(4000, 42);
-    let oracle = hits(tracer(PrimsRef::Mixed(&set), "brute-force", "").unwrap().as_ref(), &rays);
+    let oracle = hits(build(PrimsRef::Mixed(&set), "brute-force", "").unwrap().as_ref(), &rays);
     let fewer = mixed::<f64>(590, 41);
     assert!(fewer.bounds(0) == set.bounds(0) && Aabb::is_finite(&fewer.bounds(589)));
-    let ours = hits(tracer(PrimsRef::Mixed(&fewer), "recursive-grid", "").unwrap().as_ref(), &rays);
+    let ours = hits(build(PrimsRef::Mixed(&fewer), "recursive-grid", "").unwrap().as_ref(), &rays);
     assert_ne!(ours, oracle);
 }

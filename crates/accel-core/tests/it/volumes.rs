@@ -2,14 +2,13 @@
 //! the same hits to the bit.
 
 use crate::agreement::Answers;
-use crate::common::{Random, Set, all_scenes, rays_for};
+use crate::common::{Random, Set, all_scenes, build, rays_for};
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSetBuilder, TriangleSet, Watertight};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, StructureStats};
-use accel_core::structures::find;
+use accel_core::structure::StructureStats;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::{DVec3, dvec3};
 
@@ -28,16 +27,6 @@ const SETTINGS: &[(&str, &str)] = &[
     ("kay-kajiya", "branching=4 leaf-size=7"),
     ("kay-kajiya", "branching=8 leaf-size=1000000"),
 ];
-
-fn build<'a, S: Buildable>(
-    prims: PrimsRef<'a, S>,
-    name: &str,
-    settings: &str,
-) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    let entry = find(name).unwrap();
-    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
-    entry.build(prims, &entry.params(pairs).unwrap())
-}
 
 /// Hits, what is blocked, and the work that the hits took.
 fn answers<S: Buildable>(

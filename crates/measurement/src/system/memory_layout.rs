@@ -22,31 +22,20 @@ const SMALLEST: f64 = 6.0;
 /// One byte of each page is written, so that it is the process's own.
 const PAGE: usize = 4096;
 
-/// Blocks that are held, so that all other memory lies elsewhere.
-#[derive(Debug)]
-pub struct HeldBlocks(Vec<Vec<u8>>);
-
-impl HeldBlocks {
-    /// Another draw each time: some 10 MiB.
-    pub fn draw() -> Self {
-        let random = RandomState::new();
-        // evenly in [0, 1)
-        let unit = |i: usize| (random.hash_one(i) >> 11) as f64 / (1u64 << 53) as f64;
-        let take = |i: usize| {
-            let size = (SMALLEST + (LARGEST - SMALLEST) * unit(i)).exp2() as usize;
-            let mut block = vec![0u8; size];
-            block.iter_mut().step_by(PAGE).for_each(|byte| *byte = 1);
-            black_box(block)
-        };
-        let blocks: Vec<_> = (0..BLOCKS).map(take).collect();
-        let held = blocks.into_iter().enumerate().filter(|(i, _)| unit(BLOCKS + i) < 0.5);
-        Self(held.map(|(_, block)| block).collect())
-    }
-
-    /// Bytes that are held.
-    pub fn bytes(&self) -> usize {
-        self.0.iter().map(Vec::len).sum()
-    }
+/// Blocks to hold, so that all other memory lies elsewhere: another draw each time, some 10 MiB.
+pub fn draw() -> Vec<Vec<u8>> {
+    let random = RandomState::new();
+    // evenly in [0, 1)
+    let unit = |i: usize| (random.hash_one(i) >> 11) as f64 / (1u64 << 53) as f64;
+    let take = |i: usize| {
+        let size = (SMALLEST + (LARGEST - SMALLEST) * unit(i)).exp2() as usize;
+        let mut block = vec![0u8; size];
+        block.iter_mut().step_by(PAGE).for_each(|byte| *byte = 1);
+        black_box(block)
+    };
+    let blocks: Vec<_> = (0..BLOCKS).map(take).collect();
+    let held = blocks.into_iter().enumerate().filter(|(i, _)| unit(BLOCKS + i) < 0.5);
+    held.map(|(_, block)| block).collect()
 }
 
 #[cfg(test)]
@@ -55,7 +44,8 @@ mod tests {
 
     #[test]
     fn each_draw_is_another() {
-        let mut drawn: Vec<usize> = (0..8).map(|_| HeldBlocks::draw().bytes()).collect();
+        let bytes = |_| draw().iter().map(Vec::len).sum();
+        let mut drawn: Vec<usize> = (0..8).map(bytes).collect();
         assert!(drawn.iter().all(|bytes| (1 << 16..BLOCKS << 21).contains(bytes)), "{drawn:?}");
         drawn.sort_unstable();
         drawn.dedup();

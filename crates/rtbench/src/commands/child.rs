@@ -19,7 +19,7 @@ use measurement::callgrind::counted::count_all;
 use measurement::plan::OneProcess;
 use measurement::plan::strides::FixedStrides;
 use measurement::record::RunRecord;
-use measurement::system::memory_layout::HeldBlocks;
+use measurement::system::memory_layout;
 use presentation::format_error::FormatError;
 
 /// Where few answers are checked, one ray in that many of those that would be.
@@ -43,7 +43,8 @@ fn json(e: serde_json::Error) -> FormatError {
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let record = asked::<RunRecord>;
     let times = matches!(args.action, ChildAction::Measure { .. } | ChildAction::Accuracy);
-    let elsewhere = times.then(HeldBlocks::draw);
+    // until the answer is made, all else lies elsewhere
+    let _held = times.then(memory_layout::draw);
     let (answer, failures) = match &args.action {
         ChildAction::Build(build) => return trial_build::run(context, build).map(|()| SUCCESS),
         ChildAction::Plugin(args) => {
@@ -77,7 +78,6 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             (serde_json::to_string(&ask_all(&plan, *rays as usize)?), 0)
         }
     };
-    drop(elsewhere);
     writeln!(context.out, "{}", answer.map_err(json)?)?;
     context.out.flush()?;
     Ok(if failures == 0 { SUCCESS } else { FAILURE })

@@ -9,8 +9,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::parts::{View, matte, stage};
-use crate::scene::{Primitive, Scene, Shape};
+use super::parts::{View, matte, push_triangle, stage};
+use crate::scene::Scene;
 
 /// Radius of the ball that the lobes stand on.
 const BODY: f64 = 0.085;
@@ -70,7 +70,7 @@ pub(super) fn push_hare(scene: &mut Scene, material: u32, size: u32, middle: DVe
                     if sx * sy * sz < 0 {
                         v.swap(1, 2);
                     }
-                    scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
+                    push_triangle(scene, material, v);
                 }
             }
         }

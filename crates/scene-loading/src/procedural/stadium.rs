@@ -6,8 +6,8 @@
 use glam::DVec3;
 
 use super::hare::push_hare;
-use super::parts::{View, matte, stage};
-use crate::scene::{Primitive, Scene, Shape};
+use super::parts::{View, matte, push_triangle, stage};
+use crate::scene::Scene;
 
 /// Rows of seats.
 const ROWS: u32 = 28;
@@ -54,7 +54,7 @@ fn push_pitch(scene: &mut Scene, material: u32) {
     scene.vertices.push(DVec3::ZERO);
     scene.vertices.extend(rim.map(|[x, z]| DVec3::new(x * half[0], 0.0, z * half[1])));
     for i in 0..8 {
-        push(scene, material, [first, first + 1 + (i + 1) % 8, first + 1 + i]);
+        push_triangle(scene, material, [first, first + 1 + (i + 1) % 8, first + 1 + i]);
     }
 }
 
@@ -78,13 +78,9 @@ fn push_stands(scene: &mut Scene, material: u32) {
             let high = low + SEGMENTS;
             for i in 0..SEGMENTS {
                 let j = (i + 1) % SEGMENTS;
-                push(scene, material, [low + i, high + i, high + j]);
-                push(scene, material, [low + i, high + j, low + j]);
+                push_triangle(scene, material, [low + i, high + i, high + j]);
+                push_triangle(scene, material, [low + i, high + j, low + j]);
             }
         }
     }
-}
-
-fn push(scene: &mut Scene, material: u32, v: [u32; 3]) {
-    scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
 }

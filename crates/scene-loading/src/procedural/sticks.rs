@@ -7,8 +7,8 @@
 
 use glam::DVec3;
 
-use super::parts::{View, matte, stage};
-use crate::scene::{Primitive, Scene, Shape};
+use super::parts::{View, matte, push_triangle, stage};
+use crate::scene::Scene;
 
 /// Of a stick.
 const LENGTH: f64 = 1.2;
@@ -60,10 +60,7 @@ fn push_stick(scene: &mut Scene, material: u32, middle: DVec3, [height, turn, ro
             scene.vertices.push(middle + along * (LENGTH * end) + corner);
         }
     }
-    let mut push = |v: [u32; 3]| {
-        let v = v.map(|i| first + i);
-        scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
-    };
+    let mut push = |v: [u32; 3]| push_triangle(scene, material, v.map(|i| first + i));
     for i in 0..4 {
         let j = (i + 1) % 4;
         push([i, j, 4 + j]);

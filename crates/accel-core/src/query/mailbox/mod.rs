@@ -144,6 +144,11 @@ impl Setting {
         }
     }
 
+    /// Whether there is one.
+    pub fn is_used(&self) -> bool {
+        !matches!(self, Self::None)
+    }
+
     /// Calls `use_it` with the mailbox of this thread; `primitive` waits until no other thread
     /// uses it.
     pub fn with<R>(&self, use_it: impl FnOnce(AnyMailbox) -> R) -> R {

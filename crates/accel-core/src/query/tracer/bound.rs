@@ -87,11 +87,6 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         Ok(self)
     }
 
-    /// True when rays are timed without a mailbox.
-    fn has_no_mailbox(&self) -> bool {
-        !T::DUPLICATES || matches!(self.mailbox, Setting::None)
-    }
-
     #[inline(always)]
     fn timed_closest<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
         closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
@@ -217,7 +212,7 @@ where
             return self.closest_by_blocks(blocks, rays, hits);
         }
         // the constants stand here: what they exclude is not compiled
-        if T::DUPLICATES && !self.has_no_mailbox() {
+        if T::DUPLICATES && self.mailbox.is_used() {
             if P::IS_CALLED {
                 self.relaying(|timing| timing.all_closest(rays, hits, Some(&self.mailbox)));
             } else {
@@ -247,7 +242,7 @@ where
             return self.occlusions_by_blocks(blocks, rays, blocked);
         }
         // the constants stand here: what they exclude is not compiled
-        if T::DUPLICATES && !self.has_no_mailbox() {
+        if T::DUPLICATES && self.mailbox.is_used() {
             if P::IS_CALLED {
                 self.relaying(|timing| timing.all_occlusions(rays, blocked, Some(&self.mailbox)));
             } else {
@@ -304,9 +299,9 @@ where
     }
 
     fn batches(&self) -> Batches {
-        match self.has_no_mailbox() {
-            true => self.structure.batches(&*self.prims),
-            false => Batches::RayByRay,
+        match T::DUPLICATES && self.mailbox.is_used() {
+            true => Batches::RayByRay,
+            false => self.structure.batches(&*self.prims),
         }
     }
 

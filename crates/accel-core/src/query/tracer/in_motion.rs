@@ -79,7 +79,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
 
     /// The mailbox that rays are timed with.
     fn timed_mailbox(&self) -> Option<&Setting> {
-        Some(&self.mailbox).filter(|mailbox| T::DUPLICATES && !matches!(mailbox, Setting::None))
+        Some(&self.mailbox).filter(|mailbox| T::DUPLICATES && mailbox.is_used())
     }
 }
 

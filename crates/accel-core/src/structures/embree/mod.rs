@@ -168,17 +168,9 @@ mod tests {
     use crate::geometry::ray::Hit;
     use crate::primitives::PrimsRef;
     use crate::primitives::{TriangleSet, Watertight};
-    use crate::query::tracer::Tracer;
     use crate::query::tracer::{ShadowCount, ShadowRule};
     use crate::structures::find;
-    use crate::structures::test_scenes::{Random, occlusions};
-
-    /// The closest hits, with nothing in their places before that could be one.
-    fn closest_hits(tracer: &dyn Tracer<f32>, rays: &[Ray<f32>]) -> Vec<Hit<f32>> {
-        let mut hits = vec![Hit { t: f32::NAN, ..Hit::NONE }; rays.len()];
-        tracer.closest_hits(rays, &mut hits);
-        hits
-    }
+    use crate::structures::test_scenes::{Random, closest_hits, occlusions};
 
     /// The closest hit, and whether the ray is blocked.
     type Answer = (Hit<f32>, bool);
