@@ -21,6 +21,10 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// Whether [`Structure::lists`] has lists, and [`PARAM`](crate::query::kernel::PARAM) is among its parameters.
     const HAS_LISTS: bool = false;
 
+    /// Whether its loop over single rays is compiled for AVX-512 too, where the set is of triangles: see
+    /// [`batch`](crate::query::batch). For what takes eight boxes or triangles at once, and where it pays.
+    const HAS_AVX512: bool = false;
+
     /// Its settings, which are read before anything is built: `()` where it has none.
     type Config: Config;
 

@@ -3,17 +3,18 @@
 //!
 //! The loop over rays is compiled twice on x86-64: for the target, and for AVX-512, whose 32 registers hold what
 //! is known of a ray; which of both runs is decided where it runs. The operations are the same, none is
-//! contracted, and so are the answers.
+//! contracted, and so are the answers. Of structures that have batches, so is the loop over single rays
+//! ([`one_by_one`]).
 
 use std::ops::Range;
 
+use crate::geometry::far_ray::Parameters;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::NoCounters;
-use crate::query::mailbox::NoMailbox;
 use crate::query::sink::{AnyHit, ClosestHit, Sink};
-use crate::query::tracer::nearby;
+use crate::query::tracer::nearby::brought_near;
 use crate::structure::{BatchAnswers, Structure};
 
 /// How the rays of a batch go through a structure.
@@ -29,16 +30,47 @@ pub(crate) trait Drive<S: Scalar, T> {
 
 /// The queries of a batch. Compiled into the loop over rays: a sink that is made elsewhere and moved in is
 /// waited for.
-pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S>> {
-    type Sink: Sink<S>;
+pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
+    /// The query of a ray.
+    type Sink<'q>: Sink<S>
+    where
+        'r: 'q;
+    /// What is asked about.
+    fn prims(&self) -> &'r P;
     /// Rays whose answers are wanted.
     fn rays(&self) -> &'r [Ray<S>];
     /// The query of a ray near the scene, which is prepared for the set.
-    fn sink(&self, ray: &'r Ray<S>, setup: P::RaySetup) -> Self::Sink;
-    /// Keeps the answer of the ray at that place.
-    fn keep(&mut self, place: usize, sink: &Self::Sink);
+    fn sink<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Self::Sink<'q>
+    where
+        'r: 'q;
+    /// Keeps the answer of the ray at that place, which was brought near; no sink where nothing can be hit.
+    fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
+    where
+        'r: 'q;
+
     /// Answers the rays at these places, from wherever they come, one after the other.
-    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>);
+    // without closures, which would not be compiled for AVX-512
+    #[inline(always)]
+    fn traverse<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
+        let rays = self.rays();
+        for place in places {
+            let mut moved = None;
+            match brought_near(&rays[place], reach, &mut moved) {
+                Some((ray, parameters)) => {
+                    let mut sink = self.sink(ray, self.prims().setup(ray));
+                    structure.traverse(ray, &mut sink);
+                    self.keep(place, Some((&sink, parameters)));
+                }
+                None => self.keep(place, None),
+            }
+        }
+    }
+
+    /// The same, compiled once, for the target.
+    #[inline(never)]
+    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
+        self.traverse(structure, reach, places);
+    }
 }
 
 struct Closest<'r, 'a, S: Scalar, P> {
@@ -49,7 +81,15 @@ struct Closest<'r, 'a, S: Scalar, P> {
 }
 
 impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Closest<'r, '_, S, P> {
-    type Sink = ClosestHit<'r, S, P, NoCounters>;
+    type Sink<'q>
+        = ClosestHit<'q, S, P, NoCounters>
+    where
+        'r: 'q;
+
+    #[inline(always)]
+    fn prims(&self) -> &'r P {
+        self.prims
+    }
 
     #[inline(always)]
     fn rays(&self) -> &'r [Ray<S>] {
@@ -57,23 +97,25 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Closest<'r, '_, S, P> {
     }
 
     #[inline(always)]
-    fn sink(&self, ray: &'r Ray<S>, setup: P::RaySetup) -> Self::Sink {
+    fn sink<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Self::Sink<'q>
+    where
+        'r: 'q,
+    {
         ClosestHit::prepared(self.prims, ray, setup)
     }
 
     #[inline(always)]
-    fn keep(&mut self, place: usize, sink: &Self::Sink) {
-        let (found, miss) = (sink.hit(), Hit { t: self.rays[place].t_max, ..Hit::NONE });
-        self.hits[place] = if found.is_hit() { found } else { miss };
-    }
-
-    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
-        let (rays, hits) = (&self.rays[places.clone()], &mut self.hits[places]);
-        nearby::closest(reach, rays, hits, NoMailbox, |ray, _| {
-            let mut sink = ClosestHit::<S, P, NoCounters>::new(self.prims, ray);
-            structure.traverse(ray, &mut sink);
-            sink.finish().0
-        });
+    fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
+    where
+        'r: 'q,
+    {
+        let miss = Hit { t: self.rays[place].t_max, ..Hit::NONE };
+        self.hits[place] = match found {
+            Some((sink, parameters)) if sink.hit().is_hit() => {
+                Hit { t: parameters.restored(sink.hit().t), ..sink.hit() }
+            }
+            _ => miss,
+        };
     }
 }
 
@@ -86,7 +128,15 @@ struct Occlusions<'r, 'a, S: Scalar, P> {
 }
 
 impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> {
-    type Sink = AnyHit<'r, S, P, NoCounters>;
+    type Sink<'q>
+        = AnyHit<'q, S, P, NoCounters>
+    where
+        'r: 'q;
+
+    #[inline(always)]
+    fn prims(&self) -> &'r P {
+        self.prims
+    }
 
     #[inline(always)]
     fn rays(&self) -> &'r [Ray<S>] {
@@ -94,23 +144,19 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> 
     }
 
     #[inline(always)]
-    fn sink(&self, ray: &'r Ray<S>, setup: P::RaySetup) -> Self::Sink {
+    fn sink<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Self::Sink<'q>
+    where
+        'r: 'q,
+    {
         AnyHit::prepared(self.prims, ray, setup)
     }
 
     #[inline(always)]
-    fn keep(&mut self, place: usize, sink: &Self::Sink) {
-        self.blocked[place] = sink.is_blocked();
-    }
-
-    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
-        for place in places {
-            self.blocked[place] = nearby::near(reach, &self.rays[place], false, |ray, _| {
-                let mut sink = AnyHit::<S, P, NoCounters>::new(self.prims, ray);
-                structure.traverse(ray, &mut sink);
-                sink.finish().0
-            });
-        }
+    fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
+    where
+        'r: 'q,
+    {
+        self.blocked[place] = found.is_some_and(|(sink, _)| sink.is_blocked());
     }
 }
 
@@ -137,7 +183,55 @@ pub(crate) fn answer<D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T>(
     }
 }
 
-/// Whether batches are driven with AVX-512 on this machine.
+/// Answers rays one after the other. Compiled for triangles alone.
+#[inline(always)]
+pub(crate) fn one_by_one<S: Scalar, P: PrimSet<S>, T: Structure<S>>(
+    structure: &T,
+    prims: &P,
+    rays: &[Ray<S>],
+    reach: S,
+    answers: BatchAnswers<'_, S>,
+) {
+    if P::HAS_BLOCKS {
+        match answers {
+            BatchAnswers::Closest(hits) => {
+                traverse_all(structure, reach, &mut Closest { prims, rays, hits });
+            }
+            BatchAnswers::Occlusion(blocked) => {
+                traverse_all(structure, reach, &mut Occlusions { prims, rays, blocked });
+            }
+        }
+    }
+}
+
+#[inline(never)]
+fn traverse_all<'r, S: Scalar, P: PrimSet<S> + 'r, T: Structure<S>, B: Batch<'r, S, P>>(
+    structure: &T,
+    reach: S,
+    batch: &mut B,
+) {
+    let all = 0..batch.rays().len();
+    #[cfg(target_arch = "x86_64")]
+    if has_avx512() {
+        // SAFETY: the processor has it
+        unsafe { traverse_by_avx512(structure, reach, batch, all) };
+        return;
+    }
+    batch.answer(structure, reach, all);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn traverse_by_avx512<'r, S: Scalar, P: PrimSet<S> + 'r, T: Structure<S>, B: Batch<'r, S, P>>(
+    structure: &T,
+    reach: S,
+    batch: &mut B,
+    places: Range<usize>,
+) {
+    batch.traverse(structure, reach, places);
+}
+
+/// Whether rays are traced with AVX-512 on this machine, where code for it was compiled.
 pub fn has_avx512() -> bool {
     #[cfg(target_arch = "x86_64")]
     {

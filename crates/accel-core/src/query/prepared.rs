@@ -6,7 +6,7 @@
 //! [`resumable::traverse`]. To have several prepared rays in flight besides was a loss (two 0.85 to 1.0, four
 //! 0.77 to 0.88 of one after the other).
 
-use crate::geometry::far_ray;
+use crate::geometry::far_ray::{self, Parameters};
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -49,7 +49,7 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
                 let mut sink = batch.sink(ray, setups(lane));
                 let state = structure.begin_prepared(&eight, lane, ray.t_max);
                 resumable::run(structure, state, &mut sink);
-                batch.keep(first + lane, &sink);
+                batch.keep(first + lane, Some((&sink, Parameters::SAME)));
             }
         }
         let all = batch.rays().len();

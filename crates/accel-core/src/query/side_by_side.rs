@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use wide::u32x8;
 
-use crate::geometry::far_ray;
+use crate::geometry::far_ray::{self, Parameters};
 use crate::geometry::lanes::take_lowest;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
@@ -66,7 +66,7 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
     ) {
         let (eights, rest) = batch.rays().as_chunks::<LANES>();
         let mut state = T::idle();
-        let mut sinks: Vec<B::Sink> = Vec::with_capacity(RAYS);
+        let mut sinks: Vec<B::Sink<'r>> = Vec::with_capacity(RAYS);
         let (mut places, mut t_max) = ([0; RAYS], [S::ZERO; RAYS]);
         let mut free = ALL;
         for number in 0..=eights.len() {
@@ -87,7 +87,7 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
                     let from = take_lowest(&mut waiting);
                     let sink = batch.sink(&rays[from], setups(from));
                     if T::meeting(&eight) >> from & 1 == 0 {
-                        batch.keep(first + from, &sink);
+                        batch.keep(first + from, Some((&sink, Parameters::SAME)));
                         continue;
                     }
                     let lane = take_lowest(&mut free);
@@ -120,7 +120,7 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
                 free |= over;
                 while over != 0 {
                     let lane = take_lowest(&mut over);
-                    batch.keep(places[lane], &sinks[lane]);
+                    batch.keep(places[lane], Some((&sinks[lane], Parameters::SAME)));
                 }
             }
         }

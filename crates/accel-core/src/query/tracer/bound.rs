@@ -15,6 +15,7 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
 use crate::memory::OutOfMemory;
 use crate::primitives::PrimSet;
+use crate::query::batch;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::{BlockSink, ListBlocks};
@@ -226,6 +227,10 @@ where
             Batches::RayByRay if P::IS_CALLED => {
                 self.relaying(|timing| timing.all_closest(rays, hits, None));
             }
+            Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
+                let answers = BatchAnswers::Closest(hits);
+                batch::one_by_one(&self.structure, &*self.prims, rays, self.reach, answers);
+            }
             Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
             Batches::Together | Batches::Library => {
                 let answers = BatchAnswers::Closest(hits);
@@ -255,6 +260,10 @@ where
         match self.structure.batches(&*self.prims) {
             Batches::RayByRay if P::IS_CALLED => {
                 self.relaying(|timing| timing.all_occlusions(rays, blocked, None));
+            }
+            Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
+                let answers = BatchAnswers::Occlusion(blocked);
+                batch::one_by_one(&self.structure, &*self.prims, rays, self.reach, answers);
             }
             Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
             Batches::Together | Batches::Library => {

@@ -5,6 +5,21 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::mailbox::MailboxSource;
 
+/// The ray, or the one that it was brought near as, kept in `moved`, and what its parameters became; none where
+/// it cannot hit anything.
+#[inline(always)]
+pub(crate) fn brought_near<'r, S: Scalar>(
+    ray: &'r Ray<S>,
+    reach: S,
+    moved: &'r mut Option<Ray<S>>,
+) -> Option<(&'r Ray<S>, Parameters<S>)> {
+    match far_ray::place(ray, reach) {
+        PlacedRay::Near => Some((ray, Parameters::SAME)),
+        PlacedRay::Moved(near, parameters) => Some((moved.insert(near), parameters)),
+        PlacedRay::Nowhere => None,
+    }
+}
+
 /// Calls `query` with the ray, brought near, and what its parameters became.
 #[inline(always)]
 pub(crate) fn near<S: Scalar, R>(
@@ -13,16 +28,10 @@ pub(crate) fn near<S: Scalar, R>(
     nowhere: R,
     query: impl FnOnce(&Ray<S>, Parameters<S>) -> R,
 ) -> R {
-    let moved;
-    let (near, parameters) = match far_ray::place(ray, reach) {
-        PlacedRay::Near => (ray, Parameters::SAME),
-        PlacedRay::Moved(near, parameters) => {
-            moved = near;
-            (&moved, parameters)
-        }
-        PlacedRay::Nowhere => return nowhere,
-    };
-    query(near, parameters)
+    match brought_near(ray, reach, &mut None) {
+        Some((near, parameters)) => query(near, parameters),
+        None => nowhere,
+    }
 }
 
 /// Closest hits with one kind of mailbox; `one` asks for one of them.

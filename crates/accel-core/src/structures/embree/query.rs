@@ -49,9 +49,9 @@ pub(super) fn traverse<S: Scalar, K: Sink<S>>(structure: &Scene<S>, ray: &Ray<S>
     let t_near = if structure.is_native { start.parameters.start(ray.t_min) } else { 0.0 };
     let mut asked = ffi::RayHit {
         ray: ffi::Ray {
-            origin: start.ray.origin.to_array(),
+            origin: start.origin.to_array(),
             t_near,
-            direction: start.ray.direction.to_array(),
+            direction: start.direction.to_array(),
             time: 0.0,
             t_far: start.parameters.bound(sink.t_max()),
             mask: u32::MAX,

@@ -136,6 +136,8 @@ pub struct IrregularGrid<S: Scalar> {
 }
 
 impl<S: Scalar> Structure<S> for IrregularGrid<S> {
+    const HAS_AVX512: bool = true;
+
     type Config = IrregularGridConfig;
 
     fn build<P: PrimSet<S>>(

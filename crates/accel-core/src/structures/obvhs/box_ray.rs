@@ -8,7 +8,7 @@ use crate::geometry::ray::{Ray, unit_factor};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vector};
 
-/// How rays are told to obvhs.
+/// How rays are told to trees.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum RaySetup<S: Scalar> {
     /// Unchanged.
@@ -40,7 +40,7 @@ impl<S: Scalar> RaySetup<S> {
         Aabb { min, max }
     }
 
-    /// The ray for obvhs.
+    /// The ray as boxes see it.
     #[inline(always)]
     pub(crate) fn ray(&self, ray: &Ray<S>, length: Length) -> BoxRay<S> {
         match *self {
@@ -77,7 +77,7 @@ impl<S: Scalar> RaySetup<S> {
 
     /// Whether obvhs is to get bounds that rounding cannot make too small.
     #[inline(always)]
-    pub(crate) fn is_robust(&self) -> bool {
+    pub(super) fn is_robust(&self) -> bool {
         matches!(self, Self::Robust { .. })
     }
 }
@@ -95,7 +95,8 @@ pub(crate) enum Length {
 
 /// A ray for box tests.
 pub(crate) struct BoxRay<S: Scalar> {
-    pub(crate) ray: ObvhsRay,
+    pub(crate) origin: Vec3A,
+    pub(crate) direction: Vec3A,
     pub(crate) parameters: BoxParameters<S>,
 }
 
@@ -160,27 +161,32 @@ impl<S: Scalar> BoxRay<S> {
         let origin = Vec3A::from(origin);
         let direction = Vec3A::from(to_f32::<S>(ray.direction * shorter)) + Vec3A::ZERO;
         let scale = unit / shorter;
-        // all axes at once
-        let is_small = direction.abs().cmplt(Vec3A::splat(1e-30));
-        let large = Vec3A::splat(f32::from_bits(0x7180_0000)).copysign(direction);
-        let ray = ObvhsRay {
-            origin,
-            direction,
-            inv_direction: Vec3A::select(is_small, large, direction.recip()),
-            tmin: 0.0,
-            tmax: f32::INFINITY,
-        };
-        Self { ray, parameters: BoxParameters { scale, lead } }
+        Self { origin, direction, parameters: BoxParameters { scale, lead } }
     }
 
     #[inline(always)]
     fn as_shipped(ray: &Ray<S>) -> Self {
-        let (t_min, t_max) = (ray.t_min.to_f64() as f32, ray.t_max.to_f64() as f32);
-        let (o, d) = (to_f32::<S>(ray.origin), to_f32::<S>(ray.direction));
         Self {
-            ray: ObvhsRay::new(o.into(), d.into(), t_min, t_max),
+            origin: to_f32::<S>(ray.origin).into(),
+            direction: to_f32::<S>(ray.direction).into(),
             parameters: BoxParameters::SAME,
         }
+    }
+
+    /// This for obvhs: of `ray`, by the same setup, up to `t_max`.
+    #[inline(always)]
+    pub(super) fn for_obvhs(&self, setup: &RaySetup<S>, ray: &Ray<S>, t_max: S) -> ObvhsRay {
+        let (origin, direction) = (self.origin, self.direction);
+        if let RaySetup::AsShipped = setup {
+            let [t_min, t_max] = [ray.t_min, ray.t_max].map(|t| t.to_f64() as f32);
+            return ObvhsRay::new(origin, direction, t_min, t_max);
+        }
+        // all axes at once
+        let is_small = direction.abs().cmplt(Vec3A::splat(1e-30));
+        let large = Vec3A::splat(f32::from_bits(0x7180_0000)).copysign(direction);
+        let inv_direction = Vec3A::select(is_small, large, direction.recip());
+        let tmax = self.parameters.bound(t_max);
+        ObvhsRay { origin, direction, inv_direction, tmin: 0.0, tmax }
     }
 }
 

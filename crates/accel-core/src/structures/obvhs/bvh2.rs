@@ -114,12 +114,10 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let mut start = self.setup.ray(ray, Length::Unit);
-        if self.setup.is_robust() {
-            start.ray.tmax = start.parameters.bound(sink.t_max());
-        }
+        let start = self.setup.ray(ray, Length::Unit);
+        let of_boxes = start.for_obvhs(&self.setup, ray, sink.t_max());
         if K::COUNTING {
-            count_nodes(&self.bvh, start.ray, |node, r| self.leaf(node, r, &start, sink));
+            count_nodes(&self.bvh, of_boxes, |node, r| self.leaf(node, r, &start, sink));
             return;
         }
         let mut leaf = |node: &Bvh2Node, r: &mut ObvhsRay, _: &mut RayHit| {
@@ -127,7 +125,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         };
         let mut none = RayHit::none();
         fast_stack!(u32, (96, 192), self.bvh.max_depth, stack, {
-            self.bvh.ray_traverse_dynamic(&mut stack, start.ray, &mut none, &mut leaf);
+            self.bvh.ray_traverse_dynamic(&mut stack, of_boxes, &mut none, &mut leaf);
         });
     }
 

@@ -205,11 +205,8 @@ impl<S: Scalar> ObvhsCwBvh<S> {
         sink: &mut K,
         test: impl Fn(&mut Traversal, &mut K) -> ControlFlow<()>,
     ) {
-        let mut start = self.setup.ray(ray, Length::Brief);
-        if self.setup.is_robust() {
-            start.ray.tmax = start.parameters.bound(sink.t_max());
-        }
-        let mut ray = start.ray;
+        let start = self.setup.ray(ray, Length::Brief);
+        let mut ray = start.for_obvhs(&self.setup, ray, sink.t_max());
         let mut state = self.bvh.new_traversal(ray.direction);
         let mut node;
         'traversal: {

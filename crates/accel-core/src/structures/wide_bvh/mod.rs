@@ -116,6 +116,8 @@ impl WideBvhConfig {
 impl<S: Scalar> Structure<S> for WideBvh<S> {
     const DUPLICATES: bool = false;
 
+    const HAS_AVX512: bool = true;
+
     type Config = WideBvhConfig;
 
     fn build<P: PrimSet<S>>(
@@ -306,12 +308,12 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
 
     #[inline(always)]
     fn begin(&self, ray: &Ray<S>, t_max: S) -> State<S> {
-        let BoxRay { ray, parameters } = self.setup.ray(ray, Length::Own);
+        let BoxRay { origin, direction, parameters } = self.setup.ray(ray, Length::Own);
         let is_exact = self.is_exact && !parameters.starts_earlier();
-        let of_nodes = NodeRay::of(ray.origin, ray.direction, is_exact);
+        let of_nodes = NodeRay::of(origin, direction, is_exact);
         #[cfg(feature = "compiled-tests")]
         let of_nodes = match self.is_plain {
-            true => NodeRay::plain(ray.origin, ray.direction),
+            true => NodeRay::plain(origin, direction),
             false => of_nodes,
         };
         self.at_root(parameters, of_nodes, t_max)
