@@ -8,6 +8,7 @@ use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::update::Change;
 
@@ -73,6 +74,24 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     #[inline(always)]
     fn answer_batch<P: PrimSet<S>>(
         &self,
+        _prims: &P,
+        _rays: &[Ray<S>],
+        _reach: S,
+        _answers: BatchAnswers<'_, S>,
+    ) {
+    }
+
+    /// How a batch of rays is answered where the lists are [blocks](crate::query::kernel).
+    #[inline(always)]
+    fn batches_of_blocks(&self) -> Batches {
+        Batches::RayByRay
+    }
+
+    /// [`Structure::answer_batch`] where the lists are blocks, as [`Structure::batches_of_blocks`] says.
+    #[inline(always)]
+    fn answer_batch_by_blocks<P: PrimSet<S>>(
+        &self,
+        _blocks: &ListBlocks<S>,
         _prims: &P,
         _rays: &[Ray<S>],
         _reach: S,

@@ -13,3 +13,4 @@ pub(crate) mod nested_grids;
 pub mod regular_grid;
 pub mod resolution;
 pub mod voxel_traversal;
+mod voxel_traversal_lanes;

@@ -46,3 +46,9 @@ pub(crate) const fn max_references(default: &'static str, max: u64) -> ParamSpec
 pub const MAX_REFERENCES: ParamSpec =
     ParamSpec::integer("max-references", "536870912", 1, (1 << 32) - 1)
         .about("upper limit for the references in all voxels together");
+
+/// Rays one by one, or those of a batch side by side.
+pub const QUERY: ParamSpec = ParamSpec::choice("query", "one", &["one", "batch"]).about(
+    "batch has 32 rays of a batch take their steps side by side; sets with other primitives than \
+     triangles are traversed one ray after the other",
+);

@@ -1,8 +1,8 @@
 //! Batches of rays: closest hits, or whether rays are blocked. How the rays go through a structure is the
 //! business of `prepared.rs` and `side_by_side.rs`.
 //!
-//! The loop over rays is compiled twice on x86-64: for the target, and for AVX-512, whose 32 registers hold what
-//! is known of a ray; which of both runs is decided where it runs. The operations are the same, none is
+//! The loop over rays in f32 is compiled twice on x86-64: for the target, and for AVX-512, whose 32 registers hold
+//! what is known of a ray; which of both runs is decided where it runs. The operations are the same, none is
 //! contracted, and so are the answers. Of structures that have batches, so is the loop over single rays
 //! ([`one_by_one`]).
 
@@ -16,6 +16,22 @@ use crate::query::counters::NoCounters;
 use crate::query::sink::{AnyHit, ClosestHit, Sink};
 use crate::query::tracer::nearby::brought_near;
 use crate::structure::{BatchAnswers, Structure};
+
+/// What single rays are traced in.
+pub(crate) trait Traverse<S: Scalar> {
+    /// [`Structure::traverse`].
+    fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
+}
+
+/// A structure whose lists are as it has them.
+pub(crate) struct Whole<'a, T>(pub(crate) &'a T);
+
+impl<S: Scalar, T: Structure<S>> Traverse<S> for Whole<'_, T> {
+    #[inline(always)]
+    fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.0.traverse(ray, sink);
+    }
+}
 
 /// How the rays of a batch go through a structure.
 pub(crate) trait Drive<S: Scalar, T> {
@@ -51,14 +67,14 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
     /// Answers the rays at these places, from wherever they come, one after the other.
     // without closures, which would not be compiled for AVX-512
     #[inline(always)]
-    fn traverse<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
+    fn traverse<T: Traverse<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
         let rays = self.rays();
         for place in places {
             let mut moved = None;
             match brought_near(&rays[place], reach, &mut moved) {
                 Some((ray, parameters)) => {
                     let mut sink = self.sink(ray, self.prims().setup(ray));
-                    structure.traverse(ray, &mut sink);
+                    structure.traverse_one(ray, &mut sink);
                     self.keep(place, Some((&sink, parameters)));
                 }
                 None => self.keep(place, None),
@@ -68,7 +84,7 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
 
     /// The same, compiled once, for the target.
     #[inline(never)]
-    fn answer<T: Structure<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
+    fn answer<T: Traverse<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
         self.traverse(structure, reach, places);
     }
 }
@@ -195,24 +211,24 @@ pub(crate) fn one_by_one<S: Scalar, P: PrimSet<S>, T: Structure<S>>(
     if P::HAS_BLOCKS {
         match answers {
             BatchAnswers::Closest(hits) => {
-                traverse_all(structure, reach, &mut Closest { prims, rays, hits });
+                traverse_all(&Whole(structure), reach, &mut Closest { prims, rays, hits });
             }
             BatchAnswers::Occlusion(blocked) => {
-                traverse_all(structure, reach, &mut Occlusions { prims, rays, blocked });
+                traverse_all(&Whole(structure), reach, &mut Occlusions { prims, rays, blocked });
             }
         }
     }
 }
 
 #[inline(never)]
-fn traverse_all<'r, S: Scalar, P: PrimSet<S> + 'r, T: Structure<S>, B: Batch<'r, S, P>>(
+fn traverse_all<'r, S: Scalar, P: PrimSet<S> + 'r, T: Traverse<S>, B: Batch<'r, S, P>>(
     structure: &T,
     reach: S,
     batch: &mut B,
 ) {
     let all = 0..batch.rays().len();
     #[cfg(target_arch = "x86_64")]
-    if has_avx512() {
+    if size_of::<S>() == size_of::<f32>() && has_avx512() {
         // SAFETY: the processor has it
         unsafe { traverse_by_avx512(structure, reach, batch, all) };
         return;
@@ -222,7 +238,7 @@ fn traverse_all<'r, S: Scalar, P: PrimSet<S> + 'r, T: Structure<S>, B: Batch<'r,
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn traverse_by_avx512<'r, S: Scalar, P: PrimSet<S> + 'r, T: Structure<S>, B: Batch<'r, S, P>>(
+fn traverse_by_avx512<'r, S: Scalar, P: PrimSet<S> + 'r, T: Traverse<S>, B: Batch<'r, S, P>>(
     structure: &T,
     reach: S,
     batch: &mut B,
@@ -252,7 +268,7 @@ fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
     batch: &mut B,
 ) {
     #[cfg(target_arch = "x86_64")]
-    if has_avx512() {
+    if size_of::<S>() == size_of::<f32>() && has_avx512() {
         // SAFETY: the processor has it
         unsafe { drive_by_avx512::<D, _, _, _, _>(structure, prims, reach, batch) };
         return;

@@ -10,11 +10,13 @@
 
 use std::ops::ControlFlow;
 
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
 use crate::memory::OutOfMemory;
 use crate::params::ParamSpec;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::query::lists::prefetch;
 use crate::query::sink::Sink;
 use crate::structure::Structure;
 use crate::update::ChangedLists;
@@ -31,7 +33,7 @@ pub const BLOCK_PARAM: ParamSpec = ParamSpec { default: "block", ..PARAM };
 const NONE: u32 = u32::MAX;
 
 /// The blocks of a structure's lists.
-pub(crate) struct ListBlocks<S> {
+pub struct ListBlocks<S> {
     /// Address of the first id of all lists.
     base: usize,
     /// By the place of an id behind `base`: the first block of the list that begins there.
@@ -137,6 +139,40 @@ impl<S: Scalar> ListBlocks<S> {
         self.blocks.get(*self.first.get(place)? as usize..)
     }
 
+    /// The number of a list for [`ListBlocks::of_number`]; 0 for one without ids.
+    #[inline(always)]
+    pub(crate) fn number(&self, list: &[u32]) -> u32 {
+        if list.is_empty() {
+            return 0;
+        }
+        let place = (list.as_ptr() as usize).wrapping_sub(self.base) / size_of::<u32>();
+        // every list that has ids has blocks
+        self.first[place] + 1
+    }
+
+    /// The blocks of a list that has ids, and what follows them.
+    #[inline(always)]
+    pub(crate) fn of_number(&self, number: u32) -> &[TriangleBlock<S>] {
+        &self.blocks[number as usize - 1..]
+    }
+
+    /// Begins to load a list that has ids.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, number: u32) {
+        prefetch(&self.blocks[number as usize - 1]);
+    }
+
+    /// One ray.
+    #[inline(always)]
+    pub(crate) fn traverse<T: Structure<S>, K: Sink<S>>(
+        &self,
+        structure: &T,
+        ray: &Ray<S>,
+        sink: &mut K,
+    ) {
+        structure.traverse(ray, &mut BlockSink::new(self, sink));
+    }
+
     pub(crate) fn bytes(&self) -> u64 {
         (size_of_val(self.first.as_slice()) + size_of_val(self.blocks.as_slice())) as u64
     }
@@ -147,20 +183,15 @@ fn total(lists: &[&[u32]]) -> usize {
 }
 
 /// A sink that hands the blocks of lists on, and lists that have none as they are.
-pub(crate) struct BlockSink<'b, S, K> {
+pub(crate) struct BlockSink<'b, 'q, S, K> {
     blocks: &'b ListBlocks<S>,
-    query: K,
+    query: &'q mut K,
 }
 
-impl<'b, S, K> BlockSink<'b, S, K> {
+impl<'b, 'q, S, K> BlockSink<'b, 'q, S, K> {
     #[inline(always)]
-    pub(crate) fn new(blocks: &'b ListBlocks<S>, query: K) -> Self {
+    pub(crate) fn new(blocks: &'b ListBlocks<S>, query: &'q mut K) -> Self {
         Self { blocks, query }
-    }
-
-    #[inline(always)]
-    pub(crate) fn into_query(self) -> K {
-        self.query
     }
 }
 
@@ -174,7 +205,7 @@ fn out_of_line<S: Scalar, K: Sink<S>>(
     query.test_blocks(blocks)
 }
 
-impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, S, K> {
+impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, '_, S, K> {
     const COUNTING: bool = K::COUNTING;
 
     #[inline(always)]
@@ -190,7 +221,7 @@ impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, S, K> {
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
         match self.blocks.behind(ids) {
-            Some(blocks) if self.query.is_any_hit() => out_of_line(&mut self.query, blocks),
+            Some(blocks) if self.query.is_any_hit() => out_of_line(self.query, blocks),
             Some(blocks) => self.query.test_blocks(blocks),
             None => self.query.test(ids),
         }

@@ -10,7 +10,7 @@ use crate::geometry::far_ray::{self, Parameters};
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{Batch, Drive};
+use crate::query::batch::{Batch, Drive, Whole};
 use crate::query::resumable::{self, Resumable};
 
 /// A structure that derives what it needs of eight rays at once.
@@ -40,7 +40,7 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
             let first = number * rays.len();
             let lanes = RayLanes::of(rays);
             if !far_ray::are_near(&lanes, reach) {
-                batch.answer(structure, reach, first..first + rays.len());
+                batch.answer(&Whole(structure), reach, first..first + rays.len());
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -53,6 +53,6 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
             }
         }
         let all = batch.rays().len();
-        batch.answer(structure, reach, all - rest.len()..all);
+        batch.answer(&Whole(structure), reach, all - rest.len()..all);
     }
 }

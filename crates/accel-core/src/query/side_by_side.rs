@@ -14,9 +14,8 @@ use crate::geometry::lanes::take_lowest;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{Batch, Drive};
+use crate::query::batch::{Batch, Drive, Traverse};
 use crate::query::sink::Sink;
-use crate::structure::Structure;
 
 /// Groups of eight lanes. Four, against two, are worth 4% for diffuse and shadow rays, where memory is waited for.
 pub(crate) const EIGHTS: usize = 4;
@@ -28,12 +27,14 @@ pub(crate) const RAYS: usize = EIGHTS * LANES;
 const ALL: u32 = u32::MAX >> (u32::BITS as usize - RAYS);
 
 /// A structure in which a step is the same few instructions whatever the ray.
-pub(crate) trait SideBySide<S: Scalar>: Structure<S> {
+pub(crate) trait SideBySide<S: Scalar> {
     /// What it derives of eight rays.
     type Eight;
     /// Where [`RAYS`] rays are.
     type State;
 
+    /// For rays that go alone.
+    fn alone(&self) -> impl Traverse<S>;
     /// Prepares rays that are near ([`far_ray::are_near`]).
     fn prepare(&self, rays: &RayLanes<S>) -> Self::Eight;
     /// A bit for each of them that meets the structure.
@@ -76,7 +77,7 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
             let first = number * LANES;
             let lanes = RayLanes::of(rays);
             if !is_over && !far_ray::are_near(&lanes, reach) {
-                batch.answer(structure, reach, first..first + LANES);
+                batch.answer(&structure.alone(), reach, first..first + LANES);
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -125,7 +126,7 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
             }
         }
         let all = batch.rays().len();
-        batch.answer(structure, reach, all - rest.len()..all);
+        batch.answer(&structure.alone(), reach, all - rest.len()..all);
     }
 }
 

@@ -10,7 +10,7 @@ use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet};
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::kernel::{BlockSink, ListBlocks};
+use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};
 use crate::query::tracer::compiled_once;
 use crate::query::tracer::tested::Testing;
@@ -106,16 +106,10 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     pub(crate) fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
         let Segment { structure, blocks } = self.at(ray);
         match blocks {
-            Some(blocks) if T::HAS_LISTS => {
-                let mut sink = BlockSink::new(blocks, query);
-                structure.traverse(ray, &mut sink);
-                sink.into_query()
-            }
-            _ => {
-                structure.traverse(ray, &mut query);
-                query
-            }
+            Some(blocks) if T::HAS_LISTS => blocks.traverse(structure, ray, &mut query),
+            _ => structure.traverse(ray, &mut query),
         }
+        query
     }
 
     /// The traversal of all passes that count.

@@ -18,8 +18,8 @@ use crate::grid::cell_overlap::Insertion;
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::Gained;
 use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
-use crate::params::Params;
 use crate::params::specs;
+use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
@@ -42,6 +42,11 @@ pub static INFO: StructureInfo = StructureInfo {
         Traversal::PARAM_OF_ALL,
         Insertion::PARAM,
         kernel::BLOCK_PARAM,
+        ParamSpec {
+            summary: "batch has 32 rays of a batch take their steps side by side, with traversal=t-next and \
+                      kernel=block over triangles alone",
+            ..specs::QUERY
+        },
         INCREMENTAL,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
@@ -56,6 +61,8 @@ pub static INFO: StructureInfo = StructureInfo {
     ],
     also_tested: &[
         "kernel=scalar",
+        "query=batch",
+        "query=batch density=20",
         "resolution=woo density=1",
         "resolution=regular density=1",
         "resolution=average-edge",
@@ -108,6 +115,7 @@ impl CellStorage for DenseCells {
     type Config = ();
 
     const COMPARES_TRAVERSALS: bool = true;
+    const HAS_BATCHES: bool = true;
 
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,

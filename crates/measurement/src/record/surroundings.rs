@@ -32,8 +32,8 @@ pub struct Machine {
     /// Whether its clock may be raised above its nominal rate, where that is told.
     #[serde(default)]
     pub boost: Option<bool>,
-    /// Whether rows that answer batches did so with AVX-512, which is chosen where they run; records of
-    /// before do not tell.
+    /// Whether AVX-512 was used, which is chosen where rows run, by those that answer batches and by `wide-bvh` and
+    /// `irregular-grid`; records of before do not tell, and those of before 25 November 2026 mean batches alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batches_by_avx512: Option<bool>,
 }

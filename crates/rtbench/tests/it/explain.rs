@@ -85,6 +85,7 @@ fn factors_multiply_to_the_whole_for_every_kind_of_ray() {
         [
             ("uniform-grid", "block"),
             ("uniform-grid", "scalar"),
+            ("uniform-grid", "block, batch"),
             ("obvhs-cwbvh", "direct"),
             ("obvhs-cwbvh", "scalar"),
             ("obvhs-cwbvh", "block"),
@@ -97,7 +98,7 @@ fn factors_multiply_to_the_whole_for_every_kind_of_ray() {
     assert!((products["all"].2 - ratio).abs() < 1e-6);
     assert!(folder.text("explain.md").contains("structure: obvhs-cwbvh to uniform-grid"));
     for said in
-        ["uniform-grid has no query=batch.", "whole: uniform-grid", "primary rays: time over"]
+        ["obvhs-cwbvh has no query=batch.", "whole: uniform-grid", "primary rays: time over"]
     {
         assert!(ended.out.contains(said), "{said}: {}", ended.out);
     }

@@ -110,7 +110,7 @@ fn facts(run: &RunRecord) -> Vec<String> {
         let _ = write!(clock, ", boost {}", if boost { "on" } else { "off" });
     }
     if machine.batches_by_avx512 == Some(true) {
-        clock.push_str(", batches by AVX-512");
+        clock.push_str(", wide nodes and batches by AVX-512");
     }
     let averages = run.load.map(|load| load.average);
     if let [Some(before), Some(after)] = averages {

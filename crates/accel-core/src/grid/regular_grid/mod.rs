@@ -4,6 +4,7 @@
 //! are this grid over one [`CellStorage`] each, so they have the same cells and do the same work.
 
 mod frustum_traversal;
+mod side_by_side;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -14,18 +15,24 @@ use crate::grid::cell_overlap::{Insertion, overlaps};
 use crate::grid::cell_traversal::{CellPosition, CellTraversal, Traversal};
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
 use crate::grid::voxel_traversal::GridFrame;
+use crate::grid::voxel_traversal_lanes;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
 use crate::memory::Limits;
 use crate::params::Params;
 use crate::params::config::{Config, Settings};
+use crate::params::specs;
 use crate::primitives::PrimSet;
+use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
+use crate::query::side_by_side::InLanes;
 use crate::query::sink::Sink;
 use crate::structure::too_many;
-use crate::structure::{BuildError, Structure, StructureStats};
+use crate::structure::{BatchAnswers, Batches, BuildError, Structure, StructureStats};
 use crate::update::{Change, ChangedLists, is_incremental, is_worth_changing};
 use crate::variants::double_traversal::DoubleTraversal;
+use side_by_side::InBlocks;
 
 /// Where the lists of a grid's cells are kept.
 pub trait CellStorage: Sized + Send + Sync + 'static {
@@ -37,6 +44,8 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     const REFERENCE_BYTES: u64 = 4;
     /// Whether the traversals that are there for comparison are compiled for it.
     const COMPARES_TRAVERSALS: bool = false;
+    /// Whether rays of a batch can go side by side: what that takes is compiled for it.
+    const HAS_BATCHES: bool = false;
 
     /// Its settings beside those of the grid.
     type Config: Config;
@@ -234,6 +243,7 @@ pub struct GridConfig<C> {
     insertion: Insertion,
     traversal: Traversal,
     pub(crate) is_incremental: bool,
+    is_batch: bool,
     storage: C,
 }
 
@@ -250,6 +260,7 @@ impl<C: Config> Config for GridConfig<C> {
             insertion: Insertion::of(params),
             traversal: Traversal::of(params),
             is_incremental: is_incremental(params),
+            is_batch: params.get(specs::QUERY.name) == Some("batch"),
             storage: C::of(params),
         }
     }
@@ -262,6 +273,7 @@ pub struct RegularGrid<S: Scalar, G> {
     /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
     from_origin: bool,
     traversal: Traversal,
+    is_batch: bool,
     /// For [`Traversal::Double`].
     wide_frame: GridFrame<f64>,
 }
@@ -270,6 +282,12 @@ impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
     /// Where its cells are.
     pub fn frame(&self) -> &GridFrame<S> {
         &self.frame
+    }
+
+    /// Where traversals of a ray start.
+    #[inline(always)]
+    fn start(&self, ray: &Ray<S>) -> S {
+        if self.from_origin { S::ZERO } else { ray.t_min }
     }
 
     /// The ids in the cell of those coordinates.
@@ -290,7 +308,10 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         let (contents, storage) = stored::<S, P, G>(prims, settings.limits(), settings)?;
         let (frame, from_origin) = (contents.frame, settings.historical);
         let (wide_frame, traversal) = (frame.in_double(), settings.traversal);
-        Ok(Self { frame, storage, from_origin, traversal, wide_frame })
+        let is_batch = settings.is_batch
+            && traversal == Traversal::TNext
+            && frame.cells() <= voxel_traversal_lanes::MOST_CELLS;
+        Ok(Self { frame, storage, from_origin, traversal, is_batch, wide_frame })
     }
 
     fn update<P: PrimSet<S>>(
@@ -315,7 +336,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        let t_start = self.start(ray);
         match self.traversal {
             Traversal::TNext => {
                 if let Some(traversal) = self.frame.traversal_from(ray, t_start) {
@@ -344,6 +365,26 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
         self.storage.lists(each);
+    }
+
+    #[inline(always)]
+    fn batches_of_blocks(&self) -> Batches {
+        if G::HAS_BATCHES && self.is_batch { Batches::Together } else { Batches::RayByRay }
+    }
+
+    #[inline(always)]
+    fn answer_batch_by_blocks<P: PrimSet<S>>(
+        &self,
+        blocks: &ListBlocks<S>,
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        answers: BatchAnswers<'_, S>,
+    ) {
+        if G::HAS_BATCHES {
+            let grid = &InBlocks { grid: self, blocks };
+            batch::answer::<InLanes, _, _, _>(grid, prims, rays, reach, answers);
+        }
     }
 
     fn stats(&self) -> StructureStats {

@@ -18,7 +18,7 @@ use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
-use crate::query::kernel::{BlockSink, ListBlocks};
+use crate::query::kernel::ListBlocks;
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
 use crate::query::way::Way;
@@ -100,22 +100,32 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
 
     #[inline(always)]
     fn closest_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        if self.structure.batches_of_blocks() == Batches::Together {
+            let n = rays.len().min(hits.len());
+            let answers = BatchAnswers::Closest(&mut hits[..n]);
+            let (prims, rays) = (&*self.prims, &rays[..n]);
+            return self.structure.answer_batch_by_blocks(blocks, prims, rays, self.reach, answers);
+        }
         closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
-            let query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
-            let mut sink = BlockSink::new(blocks, query);
-            self.structure.traverse(ray, &mut sink);
-            sink.into_query().finish().0
+            let mut query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
+            blocks.traverse(&self.structure, ray, &mut query);
+            query.finish().0
         });
     }
 
     #[inline(always)]
     fn occlusions_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
+        if self.structure.batches_of_blocks() == Batches::Together {
+            let n = rays.len().min(blocked.len());
+            let answers = BatchAnswers::Occlusion(&mut blocked[..n]);
+            let (prims, rays) = (&*self.prims, &rays[..n]);
+            return self.structure.answer_batch_by_blocks(blocks, prims, rays, self.reach, answers);
+        }
         for (ray, blocked) in rays.iter().zip(blocked) {
             *blocked = near(self.reach, ray, false, |ray, _| {
-                let query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
-                let mut sink = BlockSink::new(blocks, query);
-                self.structure.traverse(ray, &mut sink);
-                sink.into_query().finish().0
+                let mut query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
+                blocks.traverse(&self.structure, ray, &mut query);
+                query.finish().0
             });
         }
     }
@@ -308,9 +318,10 @@ where
     }
 
     fn batches(&self) -> Batches {
-        match T::DUPLICATES && self.mailbox.is_used() {
-            true => Batches::RayByRay,
-            false => self.structure.batches(&*self.prims),
+        match () {
+            () if self.blocks.is_some() => self.structure.batches_of_blocks(),
+            () if T::DUPLICATES && self.mailbox.is_used() => Batches::RayByRay,
+            () => self.structure.batches(&*self.prims),
         }
     }
 

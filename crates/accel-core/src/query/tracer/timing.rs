@@ -68,14 +68,11 @@ impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
     fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
         match (self.blocks)(ray) {
             Some(blocks) => {
-                let mut query = BlockSink::new(blocks, query);
-                (self.traversal)(ray, RelayedSink::new(&mut query));
-                query.into_query()
+                let mut sink = BlockSink::new(blocks, &mut query);
+                (self.traversal)(ray, RelayedSink::new(&mut sink));
             }
-            None => {
-                (self.traversal)(ray, RelayedSink::new(&mut query));
-                query
-            }
+            None => (self.traversal)(ray, RelayedSink::new(&mut query)),
         }
+        query
     }
 }

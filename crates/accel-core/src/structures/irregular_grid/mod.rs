@@ -43,7 +43,7 @@ use crate::memory::Counted;
 use crate::params::ParamSpec;
 use crate::params::{config, specs};
 use crate::primitives::PrimSet;
-use crate::query::batch;
+use crate::query::batch::{self, Traverse, Whole};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::lists::Lists;
 use crate::query::mailbox;
@@ -311,6 +311,11 @@ impl<S: Scalar> Resumable<S> for IrregularGrid<S> {
 impl<S: Scalar> SideBySide<S> for IrregularGrid<S> {
     type Eight = Beginnings<S>;
     type State = Courses<S>;
+
+    #[inline(always)]
+    fn alone(&self) -> impl Traverse<S> {
+        Whole(self)
+    }
 
     #[inline(always)]
     fn prepare(&self, rays: &RayLanes<S>) -> Beginnings<S> {

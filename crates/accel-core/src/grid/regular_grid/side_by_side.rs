@@ -1,0 +1,99 @@
+//! A regular grid whose lists are blocks, its rays side by side.
+
+use std::ops::ControlFlow;
+
+use super::{CellStorage, RegularGrid};
+use crate::geometry::ray::Ray;
+use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::grid::voxel_traversal::VoxelTraversal;
+use crate::grid::voxel_traversal_lanes::TraversalLanes;
+use crate::query::batch::Traverse;
+use crate::query::kernel::ListBlocks;
+use crate::query::side_by_side::{EIGHTS, RAYS, SideBySide};
+use crate::query::sink::Sink;
+
+/// The grid and its blocks.
+pub(super) struct InBlocks<'a, S: Scalar, G> {
+    pub(super) grid: &'a RegularGrid<S, G>,
+    pub(super) blocks: &'a ListBlocks<S>,
+}
+
+/// Eight rays that are to begin; none where the grid is not met.
+pub(crate) struct Beginnings<S: Scalar>([Option<VoxelTraversal<S>>; LANES]);
+
+impl<S: Scalar, G: CellStorage> Traverse<S> for &InBlocks<'_, S, G> {
+    #[inline(always)]
+    fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        self.blocks.traverse(self.grid, ray, sink);
+    }
+}
+
+impl<S: Scalar, G: CellStorage> SideBySide<S> for InBlocks<'_, S, G> {
+    type Eight = Beginnings<S>;
+    type State = TraversalLanes<S>;
+
+    #[inline(always)]
+    fn alone(&self) -> impl Traverse<S> {
+        self
+    }
+
+    #[inline(always)]
+    fn prepare(&self, rays: &RayLanes<S>) -> Beginnings<S> {
+        let mut beginnings = [const { None }; LANES];
+        for (lane, beginning) in beginnings.iter_mut().enumerate() {
+            let vector = |v: &[[S; LANES]; 3]| Vec3::<S>::new(v[0][lane], v[1][lane], v[2][lane]);
+            let ray = Ray {
+                t_min: rays.t_min[lane],
+                t_max: rays.t_max[lane],
+                ..Ray::new(vector(&rays.origin), vector(&rays.direction))
+            };
+            *beginning = self.grid.frame.traversal_from(&ray, self.grid.start(&ray));
+        }
+        Beginnings(beginnings)
+    }
+
+    #[inline(always)]
+    fn meeting(eight: &Beginnings<S>) -> u32 {
+        let met = eight.0.iter().enumerate();
+        met.fold(0, |met, (lane, traversal)| met | u32::from(traversal.is_some()) << lane)
+    }
+
+    fn idle() -> TraversalLanes<S> {
+        TraversalLanes::idle()
+    }
+
+    #[inline(always)]
+    fn begin(&self, state: &mut Self::State, lane: usize, eight: &Beginnings<S>, ray: usize) {
+        if let Some(traversal) = &eight.0[ray] {
+            state.begin(lane, traversal);
+        }
+    }
+
+    #[inline(always)]
+    fn arrive(&self, state: &mut TraversalLanes<S>) -> [u32; RAYS] {
+        let mut lists = [0; RAYS];
+        for group in 0..EIGHTS {
+            for lane in 0..LANES {
+                let list = self.grid.storage.list(&state.position(group, lane));
+                lists[group * LANES + lane] = self.blocks.number(list);
+            }
+        }
+        lists
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, list: u32) {
+        self.blocks.prefetch(list);
+    }
+
+    #[inline(always)]
+    fn test<K: Sink<S>>(&self, list: u32, sink: &mut K) -> ControlFlow<()> {
+        sink.test_blocks(self.blocks.of_number(list))
+    }
+
+    #[inline(always)]
+    fn leave(&self, state: &mut TraversalLanes<S>, t_max: &[S; RAYS]) -> u32 {
+        state.leave(t_max, &self.grid.frame)
+    }
+}
