@@ -1,11 +1,14 @@
 //! A column of results: what it is called, what it holds and how that is written, in every format.
 //! Text, Markdown and HTML show cells, CSV has fields; all of them come from one line per column.
 
+use std::borrow::Borrow;
+
 use statistics::estimate::Estimate;
 
-use crate::csv::{estimate, number};
+use crate::csv::{number, written};
+use crate::format_error::FormatError;
 use crate::numbers;
-use crate::table::{Cell, dash};
+use crate::table::{Cell, Table, dash};
 
 /// What a row has in a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +59,8 @@ pub struct Column<R> {
     pub of: fn(&R) -> Value,
     /// What tables show in its place, for rows that have something else to say.
     pub instead: fn(&R) -> Option<Cell>,
+    /// Numbers have all their digits in CSV.
+    pub is_exact: bool,
 }
 
 impl<R> Column<R> {
@@ -66,13 +71,19 @@ impl<R> Column<R> {
         unit: Unit,
         of: fn(&R) -> Value,
     ) -> Self {
-        Self { keys, head, unit, of, instead: |_| None }
+        Self { keys, head, unit, of, instead: |_| None, is_exact: false }
     }
 
     /// The same with something in its place in tables.
     #[must_use]
     pub const fn or(self, instead: fn(&R) -> Option<Cell>) -> Self {
         Self { instead, ..self }
+    }
+
+    /// The same with all digits of its numbers in CSV.
+    #[must_use]
+    pub const fn exact(self) -> Self {
+        Self { is_exact: true, ..self }
     }
 
     /// The cell of a row.
@@ -98,13 +109,17 @@ impl<R> Column<R> {
 
     /// The fields of a row in CSV, one for each key.
     pub fn fields(&self, row: &R) -> impl Iterator<Item = String> {
+        let number = |x: f64| match self.unit {
+            _ if self.is_exact => x.to_string(),
+            Unit::PerRay => format!("{x:.6}"),
+            _ => number(Some(x)),
+        };
         let fields = match (self.of)(row) {
             Value::None => Vec::new(),
             Value::Text(text) => vec![text],
             Value::Count(n) => vec![n.to_string()],
-            Value::Real(x) if self.unit == Unit::PerRay => vec![format!("{x:.6}")],
-            Value::Real(x) => vec![number(Some(x))],
-            Value::Measured(x) => estimate(Some(x)).into(),
+            Value::Real(x) => vec![number(x)],
+            Value::Measured(x) => [x.median, x.low, x.high].map(number).into(),
         };
         fields.into_iter().chain(std::iter::repeat(String::new())).take(self.keys.len())
     }
@@ -123,6 +138,35 @@ pub fn fields<'a, R>(columns: &'a [Column<R>], row: &'a R) -> impl Iterator<Item
 /// The column with that head.
 pub fn headed<'c, R>(columns: &'c [Column<R>], head: &str) -> Option<&'c Column<R>> {
     columns.iter().find(|column| column.head == head)
+}
+
+/// Rows as CSV, the keys above them.
+///
+/// # Errors
+/// [`FormatError`].
+pub fn csv<R>(
+    columns: &[Column<R>],
+    rows: impl IntoIterator<Item: Borrow<R>>,
+) -> Result<String, FormatError> {
+    written(|writer| {
+        writer.write_record(keys(columns))?;
+        rows.into_iter().try_for_each(|row| writer.write_record(fields(columns, row.borrow())))
+    })
+}
+
+/// A table of the columns with these heads, no title above it and no notes below.
+pub fn table<R>(
+    columns: &[Column<R>],
+    heads: &[&'static str],
+    rows: impl IntoIterator<Item: Borrow<R>>,
+) -> Table {
+    let shown: Vec<_> = heads.iter().filter_map(|head| headed(columns, head)).collect();
+    let cells = |row: &R| shown.iter().map(|column| column.cell(row)).collect();
+    Table {
+        header: shown.iter().map(|column| column.head).collect(),
+        rows: rows.into_iter().map(|row| cells(row.borrow())).collect(),
+        ..Table::default()
+    }
 }
 
 #[cfg(test)]
@@ -156,5 +200,21 @@ mod tests {
         assert_eq!(show(Unit::None, |()| Value::Count(7)), pair("7", "7"));
         assert_eq!(show(Unit::PerRay, |()| Value::Real(1.5)), pair("1.50", "1.500000"));
         assert_eq!(show(Unit::None, |()| Value::Real(0.5)), pair("0.50", "0.500000000"));
+        let exact = Column::new(&["x"], "", Unit::Seconds, |()| Value::Real(1.5e-10)).exact();
+        assert_eq!(exact.fields(&()).collect::<Vec<_>>(), ["0.00000000015"]);
+    }
+
+    #[test]
+    fn tables_have_heads_in_any_order_and_csv_has_all_keys() {
+        let text = |row: &u64| Value::Text(format!("row {row}"));
+        let columns = [
+            Column::new(&["n"], "N", Unit::None, |row| Value::Count(*row)),
+            Column::new(&["name"], "what", Unit::None, text),
+            Column::new(&["hidden"], "", Unit::None, |_| Value::None),
+        ];
+        assert_eq!(csv(&columns, [1, 2]).unwrap(), "n,name,hidden\n1,row 1,\n2,row 2,\n");
+        let table = table(&columns, &["what", "N"], [&3]);
+        assert_eq!(table.header, ["what", "N"]);
+        assert_eq!(table.rows, [["row 3".to_owned().into(), "3".to_owned().into()]]);
     }
 }

@@ -11,7 +11,7 @@ pub mod audit;
 #[allow(clippy::indexing_slicing)]
 pub mod axes;
 pub mod axis;
-pub mod csv;
+pub mod columns;
 pub mod effect_prices;
 pub mod error_of;
 pub mod pareto;

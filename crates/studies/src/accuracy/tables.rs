@@ -2,11 +2,14 @@
 
 use std::fmt::Write;
 
-use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, Standing, VariantRecord};
+use crate::accuracy::columns::{columns, rows};
+use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
+use presentation::column;
 use presentation::markdown::{escaped, push_table_with};
-use presentation::numbers::{milliseconds, ratio, short};
-use presentation::table::{Cell, Style, Table};
+use presentation::table::Table;
+
+/// The columns of [`columns`] that a table has, in its order.
+const HEADS: [&str; 6] = ["variant", "time ms", "ratio [95%]", "error", "also", "stands"];
 
 /// What the columns mean.
 pub const GLOSSARY: &[&str] = &[
@@ -21,25 +24,6 @@ pub const GLOSSARY: &[&str] = &[
 
 /// The table of an axis on a scene.
 pub fn table(axis: &AxisRecord, scene: &SceneOutcome) -> Table {
-    let also: Vec<&String> = scene.rows.first().map_or(Vec::new(), |row| row.also.keys().collect());
-    let rows = scene.rows.iter().map(|row| {
-        let mut cells: Vec<Cell> = vec![
-            row.variant.clone().into(),
-            milliseconds(row.time_s.median).into(),
-            ratio(&row.ratio).into(),
-            error(row).into(),
-        ];
-        let more = also.iter().map(|name| {
-            let value = row.also.get(*name).copied();
-            format!("{} {name}", value.map_or("-".into(), short))
-        });
-        let more: Vec<String> = more.collect();
-        let style = if row.standing == Standing::OnFront { Style::Best } else { Style::Plain };
-        cells.push(more.join(", ").into());
-        let reference = if row.is_reference { " ref" } else { "" };
-        cells.push(Cell { text: format!("{}{reference}", row.standing.name()), style });
-        cells
-    });
     let mut notes = vec![
         format!("Timed: {}. Judged: {}.", scene.timed, scene.judged),
         format!("Error: {}. Reference: {}.", axis.metric, axis.reference),
@@ -50,24 +34,8 @@ pub fn table(axis: &AxisRecord, scene: &SceneOutcome) -> Table {
     notes.extend(scene.faults.iter().map(|fault| format!("FAULT: {fault}.")));
     Table {
         title: format!("{}: {}", axis.axis, scene.place()),
-        header: vec!["variant", "time ms", "ratio [95%]", "error", "also", "stands"],
-        rows: rows.collect(),
         notes,
-    }
-}
-
-/// The error of a row in words.
-pub fn error(row: &VariantRecord) -> String {
-    if row.is_below_reference {
-        return format!("below reference ({:.1e})", row.error.value());
-    }
-    match (row.error, row.error.bound()) {
-        (_, Some(bound)) => format!("0 (< {})", short(bound)),
-        (ErrorOf::Counted { wrong, trials }, None) => {
-            format!("{} ({wrong} of {trials})", short(row.error.value()))
-        }
-        (ErrorOf::Rmse { rmse: 0.0 }, None) => "0".into(),
-        (ErrorOf::Rmse { rmse }, None) => format!("{rmse:.2e}"),
+        ..column::table(&columns(), &HEADS, rows(axis, scene))
     }
 }
 
