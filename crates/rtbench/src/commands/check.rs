@@ -14,7 +14,7 @@ use crate::exports::outputs::{Outputs, write_file};
 use crate::gate::against::{Contest, own_program};
 use crate::gate::command::Commands;
 use crate::gate::contest::{self, Pace, PairedTimes};
-use crate::gate::report::{COLUMNS, GLOSSARY, Report};
+use crate::gate::report::{FIRST, GLOSSARY, Report};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{
     Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
@@ -73,7 +73,7 @@ pub fn run(
             screen.write_line(context.out, &table.notes.join(" "))?;
             writeln!(context.out)?;
         } else {
-            screen.write_fitted(context.out, &table, &COLUMNS)?;
+            screen.write_fitted(context.out, &table, &FIRST)?;
         }
     }
     for remark in &report.remarks {

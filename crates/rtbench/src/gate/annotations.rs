@@ -36,8 +36,8 @@ pub fn of(report: &Report) -> Vec<Annotation> {
 }
 
 fn text(finding: &Finding) -> String {
-    let Finding { scene, row, quantity, note, .. } = finding;
-    let mut text = format!("{scene}: {row}: {quantity}");
+    let Finding { quantity, note, .. } = finding;
+    let mut text = format!("{}: {quantity}", finding.place());
     if let Some(change) = finding.change {
         text += &format!(" {:+.2}%", (change.median - 1.0) * 100.0);
     }

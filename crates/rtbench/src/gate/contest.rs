@@ -57,6 +57,14 @@ pub struct Key {
     pub quantity: &'static str,
 }
 
+/// A row with its scene, where it has one.
+pub fn place(scene: &str, row: &str) -> String {
+    match scene.is_empty() {
+        true => row.to_owned(),
+        false => format!("{scene}: {row}"),
+    }
+}
+
 /// The times of all turns.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairedTimes {
@@ -135,11 +143,7 @@ pub fn floor(pairs: &[PairedTimes]) -> Option<FloorRecord> {
     FloorRecord::of(pairs.iter().filter_map(|paired| {
         let Key { scene, row, quantity } = &paired.key;
         let quotients: Vec<f64> = paired.times.iter().map(|[_, new, copy]| copy / new).collect();
-        let name = match scene.is_empty() {
-            true => format!("{row}, {quantity}"),
-            false => format!("{scene}: {row}, {quantity}"),
-        };
-        Some((name, median(&quotients)?))
+        Some((format!("{}, {quantity}", place(scene, row)), median(&quotients)?))
     }))
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::gate::contest::PairedTimes;
+use crate::gate::contest::{PairedTimes, place};
 use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
 use measurement::record::{FloorRecord, RowRecord, RunRecord, SceneRecord};
@@ -76,6 +76,11 @@ impl Finding {
         note: impl Into<String>,
     ) -> Self {
         Self::named(stage, &row.scene.1.name, row.now.label(), quantity, outcome, note)
+    }
+
+    /// The row with its scene, where it has one.
+    pub fn place(&self) -> String {
+        place(&self.scene, &self.row)
     }
 
     /// A finding of what has that name, without figures.

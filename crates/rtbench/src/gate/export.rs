@@ -2,26 +2,11 @@
 
 use std::fmt::Write;
 
+use crate::gate::columns::columns;
 use crate::gate::report::{GLOSSARY, Report};
-use presentation::csv::{number, written};
+use presentation::column;
 use presentation::format_error::FormatError;
 use presentation::markdown::{escaped, push_table};
-
-/// Columns of the CSV file.
-pub const COLUMNS: [&str; 12] = [
-    "stage",
-    "scene",
-    "row",
-    "what",
-    "baseline",
-    "now",
-    "change",
-    "change_low",
-    "change_high",
-    "p",
-    "outcome",
-    "note",
-];
 
 /// Verdict, tables, remarks.
 pub fn markdown(report: &Report, all: bool) -> String {
@@ -52,25 +37,5 @@ pub fn markdown(report: &Report, all: bool) -> String {
 /// # Errors
 /// [`FormatError`].
 pub fn csv(report: &Report) -> Result<String, FormatError> {
-    written(|writer| {
-        writer.write_record(COLUMNS)?;
-        for f in &report.findings {
-            writer.write_record([
-                f.stage.to_owned(),
-                f.scene.clone(),
-                f.row.clone(),
-                f.quantity.to_owned(),
-                number(f.baseline),
-                number(f.now),
-                number(f.change.map(|e| e.median)),
-                number(f.change.map(|e| e.low)),
-                number(f.change.map(|e| e.high)),
-                // probabilities may be far smaller than nine digits show
-                f.p.map(|p| format!("{p:e}")).unwrap_or_default(),
-                f.outcome.name().to_owned(),
-                f.note.clone(),
-            ])?;
-        }
-        Ok(())
-    })
+    column::csv(&columns(), &report.findings)
 }

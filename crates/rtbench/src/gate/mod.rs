@@ -6,6 +6,7 @@
 pub mod against;
 pub mod annotations;
 pub mod answers;
+mod columns;
 pub mod command;
 pub mod comparable;
 pub mod contest;

@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use crate::exit_code::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
+use crate::gate::columns::{self, columns};
 use crate::gate::contest::PairedTimes;
 use crate::gate::evidence::{Finding, Outcome, Stage};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{STAGES, wall_clock};
 use measurement::record::{FloorRecord, Machine, Tool};
-use presentation::numbers;
-use presentation::table::{Cell, Style, Table};
+use presentation::column;
+use presentation::table::Table;
 
 /// A check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -48,7 +49,7 @@ pub struct Report {
 const MOST_IMPROVEMENTS: usize = 10;
 
 /// Columns of most weight: these stay where not all fit.
-pub const COLUMNS: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
+pub const FIRST: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
 
 /// What the columns mean.
 pub const GLOSSARY: &[&str] = &[
@@ -106,10 +107,9 @@ impl Report {
         let change = |f: &Finding| f.change.map_or(1.0, |c| c.median);
         better.sort_by(|a, b| change(a).total_cmp(&change(b)));
         let line = |f: &&Finding| {
-            let cells = cells(f);
-            let [row, what, _, _, change, ..] = &cells[..] else { return String::new() };
             let word = if f.stage == wall_clock::STAGE.name { "faster" } else { "less" };
-            format!("{word}: {}, {}: {}", row.text, what.text, change.text)
+            let change = columns::change(f).unwrap_or_else(|| "-".to_owned());
+            format!("{word}: {}, {}: {change}", f.place(), f.quantity)
         };
         let mut lines: Vec<String> = better.iter().take(MOST_IMPROVEMENTS).map(line).collect();
         if better.len() > lines.len() {
@@ -130,7 +130,7 @@ impl Report {
         }
         let quiet = [Outcome::Unchanged, Outcome::NotJudged];
         let shown = |f: &&&Finding| all || !quiet.contains(&f.outcome);
-        let rows = own.iter().filter(shown).map(|f| cells(f)).collect();
+        let rows = own.iter().filter(shown).copied();
         let count = |outcome| own.iter().filter(|f| f.outcome == outcome).count();
         let (unchanged, all_of_them) = (count(Outcome::Unchanged), own.len());
         let mut notes = vec![format!("{unchanged} of {all_of_them} unchanged.")];
@@ -141,9 +141,8 @@ impl Report {
         }
         Some(Table {
             title: format!("{}: {}", stage.name, stage.summary),
-            header: vec!["row", "what", "baseline", "now", "change", "p", "outcome"],
-            rows,
             notes,
+            ..column::table(&columns(), &columns::HEADS, rows)
         })
     }
 
@@ -160,38 +159,4 @@ impl Report {
         }
         reasons.into_iter().map(|(reason, n)| format!("{n} not judged: {reason}."))
     }
-}
-
-fn cells(finding: &Finding) -> Vec<Cell> {
-    let number = |x: Option<f64>| match x {
-        Some(x) if x.fract() == 0.0 && x.abs() < 1e15 => format!("{x:.0}"),
-        Some(x) => numbers::short(x),
-        None => "-".into(),
-    };
-    let change = finding.change.map_or("-".to_owned(), |e| match e.low == e.high {
-        true => format!("{:+.3}%", (e.median - 1.0) * 100.0),
-        false => numbers::ratio(&e).trim_end().to_owned(),
-    });
-    let style = match finding.outcome {
-        Outcome::WrongHits | Outcome::Regression => Style::Bad,
-        Outcome::Improved => Style::Best,
-        Outcome::NotJudged => Style::Dim,
-        Outcome::Inconclusive | Outcome::Unchanged => Style::Plain,
-    };
-    let outcome = match finding.note.is_empty() {
-        true => finding.outcome.name().to_owned(),
-        false => format!("{}: {}", finding.outcome.name(), finding.note),
-    };
-    vec![
-        match finding.scene.is_empty() {
-            true => finding.row.clone().into(),
-            false => format!("{}: {}", finding.scene, finding.row).into(),
-        },
-        finding.quantity.to_owned().into(),
-        number(finding.baseline).into(),
-        number(finding.now).into(),
-        change.into(),
-        finding.p.map_or("-".to_owned(), |p| format!("{p:.1e}")).into(),
-        Cell { text: outcome, style },
-    ]
 }
