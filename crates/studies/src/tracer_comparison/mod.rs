@@ -5,6 +5,7 @@
 //! expensive" (G. Zachmann, "Computer Graphics", Bremen 2007). Samples are traced in f32 through
 //! the fastest structure, as their users would; cones and beams in f64, where areas need it.
 
+mod columns;
 pub mod equal_error;
 pub mod plot;
 pub mod queries;

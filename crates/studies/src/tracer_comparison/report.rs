@@ -5,41 +5,20 @@ use std::fmt::Write as _;
 use accel_core::query::region::FrustumWork;
 use serde_json::{Value, json};
 
+use super::columns::{HEADS, ImageRow, columns, is_on_front};
 use super::equal_error::AtError;
 use super::plot::{Placed, error_over_time};
 use super::queries::QueryRow;
 use super::{Measured, TracerRow};
-use crate::accuracy::record::Standing;
 use crate::image_error::Converged;
 use measurement::record::Machine;
-use presentation::csv::{number, written};
+use presentation::column;
 use presentation::format_error::FormatError;
 use presentation::markdown::{code, push_table};
-use presentation::numbers::{milliseconds, ratio, short};
+use presentation::numbers::{ratio, short};
 use presentation::svg_plot::figure;
 use presentation::table::{Cell, Style, Table};
 use statistics::estimate::{Estimate, estimate};
-
-/// Columns of the CSV, in order.
-const COLUMNS: [&str; 17] = [
-    "scene",
-    "tracer",
-    "settings",
-    "samples",
-    "image_s",
-    "image_s_low",
-    "image_s_high",
-    "ratio_to_cheapest",
-    "ratio_low",
-    "ratio_high",
-    "rmse",
-    "edge_rmse",
-    "reference_error",
-    "below_reference",
-    "on_front",
-    "time_to_samples_of_equal_error",
-    "refused",
-];
 
 /// A finished comparison.
 pub struct Report {
@@ -92,29 +71,12 @@ impl Report {
                 "{}: images of {w} x {h} by samples, cones and beams ({} primitives)",
                 self.scene, self.primitives
             ),
-            header: vec![
-                "tracer",
-                "image ms",
-                "to cheapest [95%]",
-                "RMSE",
-                "edge RMSE",
-                "front",
-                "time / samples of equal error",
-                "counted",
-            ],
-            ..Table::default()
+            ..column::table(&columns(), &HEADS, self.image_rows())
         };
-        for row in &self.rows {
-            table.rows.push(match &row.outcome {
-                Ok(measured) => self.image_cells(row, measured),
-                Err(refusal) => {
-                    let mut cells = vec![row.label().into()];
-                    cells.extend(vec!["-".to_owned().into(); table.header.len() - 2]);
-                    let text = format!("refused: it has {}", refusal.what);
-                    cells.push(Cell { text, style: Style::Dim });
-                    cells
-                }
-            });
+        for (cells, row) in table.rows.iter_mut().zip(&self.rows) {
+            if row.outcome.as_ref().is_ok_and(is_on_front) {
+                cells.iter_mut().for_each(|cell| cell.style = Style::Best);
+            }
         }
         let (own_error, samples) = (self.reference.own_error, self.reference_samples);
         table.notes.push(format!(
@@ -131,21 +93,9 @@ impl Report {
         table
     }
 
-    fn image_cells(&self, row: &TracerRow, m: &Measured) -> Vec<Cell> {
-        let below = if m.is_below_reference { "<" } else { "" };
-        let counted: Vec<String> = m.counts.iter().map(|(k, n)| format!("{n} {k}")).collect();
-        let texts = [
-            row.label(),
-            milliseconds(m.median()),
-            m.ratio.map_or("-".into(), |r| ratio(&r)),
-            format!("{below}{}", short(m.error)),
-            m.edge_error.map_or("-".into(), short),
-            front(m.standing).to_owned(),
-            m.by_samples.map_or(String::new(), |at| against(m.median(), at)),
-            counted.join(", "),
-        ];
-        let style = if m.standing == Standing::OnFront { Style::Best } else { Style::Plain };
-        texts.into_iter().map(|text| Cell { text, style }).collect()
+    fn image_rows(&self) -> impl Iterator<Item = ImageRow<'_>> {
+        let (scene, seed, reference_error) = (&*self.scene, self.seed, self.reference.own_error);
+        self.rows.iter().map(move |row| ImageRow { scene, seed, reference_error, row })
     }
 
     /// What the table says of cones and beams, in words.
@@ -237,44 +187,7 @@ impl Report {
     /// # Errors
     /// [`FormatError`].
     pub fn to_csv(&self) -> Result<String, FormatError> {
-        written(|writer| {
-            writer.write_record(COLUMNS)?;
-            for row in &self.rows {
-                writer.write_record(self.fields(row))?;
-            }
-            Ok(())
-        })
-    }
-
-    fn fields(&self, row: &TracerRow) -> Vec<String> {
-        let samples = row.samples.map(|n| n.to_string()).unwrap_or_default();
-        let mut fields =
-            vec![self.scene.clone(), row.tracer.to_owned(), row.settings.clone(), samples];
-        match &row.outcome {
-            Ok(m) => {
-                for e in [self.seconds(m), m.ratio] {
-                    fields.extend(
-                        [e.map(|e| e.median), e.map(|e| e.low), e.map(|e| e.high)].map(number),
-                    );
-                }
-                fields.extend(
-                    [Some(m.error), m.edge_error, Some(self.reference.own_error)].map(number),
-                );
-                let is_on_front = m.standing == Standing::OnFront;
-                fields.extend([m.is_below_reference, is_on_front].map(|b| b.to_string()));
-                let equal = match m.by_samples {
-                    Some(AtError::Reached { seconds, .. }) => Some(m.median() / seconds),
-                    _ => None,
-                };
-                fields.push(number(equal));
-                fields.push(String::new());
-            }
-            Err(refusal) => {
-                fields.resize(COLUMNS.len() - 1, String::new());
-                fields.push(refusal.to_string());
-            }
-        }
-        fields
+        column::csv(&columns(), self.image_rows())
     }
 
     /// Everything but the images, raw samples too.
@@ -345,27 +258,5 @@ impl Report {
         let own_error = self.reference.own_error;
         let images = images.collect();
         figure(&[error_over_time(&self.scene, self.resolution, self.threads, own_error, images)])
-    }
-}
-
-/// Whether anything beats a row: `*` where nothing does, `~` where it is not significantly different.
-fn front(standing: Standing) -> &'static str {
-    match standing {
-        Standing::OnFront => "*",
-        Standing::NotToldApart => "~",
-        Standing::Dominated => "",
-    }
-}
-
-/// The time over that of samples with the same error.
-fn against(seconds: f64, at: AtError) -> String {
-    match at {
-        AtError::Reached { samples, seconds: theirs } => {
-            format!("{} ({} samples)", short(seconds / theirs), short(samples))
-        }
-        AtError::AtOnce { seconds: theirs } => format!("{} (fewest)", short(seconds / theirs)),
-        AtError::Never { samples, seconds: theirs } => {
-            format!("under {} (over {samples} samples)", short(seconds / theirs))
-        }
     }
 }

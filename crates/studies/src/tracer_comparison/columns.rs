@@ -1,0 +1,126 @@
+//! The columns of images: one line each, from which the table and CSV come.
+
+use presentation::column::{Column, Unit, Value};
+use presentation::numbers::{milliseconds, short};
+use presentation::table::{Cell, Style};
+
+use super::equal_error::AtError;
+use super::{Measured, TracerRow};
+use crate::accuracy::record::Standing;
+use statistics::estimate::estimate;
+
+/// The columns that the table has, in its order.
+pub const HEADS: [&str; 8] = [
+    "tracer",
+    "image ms",
+    "to cheapest [95%]",
+    "RMSE",
+    "edge RMSE",
+    "front",
+    "time / samples of equal error",
+    "counted",
+];
+
+/// An image of a comparison.
+#[derive(Clone, Copy)]
+pub struct ImageRow<'a> {
+    /// Name of the scene.
+    pub scene: &'a str,
+    /// Seed of intervals.
+    pub seed: u64,
+    /// The reference's own error.
+    pub reference_error: f64,
+    /// The image.
+    pub row: &'a TracerRow,
+}
+
+impl ImageRow<'_> {
+    /// Of an image that was measured.
+    fn value(&self, of: impl FnOnce(&Measured) -> Value) -> Value {
+        self.row.outcome.as_ref().map_or(Value::None, of)
+    }
+
+    /// The same in words.
+    fn said(&self, of: impl FnOnce(&Measured) -> String) -> Option<Cell> {
+        self.row.outcome.as_ref().ok().map(|measured| of(measured).into())
+    }
+}
+
+/// All columns, in the order of the CSV file.
+#[rustfmt::skip]
+pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
+    use Unit::{None, Ratio, Seconds};
+    use Value::{Count, Real, Text};
+    let c = Column::new;
+    [
+        c(&["scene"], "", None, |of: &ImageRow<'a>| Text(of.scene.to_owned())),
+        c(&["tracer"], "tracer", None, |of| Text(of.row.tracer.to_owned())).or(|of| Some(of.row.label().into())),
+        c(&["settings"], "", None, |of| Text(of.row.settings.clone())),
+        c(&["samples"], "", None, |of| Value::of(of.row.samples.map(u64::from), Count)),
+        c(&["image_s", "image_s_low", "image_s_high"], "image ms", Seconds, |of| {
+            of.value(|m| Value::of(estimate(&m.seconds, of.seed), Value::Measured))
+        }).or(|of| of.said(|m| milliseconds(m.median()))),
+        c(&["ratio_to_cheapest", "ratio_low", "ratio_high"], "to cheapest [95%]", Ratio, |of| {
+            of.value(|m| Value::of(m.ratio, Value::Measured))
+        }),
+        c(&["rmse"], "RMSE", None, |of| of.value(|m| Real(m.error))).or(|of| of.said(rmse)),
+        c(&["edge_rmse"], "edge RMSE", None, |of| of.value(|m| Value::of(m.edge_error, Real))),
+        c(&["reference_error"], "", None, |of| of.value(|_| Real(of.reference_error))),
+        c(&["below_reference"], "", None, |of| of.value(|m| Text(m.is_below_reference.to_string()))),
+        c(&["on_front"], "front", None, |of| of.value(|m| Text(is_on_front(m).to_string())))
+            .or(|of| of.said(|m| front(m.standing).to_owned())),
+        c(&["time_to_samples_of_equal_error"], "time / samples of equal error", None, |of| {
+            of.value(|m| match m.by_samples {
+                Some(AtError::Reached { seconds, .. }) => Real(m.median() / seconds),
+                _ => Value::None,
+            })
+        }).or(|of| of.said(|m| m.by_samples.map_or(String::new(), |at| against(m.median(), at)))),
+        c(&[], "counted", None, |of| of.value(|m| Text(counted(m)))).or(refused),
+        c(&["refused"], "", None, |of| {
+            of.row.outcome.as_ref().err().map_or(Value::None, |refusal| Text(refusal.to_string()))
+        }),
+    ]
+}
+
+/// No other image takes less and is nearer to the right one.
+pub fn is_on_front(measured: &Measured) -> bool {
+    measured.standing == Standing::OnFront
+}
+
+fn rmse(measured: &Measured) -> String {
+    let below = if measured.is_below_reference { "<" } else { "" };
+    format!("{below}{}", short(measured.error))
+}
+
+/// Whether anything beats a row: `*` where nothing does, `~` where it is not significantly different.
+fn front(standing: Standing) -> &'static str {
+    match standing {
+        Standing::OnFront => "*",
+        Standing::NotToldApart => "~",
+        Standing::Dominated => "",
+    }
+}
+
+/// The time over that of samples with the same error.
+fn against(seconds: f64, at: AtError) -> String {
+    match at {
+        AtError::Reached { samples, seconds: theirs } => {
+            format!("{} ({} samples)", short(seconds / theirs), short(samples))
+        }
+        AtError::AtOnce { seconds: theirs } => format!("{} (fewest)", short(seconds / theirs)),
+        AtError::Never { samples, seconds: theirs } => {
+            format!("under {} (over {samples} samples)", short(seconds / theirs))
+        }
+    }
+}
+
+fn counted(measured: &Measured) -> String {
+    let counts = measured.counts.iter().map(|(kind, n)| format!("{n} {kind}"));
+    counts.collect::<Vec<_>>().join(", ")
+}
+
+/// What a tracer refuses, in the place of what it counted.
+fn refused(of: &ImageRow<'_>) -> Option<Cell> {
+    let refusal = of.row.outcome.as_ref().err()?;
+    Some(Cell { text: format!("refused: it has {}", refusal.what), style: Style::Dim })
+}
