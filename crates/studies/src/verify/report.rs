@@ -12,7 +12,7 @@ use super::subject::{CONTROL, Subject};
 use super::timing::Timed;
 use super::watch::Cut;
 use measurement::settings::Precision;
-use presentation::csv::written;
+use presentation::column::{self, Column, Unit, Value};
 use presentation::format_error::FormatError;
 use presentation::json;
 use presentation::table::{Cell, Style, Table};
@@ -324,10 +324,7 @@ impl Report {
     /// # Errors
     /// [`FormatError`].
     pub fn to_csv(&self) -> Result<String, FormatError> {
-        written(|writer| {
-            writer.write_record(COLUMNS)?;
-            self.lines.iter().try_for_each(|line| writer.write_record(fields(line)))
-        })
+        column::csv(&columns(), &self.lines)
     }
 
     /// Everything.
@@ -339,37 +336,28 @@ impl Report {
     }
 }
 
-const COLUMNS: [&str; 13] = [
-    "group",
-    "case",
-    "precision",
-    "structure",
-    "known_defect",
-    "trials",
-    "mismatches",
-    "bound_95",
-    "tolerated",
-    "refused_rounds",
-    "rounds",
-    "answers",
-    "replay",
-];
-
-fn fields(line: &Line) -> [String; 13] {
+/// The columns of the CSV file.
+#[rustfmt::skip]
+fn columns() -> [Column<Line>; 13] {
+    use Unit::None;
+    use Value::{Count, Text};
+    let c = Column::new;
     [
-        line.group.to_owned(),
-        line.case.to_owned(),
-        line.precision.to_owned(),
-        line.structure.clone(),
-        line.known_defect.unwrap_or_default().to_owned(),
-        line.trials.to_string(),
-        line.mismatches.to_string(),
-        bound(line.trials, line.mismatches).map(|b| format!("{b:.3e}")).unwrap_or_default(),
-        line.tolerated.to_string(),
-        line.refused.to_string(),
-        line.rounds.to_string(),
-        line.answers.clone(),
-        line.examples.first().map(|e| e.replay.clone()).unwrap_or_default(),
+        c(&["group"], "", None, |line: &Line| Text(line.group.to_owned())),
+        c(&["case"], "", None, |line| Text(line.case.to_owned())),
+        c(&["precision"], "", None, |line| Text(line.precision.to_owned())),
+        c(&["structure"], "", None, |line| Text(line.structure.clone())),
+        c(&["known_defect"], "", None, |line| Value::of(line.known_defect.map(str::to_owned), Text)),
+        c(&["trials"], "", None, |line| Count(line.trials)),
+        c(&["mismatches"], "", None, |line| Count(line.mismatches)),
+        c(&["bound_95"], "", None, |line| {
+            Value::of(bound(line.trials, line.mismatches).map(|b| format!("{b:.3e}")), Text)
+        }),
+        c(&["tolerated"], "", None, |line| Count(line.tolerated)),
+        c(&["refused_rounds"], "", None, |line| Count(line.refused)),
+        c(&["rounds"], "", None, |line| Count(line.rounds)),
+        c(&["answers"], "", None, |line| Text(line.answers.clone())),
+        c(&["replay"], "", None, |line| Value::of(line.examples.first().map(|e| e.replay.clone()), Text)),
     ]
 }
 
