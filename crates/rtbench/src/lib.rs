@@ -235,7 +235,7 @@ fn run_guarded(
         context.say(format_args!("configuration: {}", config.path().display()));
     }
     let ended = match refuse_files(&cli) {
-        Ok(()) => with_plugins(context, &cli, config.as_ref(), &arguments),
+        Ok(()) => with_plugins(context, &cli, config.as_ref()),
         Err(error) => Err(error.into()),
     };
     let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
@@ -253,32 +253,26 @@ fn with_plugins(
     context: &mut Context<'_>,
     cli: &Cli,
     config: Option<&Config>,
-    arguments: &[OsString],
 ) -> Result<u8, Error> {
     let Some(args) = cli.command.plugins().filter(|args| !args.plugin.is_empty()) else {
-        return dispatched(context, cli, config, arguments);
+        return dispatched(context, cli, config);
     };
     let occluders = context.occluders.iter().map(|entry| entry.info.name);
     let program = context.environment.program.as_ref();
     let (plugins, registry) = Plugins::load(args, context.registry, occluders, program)?;
     let mut within = context.over(&registry, plugins);
-    let code = dispatched(&mut within, cli, config, arguments);
+    let code = dispatched(&mut within, cli, config);
     let annotations = std::mem::take(&mut within.annotations);
     context.annotations = annotations;
     code
 }
 
 /// Does what the command line says.
-fn dispatched(
-    context: &mut Context<'_>,
-    cli: &Cli,
-    config: Option<&Config>,
-    arguments: &[OsString],
-) -> Result<u8, Error> {
+fn dispatched(context: &mut Context<'_>, cli: &Cli, config: Option<&Config>) -> Result<u8, Error> {
     match &cli.command {
-        Command::Run(args) => commands::run::run(context, args, cli.color, arguments),
+        Command::Run(args) => commands::run::run(context, args, cli.color),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
-        Command::Scale(args) => commands::scale::run(context, args, cli.color, arguments),
+        Command::Scale(args) => commands::scale::run(context, args, cli.color),
         Command::Animate(args) => {
             commands::animate::run(context, args, cli.color, &cli.view.options())
         }

@@ -60,6 +60,11 @@ impl Plugins {
         Ok((Self { loaded, arguments: args.arguments() }, registry))
     }
 
+    /// Their names.
+    pub fn names(&self) -> Vec<String> {
+        self.loaded.iter().map(|(name, _)| (*name).to_owned()).collect()
+    }
+
     /// What names them to another process of this program.
     pub fn arguments(&self) -> &[OsString] {
         &self.arguments

@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use crate::journal::seal::Seal;
 use crate::record::{Compiler, Machine, RowRecord, SCHEMA_VERSION, SceneRecord, Settings, Tool};
+use crate::settings::asked::Asked;
 use presentation::format_error::FormatError;
 
 /// What a run is: two runs whose manifests agree may be parts of one.
@@ -37,8 +38,15 @@ pub struct Manifest {
     pub scenes: Vec<String>,
     /// The rows of each.
     pub rows: Vec<String>,
-    /// The arguments, without the program's name; bytes that are not UTF-8 as in names of scenes.
-    pub arguments: Vec<String>,
+    /// What was asked for: by this the run is gone on with. Earlier versions had its arguments.
+    #[serde(default)]
+    pub asked: Option<Asked>,
+    /// Its plugins, by name.
+    #[serde(default)]
+    pub plugins: Vec<String>,
+    /// The files that it was begun with, beside those in its folder.
+    #[serde(default)]
+    pub exports: Vec<String>,
     /// The command line, program first, as shown.
     pub command_line: Vec<String>,
     /// When it began, seconds since 1970.
@@ -247,7 +255,7 @@ fn schema_of(line: &[u8]) -> Option<u32> {
 }
 
 /// What may differ between the parts of one run.
-const MAY_DIFFER: [&str; 3] = ["arguments", "command_line", "started_unix_s"];
+const MAY_DIFFER: [&str; 4] = ["asked", "exports", "command_line", "started_unix_s"];
 
 impl Manifest {
     /// What differs in another manifest, each as `name: was ..., is ...`; empty where the runs may
@@ -343,7 +351,9 @@ pub(super) mod tests {
             rounds: "Fixed(3)".into(),
             scenes: vec!["a".into(), "b".into()],
             rows: vec!["x".into()],
-            arguments: Vec::new(),
+            asked: None,
+            plugins: Vec::new(),
+            exports: Vec::new(),
             command_line: Vec::new(),
             started_unix_s: 0,
         }

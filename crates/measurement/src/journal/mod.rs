@@ -79,6 +79,16 @@ pub enum JournalError {
         /// Each difference, with what was and what is.
         differences: String,
     },
+    /// It does not say what was asked for.
+    #[error(
+        "{}: an earlier version of rtbench began this run, and it does not say what was asked for; \
+         begin a new one in another folder",
+        path.display()
+    )]
+    NotAsked {
+        /// The journal.
+        path: PathBuf,
+    },
     /// A line could not be made.
     #[error(transparent)]
     Format(#[from] FormatError),

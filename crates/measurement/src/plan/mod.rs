@@ -24,8 +24,7 @@ use crate::rays::order::Orders;
 use crate::rounds::trial::BuildLimits;
 use crate::scenes::{KnownScene, SceneSource};
 use crate::settings::shard::PlannedPart;
-use crate::settings::suggest;
-use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings};
+use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings, duration, suggest};
 use crate::system::memory_limit;
 use renderer::{RayKind, RaySettings, ShadowRays};
 
@@ -183,6 +182,7 @@ impl<'r> Plan<'r> {
             rows.push(default_baseline(registry)?);
         }
         let baseline = baseline(registry, &mut rows, reference)?;
+        within("processes", args.processes.max(1).into(), RunSettings::MOST_PROCESSES.into())?;
         let scenes = scenes.resolve(names)?;
         let mut plan = Self::over(scenes, rows, baseline, &args.measuring, registry)?;
         plan.settings.offset = ray_settings.offset;
@@ -214,6 +214,8 @@ impl<'r> Plan<'r> {
         let kinds = kinds(&args.rays)?;
         within("threads", args.threads.into(), MeasuringSettings::MOST_THREADS.into())?;
         within("rounds", args.rounds.unwrap_or(1).into(), MeasuringSettings::MOST_ROUNDS.into())?;
+        time_within("pass-limit", args.pass_limit)?;
+        time_within("time-budget", args.time_budget)?;
         within("size", args.size.unwrap_or(1).into(), MeasuringSettings::LARGEST_SIZE.into())?;
         let memory = memory_limit::of(args.max_memory);
         let limited = |row: Row<'r>| Row { params: row.params.within(memory), ..row };
@@ -272,9 +274,24 @@ impl<'r> Plan<'r> {
 }
 
 /// Refuses what the command line would.
-fn within(what: &'static str, value: u64, most: u64) -> Result<(), PlanError> {
+///
+/// # Errors
+/// [`PlanError::OutOfRange`].
+pub fn within(what: &'static str, value: u64, most: u64) -> Result<(), PlanError> {
     let error = PlanError::OutOfRange { what, value, most };
     if (1..=most).contains(&value) { Ok(()) } else { Err(error) }
+}
+
+/// The same of a time, in seconds.
+///
+/// # Errors
+/// [`PlanError::OutOfRange`].
+pub fn time_within(what: &'static str, time: Option<Duration>) -> Result<(), PlanError> {
+    let most = u64::from(duration::LONGEST);
+    match time.filter(|time| !duration::is_valid(*time)) {
+        Some(time) => Err(PlanError::OutOfRange { what, value: time.as_secs(), most }),
+        None => Ok(()),
+    }
 }
 
 /// Width and height of the image of a full run.

@@ -6,7 +6,7 @@ use std::time::Duration;
 const EXPECTED: &str = "expected a number with a unit: 500ms, 60s, 1.5m, 2h30m";
 
 /// The longest duration, seconds.
-const LONGEST: f64 = 1e7;
+pub const LONGEST: u32 = 10_000_000;
 
 /// Parses a duration for clap: numbers with units; a number alone is seconds.
 ///
@@ -18,10 +18,15 @@ pub fn parse(text: &str) -> Result<Duration, String> {
         Some(duration) => duration,
         None => humantime::parse_duration(text).map_err(|e| format!("{e}; {EXPECTED}"))?,
     };
-    if duration.is_zero() || duration.as_secs_f64() > LONGEST {
+    if !is_valid(duration) {
         return Err(format!("out of range; {EXPECTED}"));
     }
     Ok(duration)
+}
+
+/// Whether a setting may be that long.
+pub fn is_valid(duration: Duration) -> bool {
+    !duration.is_zero() && duration <= Duration::from_secs(LONGEST.into())
 }
 
 #[cfg(test)]

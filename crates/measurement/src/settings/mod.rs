@@ -1,16 +1,21 @@
 //! What a run is asked for, whoever asks: the command line, a file or an earlier record.
 
+pub mod asked;
 pub mod choice;
 pub mod duration;
 pub mod quantity;
+pub mod scale;
 pub mod shard;
+pub mod sizes;
 pub mod suggest;
 mod typed;
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::rays::order::Orders;
-use crate::settings::choice::Choice;
+use crate::settings::choice::{Choice, as_typed};
 use crate::settings::shard::Shard;
 
 /// Which lights shadow rays run to.
@@ -60,13 +65,15 @@ impl Precision {
 }
 
 /// How to measure, whatever is measured.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuringSettings {
     /// Kinds of rays; none means all.
     pub rays: Vec<String>,
     /// The order in which rays are issued to rows.
+    #[serde(with = "as_typed")]
     pub order: Orders,
     /// Which lights shadow rays run to.
+    #[serde(with = "as_typed")]
     pub lights: Lights,
     /// Longest pass over the rays; none means that of a full run or of a quick one.
     pub pass_limit: Option<Duration>,
@@ -83,6 +90,7 @@ pub struct MeasuringSettings {
     /// The reference row of ratios; none means the default.
     pub reference: Option<String>,
     /// Arithmetic of primitives and rays.
+    #[serde(with = "as_typed")]
     pub precision: Precision,
     /// Width and height of the image; none means that of a full run or of a quick one.
     pub size: Option<u32>,
@@ -120,7 +128,7 @@ impl Default for MeasuringSettings {
 }
 
 /// What a run measures, and how.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunSettings {
     /// Scenes, scene sets or scene files; none means the default set.
     pub scenes: Vec<String>,
@@ -136,6 +144,11 @@ pub struct RunSettings {
     pub by_kind: bool,
     /// Processes in which each scene is built and timed; 0 is 1.
     pub processes: u32,
+}
+
+impl RunSettings {
+    /// Most processes.
+    pub const MOST_PROCESSES: u32 = 1000;
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// One of several parts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// One of several parts; in files as typed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Shard {
     /// Which, from 1.
     pub index: u32,
@@ -34,6 +35,20 @@ impl Shard {
         let is_valid =
             (1..=MOST).contains(&shard.count) && (1..=shard.count).contains(&shard.index);
         is_valid.then_some(shard).ok_or_else(expected)
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        Self::parse(&text)
+    }
+}
+
+impl From<Shard> for String {
+    fn from(shard: Shard) -> Self {
+        shard.to_string()
     }
 }
 

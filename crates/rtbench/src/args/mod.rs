@@ -57,7 +57,7 @@ pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use run::RunArgs;
-pub use scale::{ScaleArgs, TrialArgs};
+pub use scale::{ScaleArgs, ScaleExportArgs, TrialArgs};
 pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
 pub use show::ShowArgs;
 pub use sweep::SweepArgs;

@@ -40,7 +40,7 @@ pub struct RunArgs {
     /// Build and time each scene in that many processes, and take intervals over both levels; every
     /// second process runs a copy of the program's file
     #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
+          value_parser = clap::value_parser!(u32).range(1..=RunSettings::MOST_PROCESSES.into()))]
     pub processes: u32,
     /// Also print ratios of each kind of ray, and the time to image of a million primary rays
     #[arg(long)]

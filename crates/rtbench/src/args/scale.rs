@@ -7,10 +7,9 @@ use clap::Args;
 
 use crate::args::measuring::MeasuringArgs;
 use crate::args::parsers::{choice, scene_name};
-use measurement::rounds::trial::BuildLimits;
 use measurement::settings::Precision;
-use studies::scale::ScaleSettings;
-use studies::scale::sizes::Sizes;
+use measurement::settings::scale::ScaleSettings;
+use measurement::settings::sizes::Sizes;
 
 /// `rtbench scale`.
 #[derive(Debug, Clone, Args)]
@@ -24,7 +23,7 @@ pub struct ScaleArgs {
     pub sizes: Sizes,
     /// How many sizes a factor of ten, where --sizes is a range
     #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u32).range(1..=20))]
+          value_parser = clap::value_parser!(u32).range(1..=ScaleSettings::MOST_PER_DECADE.into()))]
     pub per_decade: u32,
     /// Structures and occluders, each with its settings if any, as for `run` [default: each at its
     /// defaults]
@@ -42,6 +41,14 @@ pub struct ScaleArgs {
     /// Most memory of a process that loads the scene and builds one row; the same holds
     #[arg(long, value_name = "BYTES", default_value = "8GiB", value_parser = measurement::settings::quantity::bytes)]
     pub max_memory: u64,
+    /// What to write.
+    #[command(flatten)]
+    pub exports: ScaleExportArgs,
+}
+
+/// What `rtbench scale` writes.
+#[derive(Debug, Clone, Args)]
+pub struct ScaleExportArgs {
     /// Write results.json, scale.csv, slopes.csv, scale.md, scale.svg and the journal there; `run
     /// --resume DIR` goes on with it
     #[arg(short, long, value_name = "DIR")]
@@ -73,7 +80,8 @@ impl ScaleArgs {
             structures: self.structures.clone(),
             overrides: self.overrides.clone(),
             measuring: self.measuring.settings(),
-            limits: BuildLimits { seconds: self.time_limit.as_secs_f64(), bytes: self.max_memory },
+            time_limit: self.time_limit,
+            max_memory: self.max_memory,
         }
     }
 }

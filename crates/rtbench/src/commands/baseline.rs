@@ -91,14 +91,14 @@ fn finished(path: &Path) -> Result<Baseline, Error> {
 }
 
 fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8), Error> {
-    let mut run = args.run.clone();
-    if run.measuring.time_budget.is_none() {
-        run.measuring.rounds.get_or_insert(ROUNDS);
+    let mut settings = args.run.settings();
+    if settings.measuring.time_budget.is_none() {
+        settings.measuring.rounds.get_or_insert(ROUNDS);
     }
-    let mut plan = plan_of(context, &run)?;
+    let mut plan = plan_of(context, &settings)?;
     plan.has_copy = true;
-    run_outputs::refuse_occupied(context, &run.exports, None)?;
-    let mut outputs = run_outputs::of_run(&run.exports)?;
+    run_outputs::refuse_occupied(context, &args.run.exports, None)?;
+    let mut outputs = run_outputs::of_run(&args.run.exports)?;
     let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);

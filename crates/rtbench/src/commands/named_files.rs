@@ -26,11 +26,11 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
             cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
         }
         Command::Scale(args) => cloned(&[
-            &args.export_csv,
-            &args.export_slopes,
-            &args.export_svg,
-            &args.export_markdown,
-            &args.export_json,
+            &args.exports.export_csv,
+            &args.exports.export_slopes,
+            &args.exports.export_svg,
+            &args.exports.export_markdown,
+            &args.exports.export_json,
         ]),
         Command::Compare(args) => {
             cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])

@@ -1,6 +1,5 @@
 //! Runs that can be gone on with: their journals, and what is left of them.
 
-use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
@@ -11,22 +10,10 @@ use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use measurement::system::interrupt::{self, Mark, Unfinished};
 use measurement::system::progress::Progress;
-use scene_loading::source_names::name_of_path;
 
 use crate::commands::measuring::Kept;
 use crate::context::Context;
 use crate::error::Error;
-
-/// What a run is, for the journal of its folder; `arguments` are those of the process, program first.
-pub fn manifest_of(
-    context: &Context<'_>,
-    plan: &Plan<'_>,
-    record: &RunRecord,
-    arguments: &[OsString],
-) -> Manifest {
-    let arguments = arguments.iter().skip(1).map(|a| name_of_path(a)).collect();
-    manifest(context, plan, record, arguments)
-}
 
 /// A run that was begun in a folder, and what it left there.
 pub struct Begun<'f> {
@@ -50,7 +37,7 @@ pub fn go_on(
 ) -> Result<(Kept, RunRecord), Error> {
     let Begun { folder, journal, found } = begun;
     let Recovered { manifest: was, finished, died_in, deaths, .. } = found;
-    let mut differences = was.differences(&manifest(context, plan, &record, Vec::new()));
+    let mut differences = was.differences(&manifest(context, plan, &record));
     let progress = Progress::new(context.shows_progress(), finished.len() as u64, None);
     for (&i, Finished { line, record: scene }) in &finished {
         progress.message(format!("{}: is it the same?", scene.name));
@@ -109,13 +96,8 @@ pub fn watch(
     interrupt::watch(Unfinished { journal, scenes, finished }).map_err(Error::Signals)
 }
 
-/// What the run is, for its journal.
-fn manifest(
-    context: &Context<'_>,
-    plan: &Plan<'_>,
-    record: &RunRecord,
-    arguments: Vec<String>,
-) -> Manifest {
+/// What the run is, for its journal, but for what was asked for.
+pub fn manifest(context: &Context<'_>, plan: &Plan<'_>, record: &RunRecord) -> Manifest {
     Manifest {
         schema_version: record.schema_version,
         tool: record.tool.clone(),
@@ -126,7 +108,9 @@ fn manifest(
         rounds: format!("{:?}", plan.rounds),
         scenes: record.planned.clone(),
         rows: plan.rows.iter().map(|row| row.label()).collect(),
-        arguments,
+        asked: None,
+        plugins: context.plugins.names(),
+        exports: Vec::new(),
         command_line: record.command_line.clone(),
         started_unix_s: record.started_unix_s,
     }

@@ -6,6 +6,7 @@ use measurement::journal::lines::Manifest;
 use measurement::record::{RunRecord, file};
 use presentation::format_error::FormatError;
 use presentation::json;
+use scene_loading::source_names::name_of_path;
 use studies::run::{csv, markdown};
 
 use crate::args::ExportArgs;
@@ -64,13 +65,13 @@ pub fn refuse_occupied(
     Wanted { names: &names, command_line, manifest, overwrite }.check(folder)
 }
 
-/// The files that a run was begun with and that `now` does not write: what they hold is older than what the
-/// run goes on to find.
-pub fn left_behind<'a>(begun: &'a ExportArgs, now: &ExportArgs) -> Vec<&'a PathBuf> {
-    let is_file = |path: &&PathBuf| path.as_os_str() != "-";
-    let named = EXPORTERS.iter().filter_map(|e| (e.path)(begun)).filter(is_file);
-    let written: Vec<&PathBuf> = EXPORTERS.iter().filter_map(|e| (e.path)(now)).collect();
-    named.filter(|path| !written.contains(path)).collect()
+/// The files that a run is begun with, beside those in its folder.
+pub fn named(args: &ExportArgs) -> Vec<String> {
+    let paths = EXPORTERS.iter().filter_map(|e| (e.path)(args));
+    paths
+        .filter(|path| path.as_os_str() != "-")
+        .map(|path| name_of_path(path.as_os_str()))
+        .collect()
 }
 
 /// Creates the files that the command line of a run names.

@@ -1,37 +1,36 @@
 //! `rtbench scale`: measure one scene in several sizes, print, export, plot.
 
-use std::ffi::OsString;
-
-use crate::args::{Color, ExportArgs, ScaleArgs};
+use crate::args::{Color, ExportArgs, ScaleArgs, ScaleExportArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
-use crate::commands::resumable::{Begun, go_on, manifest_of, watch};
+use crate::commands::resumable::{Begun, go_on, manifest, watch};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::occupied::Wanted;
 use crate::exports::outputs::Outputs;
 use crate::recorded_view;
+use measurement::journal::lines::Manifest;
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::error::PlanError;
 use measurement::record::RunRecord;
+use measurement::settings::asked::Asked;
+use measurement::settings::scale::ScaleSettings;
 use presentation::json;
 use studies::scale::Scale;
 use studies::scale::{csv, plot, table};
 
-/// Measures and returns the exit code. `arguments` are those of the process, program first.
+/// Measures and returns the exit code.
 ///
 /// # Errors
 /// [`Error`] for what ends the run early: the command line, an output.
-pub fn run(
-    context: &mut Context<'_>,
-    args: &ScaleArgs,
-    color: Color,
-    arguments: &[OsString],
-) -> Result<u8, Error> {
-    let scale = Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
+pub fn run(context: &mut Context<'_>, args: &ScaleArgs, color: Color) -> Result<u8, Error> {
+    let settings = args.settings();
+    let scale = Scale::new(&settings, context.registry, context.occluders, context.scenes)?;
     let record = begun(context, &scale);
     let mut kept = Kept::default();
-    let manifest = manifest_of(context, &scale.plan, &record, arguments);
-    if let Some(folder) = &args.output {
+    let manifest =
+        Manifest { asked: Some(Asked::Scale(settings)), ..manifest(context, &scale.plan, &record) };
+    let exports = &args.exports;
+    if let Some(folder) = &exports.output {
         let wanted = Wanted {
             names: &NAMES,
             command_line: &record.command_line,
@@ -40,11 +39,11 @@ pub fn run(
         };
         wanted.check(folder)?;
     }
-    let outputs = outputs(args)?;
-    if let Some(folder) = &args.output {
+    let outputs = outputs(exports)?;
+    if let Some(folder) = &exports.output {
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
-    watch(context, &kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    watch(context, &kept, exports.output.as_deref(), scale.plan.scenes.len())?;
     measure(context, color, &scale, outputs, kept, record)
 }
 
@@ -54,27 +53,26 @@ pub fn run(
 /// Those of [`run`], and for a run that would not be the same.
 pub(super) fn resume(
     context: &mut Context<'_>,
-    args: &ScaleArgs,
+    asked: &ScaleSettings,
     exports: &ExportArgs,
     color: Color,
     begun_before: Begun<'_>,
 ) -> Result<u8, Error> {
-    let args = with_outputs(args, exports)?;
-    let mut scale =
-        Scale::new(&args.settings(), context.registry, context.occluders, context.scenes)?;
+    let exports = of_scale(exports)?;
+    let mut scale = Scale::new(asked, context.registry, context.occluders, context.scenes)?;
     let settings = &begun_before.found.manifest.settings;
     recorded_view::apply(settings, &mut scale.plan).map_err(|differences| {
         JournalError::Differs { folder: begun_before.folder.into(), differences }
     })?;
     let record = begun(context, &scale);
     let (kept, record) = go_on(context, begun_before, &scale.plan, record)?;
-    let outputs = outputs(&args)?;
-    watch(context, &kept, args.output.as_deref(), scale.plan.scenes.len())?;
+    let outputs = outputs(&exports)?;
+    watch(context, &kept, exports.output.as_deref(), scale.plan.scenes.len())?;
     measure(context, color, &scale, outputs, kept, record)
 }
 
-/// A scale that writes what the command line of `run --resume` names, and nothing that a journal does.
-fn with_outputs(args: &ScaleArgs, exports: &ExportArgs) -> Result<ScaleArgs, PlanError> {
+/// What the command line of `run --resume` wants written of a scale.
+fn of_scale(exports: &ExportArgs) -> Result<ScaleExportArgs, PlanError> {
     let ExportArgs { export_github_smaller, export_github_bigger, export_bencher, .. } = exports;
     for (path, option) in [
         (export_github_smaller, "--export-github-smaller"),
@@ -85,14 +83,13 @@ fn with_outputs(args: &ScaleArgs, exports: &ExportArgs) -> Result<ScaleArgs, Pla
             return Err(PlanError::NotOfScale { option });
         }
     }
-    Ok(ScaleArgs {
+    Ok(ScaleExportArgs {
         output: exports.output.clone(),
         export_csv: exports.export_csv.clone(),
         export_markdown: exports.export_markdown.clone(),
         export_json: exports.export_json.clone(),
         export_slopes: None,
         export_svg: None,
-        ..args.clone()
     })
 }
 
@@ -135,7 +132,7 @@ fn measure(
 const NAMES: [&str; 5] = ["results.json", "scale.csv", "slopes.csv", "scale.md", "scale.svg"];
 
 /// The files that the command line names, and those of its folder.
-fn outputs(args: &ScaleArgs) -> Result<Outputs<'static>, Error> {
+fn outputs(args: &ScaleExportArgs) -> Result<Outputs<'static>, Error> {
     let mut outputs = Outputs::default();
     if let Some(folder) = &args.output {
         outputs.folder(folder)?;

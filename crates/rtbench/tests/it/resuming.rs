@@ -182,12 +182,26 @@ pub fn refusals() {
         ("\"seed\":1", "\"seed\":2", "settings.seed: was 2, is 1"),
         ("\"program_sha256\":\"", "\"program_sha256\":\"0", "program_sha256: was"),
         ("\"cpu\":", "\"cpu\":null,\"x\":", "machine.cpu"),
-        ("\"tetra:1\",\"--quick\"", "\"tetra:2\",\"--quick\"", "scenes: was"),
+        ("\"tetra:1\"],\"structures\"", "\"tetra:2\"],\"structures\"", "scenes: was"),
+        ("\"plugins\":[]", "\"plugins\":[\"hug\"]", "plugins: was [hug], is []"),
         ("\"rounds\":\"Fixed", "\"rounds\":\"Fitted", "rounds: was"),
     ] {
         assert!(whole.contains(from), "{from}: {whole}");
         std::fs::write(folder.path().join(NAME), resealed(&whole.replacen(from, to, 1))).unwrap();
         refused(&["this would not be the same run", said]);
+    }
+    // as an earlier version wrote it, and what no command line can say
+    for (from, to, said) in [
+        ("\"asked\":", "\"arguments\":", "an earlier version of rtbench began this run"),
+        ("\"rounds\":null", "\"rounds\":0", "rounds: 0, expected a number from 1"),
+        ("\"pass_limit\":null", "\"pass_limit\":{\"secs\":0,\"nanos\":0}", "pass-limit: 0"),
+        ("\"each\",\"pass_limit\"", "\"up\",\"pass_limit\"", "line 1: 'up' is no value"),
+        ("\"run\":{\"scenes\"", "\"sweep\":{\"scenes\"", "line 1: unknown variant"),
+    ] {
+        assert!(whole.contains(from), "{from}: {whole}");
+        std::fs::write(folder.path().join(NAME), resealed(&whole.replacen(from, to, 1))).unwrap();
+        let (code, out, err) = run(&format!("run --resume {here}"));
+        assert!(code != 0 && out.is_empty() && err.contains(said), "{said}: {err}");
     }
     let misspelled = resealed(&whole.replacen("{\"scene\"", "{\"scone\"", 1));
     std::fs::write(folder.path().join(NAME), misspelled).unwrap();

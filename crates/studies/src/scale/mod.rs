@@ -16,12 +16,13 @@ pub mod table;
 use accel_core::occluders;
 use accel_core::structures::Entry;
 
-use crate::scale::sizes::Sizes;
-use measurement::plan::Plan;
+use crate::scale::sizes::targets;
 use measurement::plan::error::PlanError;
+use measurement::plan::{Plan, time_within, within};
 use measurement::record::scale::{ScaleRecord, SizeRecord};
 use measurement::rounds::trial::BuildLimits;
 use measurement::scenes::{LoadError, SceneSource};
+use measurement::settings::scale::ScaleSettings;
 use measurement::settings::{MeasuringSettings, RunSettings};
 
 /// Width and height of the image.
@@ -62,25 +63,6 @@ pub enum ScaleError {
     Scene(#[from] LoadError),
 }
 
-/// What a run over sizes is asked for.
-#[derive(Debug, Clone)]
-pub struct ScaleSettings {
-    /// A generated scene, without a size.
-    pub scene: String,
-    /// Numbers of primitives; the nearest size of the scene stands for each.
-    pub sizes: Sizes,
-    /// How many sizes a factor of ten, where the sizes are a range.
-    pub per_decade: u32,
-    /// Structures and occluders, each with its settings if any; none means each at its defaults.
-    pub structures: Vec<String>,
-    /// Overrides of defaults: `uniform-grid.density=4`.
-    pub overrides: Vec<String>,
-    /// How to measure.
-    pub measuring: MeasuringSettings,
-    /// What a build may take.
-    pub limits: BuildLimits,
-}
-
 /// A validated run over the sizes of a scene.
 #[derive(Debug)]
 pub struct Scale<'r> {
@@ -101,6 +83,8 @@ impl<'r> Scale<'r> {
         occluders: &'r [occluders::Entry],
         scenes: &dyn SceneSource,
     ) -> Result<Self, ScaleError> {
+        within("per-decade", args.per_decade.into(), ScaleSettings::MOST_PER_DECADE.into())?;
+        time_within("time-limit", Some(args.time_limit))?;
         let sizes = sizes_of(args, scenes)?;
         let mut structures = args.structures.clone();
         if structures.is_empty() {
@@ -122,7 +106,7 @@ impl<'r> Scale<'r> {
         let mut plan = Plan::new(&of_run, registry, occluders, scenes)?;
         // whole images are not compared
         plan.limits.render_pass = 0.0;
-        let limits = args.limits;
+        let limits = BuildLimits { seconds: args.time_limit.as_secs_f64(), bytes: args.max_memory };
         plan.build_limits = Some(limits);
         let record = ScaleRecord {
             scene: args.scene.clone(),
@@ -139,7 +123,7 @@ impl<'r> Scale<'r> {
 fn sizes_of(args: &ScaleSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, ScaleError> {
     let sizes = scenes.sizes(&args.scene)?;
     let mut found: Vec<SizeRecord> = Vec::new();
-    for asked in args.sizes.targets(args.per_decade) {
+    for asked in targets(&args.sizes, args.per_decade) {
         let (name, primitives) = sizes.nearest(asked);
         let off = primitives.max(1) as f64 / asked as f64;
         if off.max(off.recip()) > FAR {
