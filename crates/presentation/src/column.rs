@@ -135,6 +135,11 @@ pub fn fields<'a, R>(columns: &'a [Column<R>], row: &'a R) -> impl Iterator<Item
     columns.iter().flat_map(move |column| column.fields(row))
 }
 
+/// The heads of the columns that tables have, in their order.
+pub fn heads<R>(columns: &[Column<R>]) -> Vec<&'static str> {
+    columns.iter().map(|column| column.head).filter(|head| !head.is_empty()).collect()
+}
+
 /// The column with that head.
 pub fn headed<'c, R>(columns: &'c [Column<R>], head: &str) -> Option<&'c Column<R>> {
     columns.iter().find(|column| column.head == head)
@@ -213,6 +218,7 @@ mod tests {
             Column::new(&["hidden"], "", Unit::None, |_| Value::None),
         ];
         assert_eq!(csv(&columns, [1, 2]).unwrap(), "n,name,hidden\n1,row 1,\n2,row 2,\n");
+        assert_eq!(heads(&columns), ["N", "what"]);
         let table = table(&columns, &["what", "N"], [&3]);
         assert_eq!(table.header, ["what", "N"]);
         assert_eq!(table.rows, [["row 3".to_owned().into(), "3".to_owned().into()]]);

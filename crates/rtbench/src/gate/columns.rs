@@ -5,10 +5,7 @@ use presentation::column::{Column, Unit, Value};
 use presentation::numbers;
 use presentation::table::{Cell, Style};
 
-/// The columns that a table has, in its order.
-pub const HEADS: [&str; 7] = ["row", "what", "baseline", "now", "change", "p", "outcome"];
-
-/// All columns, in the order of the CSV file.
+/// All columns, in the order of the CSV file and of tables.
 #[rustfmt::skip]
 pub fn columns() -> [Column<Finding>; 10] {
     use Unit::{None, Ratio};
@@ -22,7 +19,7 @@ pub fn columns() -> [Column<Finding>; 10] {
         c(&["baseline"], "baseline", None, |f| Value::of(f.baseline, Real)).or(|f| f.baseline.map(number)),
         c(&["now"], "now", None, |f| Value::of(f.now, Real)).or(|f| f.now.map(number)),
         c(&["change", "change_low", "change_high"], "change", Ratio, |f| Value::of(f.change, Measured))
-            .or(|f| change(f).map(Cell::from)),
+            .or(|f| change_in_words(f).map(Cell::from)),
         // probabilities may be far smaller than nine digits show
         c(&["p"], "p", None, |f| Value::of(f.p.map(|p| format!("{p:e}")), Text))
             .or(|f| f.p.map(|p| format!("{p:.1e}").into())),
@@ -31,8 +28,8 @@ pub fn columns() -> [Column<Finding>; 10] {
     ]
 }
 
-/// A change in words, where there is one: exact ones as a percentage, measured ones with their interval.
-pub fn change(finding: &Finding) -> Option<String> {
+/// A change, where there is one: exact ones as a percentage, measured ones with their interval.
+pub fn change_in_words(finding: &Finding) -> Option<String> {
     finding.change.map(|e| match e.low == e.high {
         true => format!("{:+.3}%", (e.median - 1.0) * 100.0),
         false => numbers::ratio(&e).trim_end().to_owned(),

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::exit_code::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
-use crate::gate::columns::{self, columns};
+use crate::gate::columns::{change_in_words, columns};
 use crate::gate::contest::PairedTimes;
 use crate::gate::evidence::{Finding, Outcome, Stage};
 use crate::gate::thresholds::Thresholds;
@@ -108,7 +108,7 @@ impl Report {
         better.sort_by(|a, b| change(a).total_cmp(&change(b)));
         let line = |f: &&Finding| {
             let word = if f.stage == wall_clock::STAGE.name { "faster" } else { "less" };
-            let change = columns::change(f).unwrap_or_else(|| "-".to_owned());
+            let change = change_in_words(f).unwrap_or_else(|| "-".to_owned());
             format!("{word}: {}, {}: {change}", f.place(), f.quantity)
         };
         let mut lines: Vec<String> = better.iter().take(MOST_IMPROVEMENTS).map(line).collect();
@@ -139,10 +139,11 @@ impl Report {
             notes.push(format!("baseline, now: {}.", self.times));
             notes.extend(self.floor.as_ref().map(FloorRecord::in_words));
         }
+        let columns = columns();
         Some(Table {
             title: format!("{}: {}", stage.name, stage.summary),
             notes,
-            ..column::table(&columns(), &columns::HEADS, rows)
+            ..column::table(&columns, &column::heads(&columns), rows)
         })
     }
 

@@ -9,18 +9,6 @@ use super::{Measured, TracerRow};
 use crate::accuracy::record::Standing;
 use statistics::estimate::estimate;
 
-/// The columns that the table has, in its order.
-pub const HEADS: [&str; 8] = [
-    "tracer",
-    "image ms",
-    "to cheapest [95%]",
-    "RMSE",
-    "edge RMSE",
-    "front",
-    "time / samples of equal error",
-    "counted",
-];
-
 /// An image of a comparison.
 #[derive(Clone, Copy)]
 pub struct ImageRow<'a> {
@@ -46,7 +34,7 @@ impl ImageRow<'_> {
     }
 }
 
-/// All columns, in the order of the CSV file.
+/// All columns, in the order of the CSV file and of the table.
 #[rustfmt::skip]
 pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
     use Unit::{None, Ratio, Seconds};

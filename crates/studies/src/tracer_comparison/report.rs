@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use accel_core::query::region::FrustumWork;
 use serde_json::{Value, json};
 
-use super::columns::{HEADS, ImageRow, columns, is_on_front};
+use super::columns::{ImageRow, columns, is_on_front};
 use super::equal_error::AtError;
 use super::plot::{Placed, error_over_time};
 use super::queries::QueryRow;
@@ -66,12 +66,13 @@ impl Report {
     /// Images down; time, error and what they mean across.
     pub fn images(&self) -> Table {
         let [w, h] = self.resolution;
+        let columns = columns();
         let mut table = Table {
             title: format!(
                 "{}: images of {w} x {h} by samples, cones and beams ({} primitives)",
                 self.scene, self.primitives
             ),
-            ..column::table(&columns(), &HEADS, self.image_rows())
+            ..column::table(&columns, &column::heads(&columns), self.image_rows())
         };
         for (cells, row) in table.rows.iter_mut().zip(&self.rows) {
             if row.outcome.as_ref().is_ok_and(is_on_front) {
