@@ -5,20 +5,16 @@
 //! where the list lies in memory. Traversals are the same for both kernels, and so are counters; answers
 //! are equal to the last bit.
 //!
-//! A structure that has lists says [`Structure::HAS_LISTS`] and
+//! A structure that has lists says [`HAS_LISTS`](crate::structure::Structure::HAS_LISTS) and
 //! lists [`PARAM`] among its parameters.
 
 use std::ops::ControlFlow;
 
-use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::memory::Limits;
-use crate::memory::OutOfMemory;
 use crate::params::ParamSpec;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::lists::prefetch;
 use crate::query::sink::Sink;
-use crate::structure::Structure;
 use crate::update::ChangedLists;
 
 /// The setting, for the parameter list of a structure whose lists are short, or so many that blocks of
@@ -42,24 +38,6 @@ pub struct ListBlocks<S> {
 }
 
 impl<S: Scalar> ListBlocks<S> {
-    /// Of the lists of a structure over this set, where it has lists and blocks serve the set.
-    ///
-    /// # Errors
-    /// [`OutOfMemory`] where memory does not allow them.
-    pub(crate) fn of_structure<P: PrimSet<S>, T: Structure<S>>(
-        prims: &P,
-        structure: &T,
-        limits: Limits,
-    ) -> Result<Option<Self>, OutOfMemory> {
-        if !T::HAS_LISTS {
-            return Ok(None);
-        }
-        let mut lists = Vec::new();
-        structure.lists(&mut |list| lists.push(list));
-        limits.fits(Self::bytes_for(&lists))?;
-        Ok(Self::of(prims, &lists))
-    }
-
     /// Of these lists, each named once, parts of one array. `None` where
     /// blocks do not serve the set or are too many for their numbers, or lists lie too far apart.
     #[inline(never)]
@@ -160,17 +138,6 @@ impl<S: Scalar> ListBlocks<S> {
     #[inline(always)]
     pub(crate) fn prefetch(&self, number: u32) {
         prefetch(&self.blocks[number as usize - 1]);
-    }
-
-    /// One ray.
-    #[inline(always)]
-    pub(crate) fn traverse<T: Structure<S>, K: Sink<S>>(
-        &self,
-        structure: &T,
-        ray: &Ray<S>,
-        sink: &mut K,
-    ) {
-        structure.traverse(ray, &mut BlockSink::new(self, sink));
     }
 
     pub(crate) fn bytes(&self) -> u64 {

@@ -9,6 +9,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet};
+use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};
@@ -41,7 +42,7 @@ impl<S: Scalar, T: Structure<S>> Segment<S, T> {
     ) -> Result<Self, BuildError> {
         let structure = T::build(part, settings)?;
         let blocks = match testing.has_blocks {
-            true => ListBlocks::of_structure(part, &structure, settings.limits())?,
+            true => by_blocks::of_structure(part, &structure, settings.limits())?,
             false => None,
         };
         Ok(Self { structure, blocks })
@@ -106,7 +107,7 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     pub(crate) fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
         let Segment { structure, blocks } = self.at(ray);
         match blocks {
-            Some(blocks) if T::HAS_LISTS => blocks.traverse(structure, ray, &mut query),
+            Some(blocks) if T::HAS_LISTS => by_blocks::traverse(structure, blocks, ray, &mut query),
             _ => structure.traverse(ray, &mut query),
         }
         query

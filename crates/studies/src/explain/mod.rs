@@ -238,10 +238,11 @@ mod tests {
     use super::*;
     use crate::explain::table::rays_of;
 
-    /// The default rows with their times; the reference is named by the third.
+    /// The default rows with their times; the reference is named by the fourth.
     const ROWS: Rows<'_> = &[
         ("uniform-grid", &[2.0, 2.2, 1.8]),
         ("uniform-grid kernel=scalar", &[3.0, 3.1, 2.9]),
+        ("uniform-grid query=batch", &[1.5, 1.4, 1.6]),
         ("obvhs-cwbvh adapter=direct", &[1.0, 1.1, 0.9]),
         ("obvhs-cwbvh kernel=scalar", &[1.2, 1.3, 1.2]),
         ("obvhs-cwbvh", &[1.1, 1.1, 1.0]),
@@ -263,7 +264,7 @@ mod tests {
     /// Their record, with ratios to the row of [`Explain`]'s baseline.
     fn record() -> RunRecord {
         let mut record = run(&[("tetra:2", ROWS)]);
-        let reference: Vec<f64> = ROWS[2].1.to_vec();
+        let reference: Vec<f64> = ROWS[3].1.to_vec();
         for row in &mut record.scenes[0].rows {
             for (sample, seconds) in row.samples.iter_mut().zip(&reference) {
                 sample.reference_trace_s = Some(*seconds);
@@ -292,7 +293,7 @@ mod tests {
         let explain = explain("uniform-grid", None).unwrap();
         let labels: Vec<String> = explain.plan.rows.iter().map(|row| row.label()).collect();
         assert_eq!(labels, ROWS.iter().map(|(label, _)| *label).collect::<Vec<_>>());
-        assert_eq!((explain.row, explain.plan.baseline), (0, 2));
+        assert_eq!((explain.row, explain.plan.baseline), (0, 3));
         assert!(explain.plan.same_rays && explain.plan.keeps_baseline);
         let same = self::explain("obvhs-cwbvh", Some("obvhs-cwbvh:adapter=direct")).unwrap();
         assert_eq!((same.plan.rows.len(), same.plan.baseline), (3, 2));
@@ -331,7 +332,7 @@ mod tests {
         let before = record();
         let mut after = before.clone();
         // both with blocks, half as fast
-        for row in [0, 4].map(|row| after.scenes[0].rows[row].clone()) {
+        for row in [0, 5].map(|row| after.scenes[0].rows[row].clone()) {
             let place = after.scenes[0].rows.iter().position(|r| r.is_same(&row)).unwrap();
             let row = &mut after.scenes[0].rows[place];
             row.samples.iter_mut().for_each(|s| {
@@ -362,15 +363,15 @@ mod tests {
         let mut record = with(1, Verdict::Wrong);
         assert_eq!(names(&record).len(), 3);
         // no way: what is changed together stays together
-        record.scenes[0].rows[4].verdict = Verdict::Panicked;
+        record.scenes[0].rows[5].verdict = Verdict::Panicked;
         let together = "kernel: scalar to block; structure: obvhs-cwbvh to uniform-grid";
         assert_eq!(names(&record), ["adapter: direct to robust", together]);
         // an end
         assert!(names(&with(0, Verdict::Wrong)).is_empty());
-        assert!(names(&with(2, Verdict::NotBuilt)).is_empty());
+        assert!(names(&with(3, Verdict::NotBuilt)).is_empty());
         // rounds of which one is missing cannot be paired
         let mut record = self::record();
-        record.scenes[0].rows[3].samples.remove(1);
+        record.scenes[0].rows[4].samples.remove(1);
         let explanation = Explanation::of(&explain, &record, &record.scenes[0]);
         assert_eq!(explanation.factor(&explanation.factors[0], Rays::All), None);
     }
@@ -381,7 +382,7 @@ mod tests {
         record.scenes[0].only_triangles = Some(false);
         let explanation = Explanation::of(&explain, &record, &record.scenes[0]);
         let there: Vec<bool> = explanation.variants.iter().map(Option::is_some).collect();
-        assert_eq!(there, [true, false, true, true, false]);
+        assert_eq!(there, [true, false, false, true, true, false]);
         let names: Vec<&str> = explanation.factors.iter().map(|f| &*f.name).collect();
         let adapter = "adapter: as-shipped to robust";
         assert_eq!(names, [adapter, "structure: obvhs-cwbvh to uniform-grid"]);

@@ -15,7 +15,7 @@ use crate::grid::cell_overlap::{Insertion, overlaps};
 use crate::grid::cell_traversal::{CellPosition, CellTraversal, Traversal};
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::grid::voxel_traversal_lanes;
+use crate::grid::voxel_traversal_lanes::{LanePosition, MOST_CELLS};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
 use crate::memory::Limits;
@@ -284,12 +284,6 @@ impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
         &self.frame
     }
 
-    /// Where traversals of a ray start.
-    #[inline(always)]
-    fn start(&self, ray: &Ray<S>) -> S {
-        if self.from_origin { S::ZERO } else { ray.t_min }
-    }
-
     /// The ids in the cell of those coordinates.
     pub fn list(&self, coords: [i32; 3]) -> &[u32] {
         self.storage.list(&self.frame.cell(coords))
@@ -308,9 +302,8 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         let (contents, storage) = stored::<S, P, G>(prims, settings.limits(), settings)?;
         let (frame, from_origin) = (contents.frame, settings.historical);
         let (wide_frame, traversal) = (frame.in_double(), settings.traversal);
-        let is_batch = settings.is_batch
-            && traversal == Traversal::TNext
-            && frame.cells() <= voxel_traversal_lanes::MOST_CELLS;
+        let is_batch =
+            settings.is_batch && traversal == Traversal::TNext && frame.cells() <= MOST_CELLS;
         Ok(Self { frame, storage, from_origin, traversal, is_batch, wide_frame })
     }
 
@@ -336,7 +329,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let t_start = self.start(ray);
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
         match self.traversal {
             Traversal::TNext => {
                 if let Some(traversal) = self.frame.traversal_from(ray, t_start) {
@@ -382,7 +375,13 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         answers: BatchAnswers<'_, S>,
     ) {
         if G::HAS_BATCHES {
-            let grid = &InBlocks { grid: self, blocks };
+            let grid = &InBlocks {
+                grid: self,
+                frame: &self.frame,
+                from_origin: self.from_origin,
+                list: |cell: &LanePosition<'_, S>| self.storage.list(cell),
+                blocks,
+            };
             batch::answer::<InLanes, _, _, _>(grid, prims, rays, reach, answers);
         }
     }

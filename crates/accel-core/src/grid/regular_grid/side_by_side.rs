@@ -2,34 +2,43 @@
 
 use std::ops::ControlFlow;
 
-use super::{CellStorage, RegularGrid};
 use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::grid::voxel_traversal::VoxelTraversal;
-use crate::grid::voxel_traversal_lanes::TraversalLanes;
+use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
+use crate::grid::voxel_traversal_lanes::{LanePosition, TraversalLanes};
 use crate::query::batch::Traverse;
+use crate::query::by_blocks;
 use crate::query::kernel::ListBlocks;
 use crate::query::side_by_side::{EIGHTS, RAYS, SideBySide};
 use crate::query::sink::Sink;
+use crate::structure::Structure;
 
-/// The grid and its blocks.
-pub(super) struct InBlocks<'a, S: Scalar, G> {
-    pub(super) grid: &'a RegularGrid<S, G>,
+/// The grid, where its traversals start, its lists and their blocks.
+pub(super) struct InBlocks<'a, S: Scalar, T, L> {
+    pub(super) grid: &'a T,
+    pub(super) frame: &'a GridFrame<S>,
+    pub(super) from_origin: bool,
+    pub(super) list: L,
     pub(super) blocks: &'a ListBlocks<S>,
 }
 
 /// Eight rays that are to begin; none where the grid is not met.
 pub(crate) struct Beginnings<S: Scalar>([Option<VoxelTraversal<S>>; LANES]);
 
-impl<S: Scalar, G: CellStorage> Traverse<S> for &InBlocks<'_, S, G> {
+impl<S: Scalar, T: Structure<S>, L> Traverse<S> for &InBlocks<'_, S, T, L> {
     #[inline(always)]
     fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        self.blocks.traverse(self.grid, ray, sink);
+        by_blocks::traverse(self.grid, self.blocks, ray, sink);
     }
 }
 
-impl<S: Scalar, G: CellStorage> SideBySide<S> for InBlocks<'_, S, G> {
+impl<'a, S, T, L> SideBySide<S> for InBlocks<'a, S, T, L>
+where
+    S: Scalar,
+    T: Structure<S>,
+    L: Fn(&LanePosition<'_, S>) -> &'a [u32],
+{
     type Eight = Beginnings<S>;
     type State = TraversalLanes<S>;
 
@@ -48,7 +57,8 @@ impl<S: Scalar, G: CellStorage> SideBySide<S> for InBlocks<'_, S, G> {
                 t_max: rays.t_max[lane],
                 ..Ray::new(vector(&rays.origin), vector(&rays.direction))
             };
-            *beginning = self.grid.frame.traversal_from(&ray, self.grid.start(&ray));
+            let start = if self.from_origin { S::ZERO } else { ray.t_min };
+            *beginning = self.frame.traversal_from(&ray, start);
         }
         Beginnings(beginnings)
     }
@@ -75,7 +85,7 @@ impl<S: Scalar, G: CellStorage> SideBySide<S> for InBlocks<'_, S, G> {
         let mut lists = [0; RAYS];
         for group in 0..EIGHTS {
             for lane in 0..LANES {
-                let list = self.grid.storage.list(&state.position(group, lane));
+                let list = (self.list)(&state.position(group, lane));
                 lists[group * LANES + lane] = self.blocks.number(list);
             }
         }
@@ -94,6 +104,6 @@ impl<S: Scalar, G: CellStorage> SideBySide<S> for InBlocks<'_, S, G> {
 
     #[inline(always)]
     fn leave(&self, state: &mut TraversalLanes<S>, t_max: &[S; RAYS]) -> u32 {
-        state.leave(t_max, &self.grid.frame)
+        state.leave(t_max, self.frame)
     }
 }

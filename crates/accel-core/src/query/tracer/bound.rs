@@ -16,6 +16,7 @@ use crate::memory::Limits;
 use crate::memory::OutOfMemory;
 use crate::primitives::PrimSet;
 use crate::query::batch;
+use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
@@ -60,7 +61,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         limits: Limits,
     ) -> Result<Self, OutOfMemory> {
         if P::HAS_BLOCKS {
-            self.blocks = ListBlocks::of_structure(over, &self.structure, limits)?;
+            self.blocks = by_blocks::of_structure(over, &self.structure, limits)?;
         }
         Ok(self)
     }
@@ -108,7 +109,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         }
         closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
             let mut query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
-            blocks.traverse(&self.structure, ray, &mut query);
+            by_blocks::traverse(&self.structure, blocks, ray, &mut query);
             query.finish().0
         });
     }
@@ -124,7 +125,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         for (ray, blocked) in rays.iter().zip(blocked) {
             *blocked = near(self.reach, ray, false, |ray, _| {
                 let mut query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
-                blocks.traverse(&self.structure, ray, &mut query);
+                by_blocks::traverse(&self.structure, blocks, ray, &mut query);
                 query.finish().0
             });
         }
