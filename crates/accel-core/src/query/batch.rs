@@ -4,7 +4,7 @@
 //! The loop over rays in f32 is compiled twice on x86-64: for the target, and for AVX-512, whose 32 registers hold
 //! what is known of a ray; which of both runs is decided where it runs. The operations are the same, none is
 //! contracted, and so are the answers. Of structures that have batches, so is the loop over single rays
-//! ([`one_by_one`]).
+//! (`one_by_one`).
 
 use std::ops::Range;
 
