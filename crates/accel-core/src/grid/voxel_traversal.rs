@@ -199,6 +199,24 @@ impl<S: Scalar> GridFrame<S> {
     }
 }
 
+/// A cell of a grid by its index.
+pub(super) struct IndexedCell<'a, S: Scalar> {
+    pub(super) frame: &'a GridFrame<S>,
+    pub(super) index: usize,
+}
+
+impl<S: Scalar> CellPosition for IndexedCell<'_, S> {
+    #[inline(always)]
+    fn index(&self) -> usize {
+        self.index
+    }
+
+    #[inline(always)]
+    fn coords(&self) -> [i32; 3] {
+        self.frame.coords(self.index)
+    }
+}
+
 /// Divides the cells of a grid, each by a grid of its own, which is made anew for each ray that
 /// comes by, in place of being stored.
 #[derive(Debug, Clone, Copy)]

@@ -6,7 +6,6 @@ use wide::i32x8;
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray_lanes::LANES;
 use crate::geometry::scalar::{EightOf, Scalar};
-use crate::grid::cell_traversal::CellPosition;
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::query::side_by_side::{EIGHTS, RAYS};
 
@@ -24,25 +23,17 @@ struct EightTraversals<S> {
     remaining: [[S; LANES]; 3],
     stride: [[i32; LANES]; 3],
     index: [i32; LANES],
-    last: [[i32; LANES]; 3],
-    step: [[i32; LANES]; 3],
 }
 
 /// Rays side by side, and where they are.
 pub struct TraversalLanes<S>([EightTraversals<S>; EIGHTS]);
-
-/// The cell that a lane has come to.
-pub(super) struct LanePosition<'a, S> {
-    eight: &'a EightTraversals<S>,
-    lane: usize,
-}
 
 /// Cells that a grid may have for its rays to go side by side.
 pub(super) const MOST_CELLS: usize = i32::MAX as usize;
 
 impl<S: Scalar> TraversalLanes<S> {
     pub(super) fn idle() -> Self {
-        let (zero, none) = ([[S::ZERO; LANES]; 3], [[0; LANES]; 3]);
+        let zero = [[S::ZERO; LANES]; 3];
         let idle = EightTraversals {
             t_next: zero,
             plane: zero,
@@ -50,10 +41,8 @@ impl<S: Scalar> TraversalLanes<S> {
             from_origin: zero,
             inv_d: zero,
             remaining: zero,
-            stride: none,
+            stride: [[0; LANES]; 3],
             index: [0; LANES],
-            last: none,
-            step: none,
         };
         Self([idle; EIGHTS])
     }
@@ -70,16 +59,14 @@ impl<S: Scalar> TraversalLanes<S> {
             to.inv_d[axis][lane] = ray.inv_d[axis];
             to.remaining[axis][lane] = S::from_i32(ray.remaining[axis]);
             to.stride[axis][lane] = ray.stride[axis] as i32;
-            to.last[axis][lane] = ray.last[axis];
-            to.step[axis][lane] = ray.step[axis];
         }
         to.index[lane] = ray.offset as i32;
     }
 
-    /// The cell that a lane of a group has come to.
+    /// The indices of the cells that the lanes of a group have come to.
     #[inline(always)]
-    pub(super) fn position(&self, group: usize, lane: usize) -> LanePosition<'_, S> {
-        LanePosition { eight: &self.0[group], lane }
+    pub(super) fn indices(&self, group: usize) -> [usize; LANES] {
+        self.0[group].index.map(|index| index as usize)
     }
 
     /// Goes on to the next cells; a bit for each ray that does not, as it leaves the grid or comes to its end.
@@ -126,27 +113,13 @@ impl<S: Scalar> EightTraversals<S> {
     }
 }
 
-impl<S: Scalar> CellPosition for LanePosition<'_, S> {
-    #[inline(always)]
-    fn index(&self) -> usize {
-        self.eight.index[self.lane] as usize
-    }
-
-    #[inline(always)]
-    fn coords(&self) -> [i32; 3] {
-        let EightTraversals { last, step, remaining, .. } = self.eight;
-        let lane = self.lane;
-        std::array::from_fn(|k| last[k][lane] - step[k][lane] * remaining[k][lane].to_f64() as i32)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::aabb::Aabb;
     use crate::geometry::ray::Ray;
     use crate::geometry::scalar::{Vec3, Vector};
-    use crate::grid::cell_traversal::CellTraversal;
+    use crate::grid::cell_traversal::{CellPosition, CellTraversal};
     use crate::structures::test_scenes::Random;
 
     /// The cells of a ray that goes alone.
@@ -200,8 +173,8 @@ mod tests {
             let t_max = rays.each_ref().map(|ray| ray.t_max);
             while going != 0 {
                 for lane in (0..RAYS).filter(|lane| going >> lane & 1 == 1) {
-                    let at = lanes.position(lane / LANES, lane % LANES);
-                    found[lane].push((at.index(), at.coords()));
+                    let index = lanes.indices(lane / LANES)[lane % LANES];
+                    found[lane].push((index, frame.coords(index)));
                 }
                 going &= !lanes.leave(&t_max, &frame);
             }

@@ -3,8 +3,7 @@
 //!
 //! The loop over rays in f32 is compiled twice on x86-64: for the target, and for AVX-512, whose 32 registers hold
 //! what is known of a ray; which of both runs is decided where it runs. The operations are the same, none is
-//! contracted, and so are the answers. Of structures that have batches, so is the loop over single rays
-//! (`one_by_one`).
+//! contracted, and so are the answers. Of structures that have batches, so is the loop over single rays.
 
 use std::ops::Range;
 
@@ -35,13 +34,42 @@ impl<S: Scalar, T: Structure<S>> Traverse<S> for Whole<'_, T> {
 
 /// How the rays of a batch go through a structure.
 pub(crate) trait Drive<S: Scalar, T> {
-    /// Answers all rays; to be inlined.
+    /// Answers the rays at these places; to be inlined.
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
         structure: &T,
         prims: &'r P,
         reach: S,
         batch: &mut B,
+        places: Range<usize>,
     );
+}
+
+/// One ray after the other, from wherever it comes.
+pub(crate) struct RayByRay;
+
+impl<S: Scalar, T: Traverse<S>> Drive<S, T> for RayByRay {
+    // without closures, which would not be compiled for AVX-512
+    #[inline(always)]
+    fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
+        structure: &T,
+        prims: &'r P,
+        reach: S,
+        batch: &mut B,
+        places: Range<usize>,
+    ) {
+        let rays = batch.rays();
+        for place in places {
+            let mut moved = None;
+            match brought_near(&rays[place], reach, &mut moved) {
+                Some((ray, parameters)) => {
+                    let mut sink = batch.sink(ray, prims.setup(ray));
+                    structure.traverse_one(ray, &mut sink);
+                    batch.keep(place, Some((&sink, parameters)));
+                }
+                None => batch.keep(place, None),
+            }
+        }
+    }
 }
 
 /// The queries of a batch. Compiled into the loop over rays: a sink that is made elsewhere and moved in is
@@ -51,8 +79,6 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
     type Sink<'q>: Sink<S>
     where
         'r: 'q;
-    /// What is asked about.
-    fn prims(&self) -> &'r P;
     /// Rays whose answers are wanted.
     fn rays(&self) -> &'r [Ray<S>];
     /// The query of a ray near the scene, which is prepared for the set.
@@ -63,30 +89,6 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
     fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
     where
         'r: 'q;
-
-    /// Answers the rays at these places, from wherever they come, one after the other.
-    // without closures, which would not be compiled for AVX-512
-    #[inline(always)]
-    fn traverse<T: Traverse<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
-        let rays = self.rays();
-        for place in places {
-            let mut moved = None;
-            match brought_near(&rays[place], reach, &mut moved) {
-                Some((ray, parameters)) => {
-                    let mut sink = self.sink(ray, self.prims().setup(ray));
-                    structure.traverse_one(ray, &mut sink);
-                    self.keep(place, Some((&sink, parameters)));
-                }
-                None => self.keep(place, None),
-            }
-        }
-    }
-
-    /// The same, compiled once, for the target.
-    #[inline(never)]
-    fn answer<T: Traverse<S>>(&mut self, structure: &T, reach: S, places: Range<usize>) {
-        self.traverse(structure, reach, places);
-    }
 }
 
 struct Closest<'r, 'a, S: Scalar, P> {
@@ -101,11 +103,6 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Closest<'r, '_, S, P> {
         = ClosestHit<'q, S, P, NoCounters>
     where
         'r: 'q;
-
-    #[inline(always)]
-    fn prims(&self) -> &'r P {
-        self.prims
-    }
 
     #[inline(always)]
     fn rays(&self) -> &'r [Ray<S>] {
@@ -150,11 +147,6 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> 
         'r: 'q;
 
     #[inline(always)]
-    fn prims(&self) -> &'r P {
-        self.prims
-    }
-
-    #[inline(always)]
     fn rays(&self) -> &'r [Ray<S>] {
         self.rays
     }
@@ -176,8 +168,7 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> 
     }
 }
 
-/// Answers a batch. Compiled for triangles alone: for other sets [`Structure::batches`] says
-/// [`RayByRay`](crate::structure::Batches::RayByRay).
+/// Answers a batch. Compiled for triangles alone.
 #[inline(always)]
 pub(crate) fn answer<D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T>(
     structure: &T,
@@ -187,64 +178,18 @@ pub(crate) fn answer<D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T>(
     answers: BatchAnswers<'_, S>,
 ) {
     if P::HAS_BLOCKS {
+        let all = 0..rays.len();
         match answers {
             BatchAnswers::Closest(hits) => {
-                drive::<D, _, _, _, _>(structure, prims, reach, &mut Closest { prims, rays, hits });
+                let batch = &mut Closest { prims, rays, hits };
+                drive::<D, _, _, _, _>(structure, prims, reach, batch, all);
             }
             BatchAnswers::Occlusion(blocked) => {
                 let batch = &mut Occlusions { prims, rays, blocked };
-                drive::<D, _, _, _, _>(structure, prims, reach, batch);
+                drive::<D, _, _, _, _>(structure, prims, reach, batch, all);
             }
         }
     }
-}
-
-/// Answers rays one after the other. Compiled for triangles alone.
-#[inline(always)]
-pub(crate) fn one_by_one<S: Scalar, P: PrimSet<S>, T: Structure<S>>(
-    structure: &T,
-    prims: &P,
-    rays: &[Ray<S>],
-    reach: S,
-    answers: BatchAnswers<'_, S>,
-) {
-    if P::HAS_BLOCKS {
-        match answers {
-            BatchAnswers::Closest(hits) => {
-                traverse_all(&Whole(structure), reach, &mut Closest { prims, rays, hits });
-            }
-            BatchAnswers::Occlusion(blocked) => {
-                traverse_all(&Whole(structure), reach, &mut Occlusions { prims, rays, blocked });
-            }
-        }
-    }
-}
-
-#[inline(never)]
-fn traverse_all<'r, S: Scalar, P: PrimSet<S> + 'r, T: Traverse<S>, B: Batch<'r, S, P>>(
-    structure: &T,
-    reach: S,
-    batch: &mut B,
-) {
-    let all = 0..batch.rays().len();
-    #[cfg(target_arch = "x86_64")]
-    if size_of::<S>() == size_of::<f32>() && has_avx512() {
-        // SAFETY: the processor has it
-        unsafe { traverse_by_avx512(structure, reach, batch, all) };
-        return;
-    }
-    batch.answer(structure, reach, all);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn traverse_by_avx512<'r, S: Scalar, P: PrimSet<S> + 'r, T: Traverse<S>, B: Batch<'r, S, P>>(
-    structure: &T,
-    reach: S,
-    batch: &mut B,
-    places: Range<usize>,
-) {
-    batch.traverse(structure, reach, places);
 }
 
 /// Whether rays are traced with AVX-512 on this machine, where code for it was compiled.
@@ -260,20 +205,22 @@ pub fn has_avx512() -> bool {
     false
 }
 
+/// Answers the rays at these places of a batch.
 #[inline(never)]
-fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
+pub(crate) fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
     structure: &T,
     prims: &'r P,
     reach: S,
     batch: &mut B,
+    places: Range<usize>,
 ) {
     #[cfg(target_arch = "x86_64")]
     if size_of::<S>() == size_of::<f32>() && has_avx512() {
         // SAFETY: the processor has it
-        unsafe { drive_by_avx512::<D, _, _, _, _>(structure, prims, reach, batch) };
+        unsafe { drive_by_avx512::<D, _, _, _, _>(structure, prims, reach, batch, places) };
         return;
     }
-    D::all(structure, prims, reach, batch);
+    D::all(structure, prims, reach, batch, places);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -283,6 +230,7 @@ fn drive_by_avx512<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r,
     prims: &'r P,
     reach: S,
     batch: &mut B,
+    places: Range<usize>,
 ) {
-    D::all(structure, prims, reach, batch);
+    D::all(structure, prims, reach, batch, places);
 }

@@ -6,11 +6,13 @@
 //! [`resumable::traverse`]. To have several prepared rays in flight besides was a loss (two 0.85 to 1.0, four
 //! 0.77 to 0.88 of one after the other).
 
+use std::ops::Range;
+
 use crate::geometry::far_ray::{self, Parameters};
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{Batch, Drive, Whole};
+use crate::query::batch::{Batch, Drive, RayByRay, Whole, drive};
 use crate::query::resumable::{self, Resumable};
 
 /// A structure that derives what it needs of eight rays at once.
@@ -34,13 +36,15 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
         prims: &'r P,
         reach: S,
         batch: &mut B,
+        places: Range<usize>,
     ) {
-        let (eights, rest) = batch.rays().as_chunks();
+        let (eights, rest) = batch.rays()[places.clone()].as_chunks();
         for (number, rays) in eights.iter().enumerate() {
-            let first = number * rays.len();
+            let first = places.start + number * rays.len();
             let lanes = RayLanes::of(rays);
             if !far_ray::are_near(&lanes, reach) {
-                batch.answer(&Whole(structure), reach, first..first + rays.len());
+                let places = first..first + rays.len();
+                drive::<RayByRay, _, _, _, _>(&Whole(structure), prims, reach, batch, places);
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -52,7 +56,7 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
                 batch.keep(first + lane, Some((&sink, Parameters::SAME)));
             }
         }
-        let all = batch.rays().len();
-        batch.answer(&Whole(structure), reach, all - rest.len()..all);
+        let rest = places.end - rest.len()..places.end;
+        drive::<RayByRay, _, _, _, _>(&Whole(structure), prims, reach, batch, rest);
     }
 }

@@ -5,7 +5,7 @@
 //! ray, and while one waits for memory the others need not. Answers are those of one ray after the other, to the
 //! same bits, as are the steps.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use wide::u32x8;
 
@@ -14,7 +14,7 @@ use crate::geometry::lanes::take_lowest;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{Batch, Drive, Traverse};
+use crate::query::batch::{Batch, Drive, RayByRay, Traverse, drive};
 use crate::query::sink::Sink;
 
 /// Groups of eight lanes. Four, against two, are worth 4% for diffuse and shadow rays, where memory is waited for.
@@ -64,8 +64,9 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
         prims: &'r P,
         reach: S,
         batch: &mut B,
+        all: Range<usize>,
     ) {
-        let (eights, rest) = batch.rays().as_chunks::<LANES>();
+        let (eights, rest) = batch.rays()[all.clone()].as_chunks::<LANES>();
         let mut state = T::idle();
         let mut sinks: Vec<B::Sink<'r>> = Vec::with_capacity(RAYS);
         let (mut places, mut t_max) = ([0; RAYS], [S::ZERO; RAYS]);
@@ -74,10 +75,11 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
             // once more when none are left, until all that are on their way have come to an end
             let is_over = number == eights.len();
             let Some(rays) = eights.get(number).or(eights.last()) else { break };
-            let first = number * LANES;
+            let first = all.start + number * LANES;
             let lanes = RayLanes::of(rays);
             if !is_over && !far_ray::are_near(&lanes, reach) {
-                batch.answer(&structure.alone(), reach, first..first + LANES);
+                let alone = first..first + LANES;
+                drive::<RayByRay, _, _, _, _>(&structure.alone(), prims, reach, batch, alone);
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -125,8 +127,8 @@ impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
                 }
             }
         }
-        let all = batch.rays().len();
-        batch.answer(&structure.alone(), reach, all - rest.len()..all);
+        let rest = all.end - rest.len()..all.end;
+        drive::<RayByRay, _, _, _, _>(&structure.alone(), prims, reach, batch, rest);
     }
 }
 

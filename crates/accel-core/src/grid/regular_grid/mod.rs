@@ -14,8 +14,8 @@ use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences
 use crate::grid::cell_overlap::{Insertion, overlaps};
 use crate::grid::cell_traversal::{CellPosition, CellTraversal, Traversal};
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
-use crate::grid::voxel_traversal::GridFrame;
-use crate::grid::voxel_traversal_lanes::{LanePosition, MOST_CELLS};
+use crate::grid::voxel_traversal::{GridFrame, IndexedCell};
+use crate::grid::voxel_traversal_lanes::MOST_CELLS;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
 use crate::memory::Limits;
@@ -379,7 +379,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
                 grid: self,
                 frame: &self.frame,
                 from_origin: self.from_origin,
-                list: |cell: &LanePosition<'_, S>| self.storage.list(cell),
+                list: |index| self.storage.list(&IndexedCell { frame: &self.frame, index }),
                 blocks,
             };
             batch::answer::<InLanes, _, _, _>(grid, prims, rays, reach, answers);

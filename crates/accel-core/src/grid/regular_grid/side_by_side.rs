@@ -6,15 +6,15 @@ use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
-use crate::grid::voxel_traversal_lanes::{LanePosition, TraversalLanes};
+use crate::grid::voxel_traversal_lanes::TraversalLanes;
 use crate::query::batch::Traverse;
 use crate::query::by_blocks;
 use crate::query::kernel::ListBlocks;
-use crate::query::side_by_side::{EIGHTS, RAYS, SideBySide};
+use crate::query::side_by_side::{RAYS, SideBySide};
 use crate::query::sink::Sink;
 use crate::structure::Structure;
 
-/// The grid, where its traversals start, its lists and their blocks.
+/// The grid, where its traversals start, its lists by the indices of cells, and their blocks.
 pub(super) struct InBlocks<'a, S: Scalar, T, L> {
     pub(super) grid: &'a T,
     pub(super) frame: &'a GridFrame<S>,
@@ -37,7 +37,7 @@ impl<'a, S, T, L> SideBySide<S> for InBlocks<'a, S, T, L>
 where
     S: Scalar,
     T: Structure<S>,
-    L: Fn(&LanePosition<'_, S>) -> &'a [u32],
+    L: Fn(usize) -> &'a [u32],
 {
     type Eight = Beginnings<S>;
     type State = TraversalLanes<S>;
@@ -83,10 +83,9 @@ where
     #[inline(always)]
     fn arrive(&self, state: &mut TraversalLanes<S>) -> [u32; RAYS] {
         let mut lists = [0; RAYS];
-        for group in 0..EIGHTS {
-            for lane in 0..LANES {
-                let list = (self.list)(&state.position(group, lane));
-                lists[group * LANES + lane] = self.blocks.number(list);
+        for (group, lists) in lists.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            for (list, index) in lists.iter_mut().zip(state.indices(group)) {
+                *list = self.blocks.number((self.list)(index));
             }
         }
         lists

@@ -15,7 +15,7 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
 use crate::memory::OutOfMemory;
 use crate::primitives::PrimSet;
-use crate::query::batch;
+use crate::query::batch::{self, RayByRay, Whole};
 use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
@@ -240,7 +240,14 @@ where
             }
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Closest(hits);
-                batch::one_by_one(&self.structure, &*self.prims, rays, self.reach, answers);
+                let structure = &Whole(&self.structure);
+                batch::answer::<RayByRay, _, _, _>(
+                    structure,
+                    &*self.prims,
+                    rays,
+                    self.reach,
+                    answers,
+                );
             }
             Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
             Batches::Together | Batches::Library => {
@@ -274,7 +281,14 @@ where
             }
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Occlusion(blocked);
-                batch::one_by_one(&self.structure, &*self.prims, rays, self.reach, answers);
+                let structure = &Whole(&self.structure);
+                batch::answer::<RayByRay, _, _, _>(
+                    structure,
+                    &*self.prims,
+                    rays,
+                    self.reach,
+                    answers,
+                );
             }
             Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
             Batches::Together | Batches::Library => {

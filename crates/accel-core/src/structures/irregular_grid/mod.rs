@@ -75,9 +75,7 @@ config! {
         longest_list: u64 = ParamSpec::integer("longest-list", "0", 0, 1 << 20),
         /// what a step costs, in tests of a primitive
         step_cost: f64 = ParamSpec::real("step-cost", "3", 0.0, 1e3),
-        /// batch has 32 rays of a batch take their steps side by side; sets with other primitives than triangles are
-        /// traversed one ray after the other
-        is_batch: bool = ParamSpec::choice("query", "one", &["one", "batch"]) => |query| query == "batch",
+        is_batch: bool = specs::QUERY => |query| query == "batch",
         /// what the divisions in one line of descent may multiply references by, and so most references to a
         /// primitive on average
         max_growth: f64 = ParamSpec::real("max-growth", "64", 1.0, 1e9),
