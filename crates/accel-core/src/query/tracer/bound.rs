@@ -102,9 +102,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     #[inline(always)]
     fn closest_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         if self.structure.batches_of_blocks() == Batches::Together {
-            let n = rays.len().min(hits.len());
-            let answers = BatchAnswers::Closest(&mut hits[..n]);
-            let (prims, rays) = (&*self.prims, &rays[..n]);
+            let (prims, answers) = (&*self.prims, BatchAnswers::Closest(hits));
             return self.structure.answer_batch_by_blocks(blocks, prims, rays, self.reach, answers);
         }
         closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
@@ -117,9 +115,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     #[inline(always)]
     fn occlusions_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
         if self.structure.batches_of_blocks() == Batches::Together {
-            let n = rays.len().min(blocked.len());
-            let answers = BatchAnswers::Occlusion(&mut blocked[..n]);
-            let (prims, rays) = (&*self.prims, &rays[..n]);
+            let (prims, answers) = (&*self.prims, BatchAnswers::Occlusion(blocked));
             return self.structure.answer_batch_by_blocks(blocks, prims, rays, self.reach, answers);
         }
         for (ray, blocked) in rays.iter().zip(blocked) {
@@ -217,6 +213,8 @@ where
     T: Structure<S>,
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+        let n = rays.len().min(hits.len());
+        let (rays, hits) = (&rays[..n], &mut hits[..n]);
         if T::HAS_LISTS
             && P::HAS_BLOCKS
             && let Some(blocks) = &self.blocks
@@ -232,8 +230,6 @@ where
             }
             return;
         }
-        let n = rays.len().min(hits.len());
-        let (rays, hits) = (&rays[..n], &mut hits[..n]);
         match self.structure.batches(&*self.prims) {
             Batches::RayByRay if P::IS_CALLED => {
                 self.relaying(|timing| timing.all_closest(rays, hits, None));
@@ -258,6 +254,8 @@ where
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        let n = rays.len().min(blocked.len());
+        let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
         if T::HAS_LISTS
             && P::HAS_BLOCKS
             && let Some(blocks) = &self.blocks
@@ -273,8 +271,6 @@ where
             }
             return;
         }
-        let n = rays.len().min(blocked.len());
-        let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
         match self.structure.batches(&*self.prims) {
             Batches::RayByRay if P::IS_CALLED => {
                 self.relaying(|timing| timing.all_occlusions(rays, blocked, None));

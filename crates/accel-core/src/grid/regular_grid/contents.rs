@@ -1,0 +1,254 @@
+//! Which primitive goes to which cells of a regular grid, and the settings that say so.
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::block_lists::{BlockPlacement, CellRows, DenseRows, block_lists};
+use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
+use crate::grid::cell_overlap::{Insertion, overlaps};
+use crate::grid::cell_traversal::Traversal;
+use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, resolve};
+use crate::grid::voxel_traversal::GridFrame;
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::memory::Limits;
+use crate::params::config::Config;
+use crate::params::{Params, specs};
+use crate::primitives::PrimSet;
+use crate::structure::BuildError;
+use crate::update::is_incremental;
+
+/// What a storage is built from: which primitive goes to which cells.
+pub struct Contents<'a, S: Scalar, P: PrimSet<S>> {
+    /// The grid.
+    pub frame: GridFrame<S>,
+    /// Number of primitives.
+    pub primitives: usize,
+    /// Order of ids in a cell.
+    pub order: ListOrder,
+    /// Limit for references.
+    pub max_references: u64,
+    boxes: BoundsOf<'a, S, P>,
+    historical: bool,
+    insertion: Insertion,
+}
+
+impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
+    /// First and last cell of primitive `id` on each axis.
+    #[inline(always)]
+    pub fn range(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        if self.insertion != Insertion::PaddedBox {
+            return self.range_compared(id);
+        }
+        let b = self.boxes.of(id);
+        if self.historical { self.frame.range_by_division(&b) } else { self.frame.range(&b) }
+    }
+
+    /// The box that decides where primitive `id` goes.
+    #[inline(always)]
+    pub fn box_of(&self, id: u32) -> Aabb<S> {
+        self.boxes.of(id)
+    }
+
+    /// By how much boxes are padded.
+    pub fn padding(&self) -> S {
+        self.boxes.padding()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn range_compared(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        match self.insertion.is_padded() {
+            true => self.frame.range(&self.boxes.of(id)),
+            false => self.frame.range(&self.boxes.prims().bounds(id)),
+        }
+    }
+
+    /// The cells of [`Contents::range`] that the primitive overlaps itself.
+    #[cold]
+    #[inline(never)]
+    fn overlapped(&self, id: u32) -> Vec<[i32; 3]> {
+        let margin = if self.insertion.is_padded() { self.boxes.padding().to_f64() } else { 0.0 };
+        let wide = self.frame.in_double();
+        let (first, last) = self.range(id);
+        let (mut cells, mut balls) = (Vec::new(), Vec::new());
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    let cell = wide.cell_bounds(wide.index([x, y, z])).expanded(margin);
+                    let corners = (cell.min, cell.max);
+                    if overlaps(self.boxes.prims(), id, corners, &mut balls) {
+                        cells.push([x, y, z]);
+                    }
+                }
+            }
+        }
+        cells
+    }
+
+    /// Calls `emit` with the coordinates of every cell primitive `id` goes to, x fastest.
+    #[inline(always)]
+    pub fn cells_of(&self, id: u32, mut emit: impl FnMut([i32; 3])) {
+        if self.insertion.is_exact() {
+            return self.overlapped(id).into_iter().for_each(emit);
+        }
+        let (first, last) = self.range(id);
+        for z in first[2]..=last[2] {
+            for y in first[1]..=last[1] {
+                for x in first[0]..=last[0] {
+                    emit([x, y, z]);
+                }
+            }
+        }
+    }
+
+    /// All references together, without visiting cells.
+    pub fn count_references(&self) -> u64 {
+        let cells = |id| {
+            let (first, last) = self.range(id);
+            (0..3).map(|k| (last[k] - first[k] + 1).max(0) as u64).product::<u64>()
+        };
+        (0..self.primitives as u32).map(cells).fold(0, u64::saturating_add)
+    }
+
+    /// The lists in one array, those of the frame's cells in their order.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`].
+    pub fn dense_lists(&self) -> Result<CellLists, TooManyReferences> {
+        if self.insertion.is_exact() {
+            return self.lists(self.frame.cells(), |c| self.frame.index(c));
+        }
+        self.lists_of_rows(&DenseRows::new(self.frame.resolution()))
+    }
+
+    /// The lists in one array, where `rows` says; of boxes, not exact ones.
+    pub(crate) fn lists_of_rows(
+        &self,
+        rows: &impl CellRows,
+    ) -> Result<CellLists, TooManyReferences> {
+        block_lists(rows, self.primitives, self.order, self.max_references, self)
+    }
+
+    /// The lists in one array, `cells` of them, cell `coords` at `index(coords)`.
+    ///
+    /// # Errors
+    /// [`TooManyReferences`].
+    pub fn lists(
+        &self,
+        cells: usize,
+        index: impl Fn([i32; 3]) -> usize,
+    ) -> Result<CellLists, TooManyReferences> {
+        struct Indexed<'c, 'a, S: Scalar, P: PrimSet<S>, F>(&'c Contents<'a, S, P>, F);
+        impl<S: Scalar, P: PrimSet<S>, F: Fn([i32; 3]) -> usize> Placement for Indexed<'_, '_, S, P, F> {
+            #[inline(always)]
+            fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+                self.0.cells_of(id, |c| emit((self.1)(c)));
+            }
+        }
+        if !self.insertion.is_exact() {
+            // before any cell is visited: identical primitives may be in all of them
+            let needed = self.count_references();
+            if needed > self.max_references {
+                return Err(TooManyReferences(needed));
+            }
+        }
+        let placement = Indexed(self, index);
+        CellLists::build(cells, self.primitives, self.order, self.max_references, &placement)
+    }
+}
+
+impl<S: Scalar, P: PrimSet<S>> BlockPlacement for Contents<'_, S, P> {
+    #[inline(always)]
+    fn block(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        self.range(id)
+    }
+}
+
+/// Box margin of cones in Havran and Sixta's uniform grid, as fitted to their counters.
+const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
+
+/// The settings of [`crate::params::specs`] and of storage: what a structure does not list has its default.
+#[derive(Debug, Clone)]
+pub struct GridConfig<C> {
+    pub(super) resolution: ResolutionRule,
+    density: f64,
+    pub(crate) max_cells: u64,
+    pub(crate) max_references: u64,
+    pub(crate) historical: bool,
+    order: ListOrder,
+    insertion: Insertion,
+    pub(super) traversal: Traversal,
+    pub(crate) is_incremental: bool,
+    pub(super) is_batch: bool,
+    pub(super) storage: C,
+}
+
+impl<C: Config> Config for GridConfig<C> {
+    fn of(params: &Params) -> Self {
+        let is_reverse = params.get("order") == Some("reverse");
+        Self {
+            resolution: params.resolution("resolution"),
+            density: params.real("density"),
+            max_cells: params.integer("max-cells"),
+            max_references: params.integer("max-references"),
+            historical: params.get("boxes") == Some("historical"),
+            order: if is_reverse { ListOrder::Reverse } else { ListOrder::File },
+            insertion: Insertion::of(params),
+            traversal: Traversal::of(params),
+            is_incremental: is_incremental(params),
+            is_batch: params.get(specs::QUERY.name) == Some("batch"),
+            storage: C::of(params),
+        }
+    }
+}
+
+/// Frame and placement under the settings.
+pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>, C>(
+    prims: &'a P,
+    limits: Limits,
+    config: &GridConfig<C>,
+) -> Result<Contents<'a, S, P>, BuildError> {
+    let structure = limits.structure;
+    let &GridConfig { order, max_references, historical, insertion, .. } = config;
+    let rule = if historical {
+        BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
+    } else {
+        BoundsRule::Padded
+    };
+    let boxes =
+        BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    let frame = frame_of(prims, &boxes, structure, config)?;
+    let primitives = prims.len();
+    Ok(Contents { frame, primitives, order, max_references, boxes, historical, insertion })
+}
+
+/// The grid that the settings `resolution`, `density` and `max-cells` ask for.
+fn frame_of<S: Scalar, P: PrimSet<S>, C>(
+    prims: &P,
+    boxes: &BoundsOf<S, P>,
+    structure: &'static str,
+    config: &GridConfig<C>,
+) -> Result<GridFrame<S>, BuildError> {
+    let &GridConfig { resolution: rule, density, max_cells, .. } = config;
+    let input = ResolutionInput {
+        bounds: boxes.scene(),
+        primitives: prims.len(),
+        density,
+        mean_longest_side: if rule.reads_sides() { mean_longest_side(prims) } else { 0.0 },
+        max_cells,
+        smallest_cell: boxes.smallest_cell(),
+    };
+    let n = resolve(rule, &input).map_err(|needed| BuildError::TooLarge {
+        structure,
+        what: "number of voxels",
+        needed,
+        limit: u128::from(max_cells),
+    })?;
+    Ok(GridFrame::new(divided_bounds(rule, boxes.scene(), n), n))
+}
+
+fn mean_longest_side<S: Scalar, P: PrimSet<S>>(prims: &P) -> f64 {
+    let longest =
+        |b: Aabb<S>| b.size().to_array().into_iter().fold(0.0f64, |m, s| m.max(s.to_f64()));
+    let sum: f64 = (0..prims.len() as u32).map(|id| longest(prims.bounds(id))).sum();
+    sum / prims.len().max(1) as f64
+}
