@@ -63,9 +63,10 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// one array. Lists that it leaves out are tested primitive by primitive.
     fn lists<'a>(&'a self, _each: &mut dyn FnMut(&'a [u32])) {}
 
-    /// How a batch of rays is answered.
+    /// How a batch of rays is answered, where the lists are [blocks](crate::query::kernel) or as
+    /// [`Structure::lists`] has them.
     #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, _prims: &P) -> Batches {
+    fn batches<P: PrimSet<S>>(&self, _prims: &P, _blocks: Option<&ListBlocks<S>>) -> Batches {
         Batches::RayByRay
     }
 
@@ -75,24 +76,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     fn answer_batch<P: PrimSet<S>>(
         &self,
         _prims: &P,
-        _rays: &[Ray<S>],
-        _reach: S,
-        _answers: BatchAnswers<'_, S>,
-    ) {
-    }
-
-    /// How a batch of rays is answered where the lists are [blocks](crate::query::kernel).
-    #[inline(always)]
-    fn batches_of_blocks(&self) -> Batches {
-        Batches::RayByRay
-    }
-
-    /// [`Structure::answer_batch`] where the lists are blocks, as [`Structure::batches_of_blocks`] says.
-    #[inline(always)]
-    fn answer_batch_by_blocks<P: PrimSet<S>>(
-        &self,
-        _blocks: &ListBlocks<S>,
-        _prims: &P,
+        _blocks: Option<&ListBlocks<S>>,
         _rays: &[Ray<S>],
         _reach: S,
         _answers: BatchAnswers<'_, S>,

@@ -2,7 +2,7 @@
 
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{EightOf, Scalar, Vector};
+use crate::geometry::scalar::{EightOf, Scalar, Vec3, Vector};
 
 /// Rays of a group.
 pub const LANES: usize = 8;
@@ -33,5 +33,47 @@ impl<S: Scalar> RayLanes<S> {
         let columns = EightOf::<S>::transposed(rows.map(EightOf::<S>::new));
         let [x, y, z, dx, dy, dz, t_min, t_max] = columns.map(EightOf::<S>::to_array);
         Self { origin: [x, y, z], direction: [dx, dy, dz], t_min, t_max }
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub fn ray(&self, lane: usize) -> Ray<S> {
+        let ([x, y, z], [dx, dy, dz]) = (&self.origin, &self.direction);
+        let origin = Vec3::<S>::new(x[lane], y[lane], z[lane]);
+        let direction = Vec3::<S>::new(dx[lane], dy[lane], dz[lane]);
+        Ray { t_min: self.t_min[lane], t_max: self.t_max[lane], ..Ray::new(origin, direction) }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::structures::test_scenes::Random;
+
+    /// Rays at the unit cube: of any direction, along an axis, in planes of sixteenths, and past it; some end at 1.
+    pub(crate) fn rays_at_unit_cube<S: Scalar, const N: usize>(
+        random: &mut Random,
+        round: usize,
+    ) -> [Ray<S>; N] {
+        std::array::from_fn(|lane| {
+            let mut point = || {
+                let point = random.point([2.0; 3]) - 0.5;
+                if (round + lane).is_multiple_of(3) { (point * 16.0).round() / 16.0 } else { point }
+            };
+            let (from, to) = (point(), point());
+            let mut d = to - from;
+            match (round + lane) % 7 {
+                0 => d = DVec3::X * d.x.signum(),
+                1 => d.y = 0.0,
+                2 => d.z = -1e-30,
+                _ => {}
+            }
+            let vector = |v: DVec3| Vec3::<S>::from_dvec3(v);
+            let mut ray = Ray::<S>::new(vector(from), vector(d));
+            ray.t_max = if round.is_multiple_of(4) { S::ONE } else { S::INFINITY };
+            ray
+        })
     }
 }

@@ -118,6 +118,7 @@ mod tests {
     use super::*;
     use crate::geometry::aabb::Aabb;
     use crate::geometry::ray::Ray;
+    use crate::geometry::ray_lanes::tests::rays_at_unit_cube;
     use crate::geometry::scalar::{Vec3, Vector};
     use crate::grid::cell_traversal::{CellPosition, CellTraversal};
     use crate::structures::test_scenes::Random;
@@ -134,31 +135,13 @@ mod tests {
         }
     }
 
-    /// Rays of any direction, along axes, in planes of cells, through edges and corners, and past the grid.
     fn steps_agree<S: Scalar>() {
         let mut random = Random(5);
         let bounds = Aabb { min: Vec3::<S>::splat(S::ZERO), max: Vec3::<S>::splat(S::ONE) };
         let frame = GridFrame::new(bounds, [16, 8, 32]);
         let (mut steps, mut missed, mut full) = (0, 0, 0);
         for round in 0..300 {
-            let rays: [Ray<S>; RAYS] = std::array::from_fn(|lane| {
-                let mut point = || {
-                    let point = random.point([2.0; 3]) - 0.5;
-                    if (round + lane) % 3 == 0 { (point * 16.0).round() / 16.0 } else { point }
-                };
-                let (from, to) = (point(), point());
-                let mut d = to - from;
-                match (round + lane) % 7 {
-                    0 => d = glam::DVec3::X * d.x.signum(),
-                    1 => d.y = 0.0,
-                    2 => d.z = -1e-30,
-                    _ => {}
-                }
-                let vector = |v: glam::DVec3| Vec3::<S>::from_dvec3(v);
-                let mut ray = Ray::<S>::new(vector(from), vector(d));
-                ray.t_max = if round % 4 == 0 { S::ONE } else { S::INFINITY };
-                ray
-            });
+            let rays: [Ray<S>; RAYS] = rays_at_unit_cube(&mut random, round);
             let expected = rays.each_ref().map(|ray| alone(&frame, ray));
             let mut lanes = TraversalLanes::idle();
             let mut going = 0u32;

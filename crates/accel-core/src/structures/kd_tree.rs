@@ -105,9 +105,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
                 }
                 continue;
             }
-            let leaf = (node.link >> 2) as usize;
-            let range = self.cells.starts[leaf] as usize..self.cells.starts[leaf + 1] as usize;
-            let ids = &self.cells.ids[range];
+            let ids = self.cells.list((node.link >> 2) as usize);
             sink.elementary_step(ids.is_empty());
             if !ids.is_empty() && sink.test(ids).is_break() {
                 return;
@@ -152,8 +150,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
             let node = self.cells.nodes[cell as usize];
             let (axis, link) = ((node.link & 3) as usize, node.link >> 2);
             if axis == Node::<S>::LEAF as usize {
-                let at = [link, link + 1].map(|leaf| self.cells.starts[leaf as usize] as usize);
-                each(Cell::elementary(bounds, depth, &self.cells.ids[at[0]..at[1]]));
+                each(Cell::elementary(bounds, depth, self.cells.list(link as usize)));
                 continue;
             }
             each(Cell::inner(bounds, depth));

@@ -8,6 +8,7 @@ use accel_core::geometry::far_ray::{Parameters, PlacedRay, place};
 use accel_core::occluders;
 use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
+use accel_core::query::kernel::ListBlocks;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
@@ -123,13 +124,14 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
         let _ = sink.test(&self.ids);
     }
 
-    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+    fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
         Batches::Together
     }
 
     fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
+        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,

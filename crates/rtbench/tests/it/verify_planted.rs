@@ -9,6 +9,7 @@ use crate::common::{
 };
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::query::kernel::ListBlocks;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
@@ -177,13 +178,14 @@ impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
         let _ = sink.test(&self.ids);
     }
 
-    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+    fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
         Batches::Together
     }
 
     fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
+        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,

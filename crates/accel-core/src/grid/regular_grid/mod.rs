@@ -173,20 +173,21 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     }
 
     #[inline(always)]
-    fn batches_of_blocks(&self) -> Batches {
-        if G::HAS_BATCHES && self.is_batch { Batches::Together } else { Batches::RayByRay }
+    fn batches<P: PrimSet<S>>(&self, _: &P, blocks: Option<&ListBlocks<S>>) -> Batches {
+        let is_together = G::HAS_BATCHES && self.is_batch && blocks.is_some();
+        if is_together { Batches::Together } else { Batches::RayByRay }
     }
 
     #[inline(always)]
-    fn answer_batch_by_blocks<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>>(
         &self,
-        blocks: &ListBlocks<S>,
         prims: &P,
+        blocks: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        if G::HAS_BATCHES {
+        if let (true, Some(blocks)) = (G::HAS_BATCHES, blocks) {
             let grid = &InBlocks {
                 grid: self,
                 frame: &self.frame,

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::Scalar;
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::grid::voxel_traversal_lanes::TraversalLanes;
 use crate::query::batch::Traverse;
@@ -51,12 +51,7 @@ where
     fn prepare(&self, rays: &RayLanes<S>) -> Beginnings<S> {
         let mut beginnings = [const { None }; LANES];
         for (lane, beginning) in beginnings.iter_mut().enumerate() {
-            let vector = |v: &[[S; LANES]; 3]| Vec3::<S>::new(v[0][lane], v[1][lane], v[2][lane]);
-            let ray = Ray {
-                t_min: rays.t_min[lane],
-                t_max: rays.t_max[lane],
-                ..Ray::new(vector(&rays.origin), vector(&rays.direction))
-            };
+            let ray = rays.ray(lane);
             let start = if self.from_origin { S::ZERO } else { ray.t_min };
             *beginning = self.frame.traversal_from(&ray, start);
         }

@@ -101,12 +101,13 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
 
     #[inline(always)]
     fn closest_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        if self.structure.batches_of_blocks() == Batches::Together {
-            let (prims, answers) = (&*self.prims, BatchAnswers::Closest(hits));
-            return self.structure.answer_batch_by_blocks(blocks, prims, rays, self.reach, answers);
+        let prims = &*self.prims;
+        if self.structure.batches(prims, Some(blocks)) == Batches::Together {
+            let answers = BatchAnswers::Closest(hits);
+            return self.structure.answer_batch(prims, Some(blocks), rays, self.reach, answers);
         }
         closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
-            let mut query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
+            let mut query = ClosestHit::<S, P, NoCounters>::new(prims, ray);
             by_blocks::traverse(&self.structure, blocks, ray, &mut query);
             query.finish().0
         });
@@ -114,13 +115,14 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
 
     #[inline(always)]
     fn occlusions_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
-        if self.structure.batches_of_blocks() == Batches::Together {
-            let (prims, answers) = (&*self.prims, BatchAnswers::Occlusion(blocked));
-            return self.structure.answer_batch_by_blocks(blocks, prims, rays, self.reach, answers);
+        let prims = &*self.prims;
+        if self.structure.batches(prims, Some(blocks)) == Batches::Together {
+            let answers = BatchAnswers::Occlusion(blocked);
+            return self.structure.answer_batch(prims, Some(blocks), rays, self.reach, answers);
         }
         for (ray, blocked) in rays.iter().zip(blocked) {
             *blocked = near(self.reach, ray, false, |ray, _| {
-                let mut query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
+                let mut query = AnyHit::<S, P, NoCounters>::new(prims, ray);
                 by_blocks::traverse(&self.structure, blocks, ray, &mut query);
                 query.finish().0
             });
@@ -230,7 +232,7 @@ where
             }
             return;
         }
-        match self.structure.batches(&*self.prims) {
+        match self.structure.batches(&*self.prims, None) {
             Batches::RayByRay if P::IS_CALLED => {
                 self.relaying(|timing| timing.all_closest(rays, hits, None));
             }
@@ -248,7 +250,7 @@ where
             Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
             Batches::Together | Batches::Library => {
                 let answers = BatchAnswers::Closest(hits);
-                self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
+                self.structure.answer_batch(&*self.prims, None, rays, self.reach, answers);
             }
         }
     }
@@ -271,7 +273,7 @@ where
             }
             return;
         }
-        match self.structure.batches(&*self.prims) {
+        match self.structure.batches(&*self.prims, None) {
             Batches::RayByRay if P::IS_CALLED => {
                 self.relaying(|timing| timing.all_occlusions(rays, blocked, None));
             }
@@ -289,7 +291,7 @@ where
             Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
             Batches::Together | Batches::Library => {
                 let answers = BatchAnswers::Occlusion(blocked);
-                self.structure.answer_batch(&*self.prims, rays, self.reach, answers);
+                self.structure.answer_batch(&*self.prims, None, rays, self.reach, answers);
             }
         }
     }
@@ -330,9 +332,10 @@ where
 
     fn batches(&self) -> Batches {
         match () {
-            () if self.blocks.is_some() => self.structure.batches_of_blocks(),
-            () if T::DUPLICATES && self.mailbox.is_used() => Batches::RayByRay,
-            () => self.structure.batches(&*self.prims),
+            () if self.blocks.is_none() && T::DUPLICATES && self.mailbox.is_used() => {
+                Batches::RayByRay
+            }
+            () => self.structure.batches(&*self.prims, self.blocks.as_ref()),
         }
     }
 

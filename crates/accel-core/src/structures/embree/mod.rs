@@ -30,6 +30,7 @@ use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimitiveKind};
 use crate::query::cells::{CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
@@ -128,7 +129,7 @@ impl<S: Scalar> Structure<S> for Embree<S> {
     }
 
     #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, prims: &P) -> Batches {
+    fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
         // a set under another test may be asked, too
         match self.0.is_direct && is_served::<S, P>(prims) {
             true => Batches::Library,
@@ -140,6 +141,7 @@ impl<S: Scalar> Structure<S> for Embree<S> {
     fn answer_batch<P: PrimSet<S>>(
         &self,
         _: &P,
+        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         _: S,
         answers: BatchAnswers<'_, S>,

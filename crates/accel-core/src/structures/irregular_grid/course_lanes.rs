@@ -178,7 +178,7 @@ impl<S: Scalar> EightCourses<S> {
 mod tests {
     use super::*;
     use crate::geometry::ray::Ray;
-    use crate::geometry::scalar::{Vec3, Vector};
+    use crate::geometry::ray_lanes::tests::rays_at_unit_cube;
     use crate::params::config::Settings;
     use crate::primitives::{TriangleSet, Watertight};
     use crate::structure::Structure;
@@ -201,8 +201,7 @@ mod tests {
         lists
     }
 
-    /// A dense part in a sparse one, and rays of all kinds: most of any direction, some along axes and in planes of
-    /// cells, some past it.
+    /// A dense part in a sparse one.
     fn steps_agree<S: Scalar>() {
         let mut random = Random(11);
         let corner = |p: glam::DVec3| p.to_array().map(S::from_f64);
@@ -216,22 +215,7 @@ mod tests {
         let grid = IrregularGrid::<S>::build(&set, &Settings::of(&params)).unwrap();
         let (mut steps, mut missed, mut full) = (0, 0, 0);
         for round in 0..400 {
-            let rays: [Ray<S>; LANES] = std::array::from_fn(|lane| {
-                let from = random.point([2.0; 3]) - 0.5;
-                let mut d = random.point([1.0; 3]) - from;
-                match (round + lane) % 6 {
-                    0 => d = glam::DVec3::X * d.x.signum(),
-                    1 => d.y = 0.0,
-                    2 => d.z = -1e-30,
-                    _ => {}
-                }
-                let snapped = (from * 16.0).round() / 16.0;
-                let from = if round % 3 == 0 { snapped } else { from };
-                let vector = |v: glam::DVec3| Vec3::<S>::from_dvec3(v);
-                let mut ray = Ray::<S>::new(vector(from), vector(d));
-                ray.t_max = if round % 4 == 0 { S::ONE } else { S::INFINITY };
-                ray
-            });
+            let rays: [Ray<S>; LANES] = rays_at_unit_cube(&mut random, round);
             let expected = rays.each_ref().map(|ray| alone(&grid, ray));
             let beginnings = Beginnings::of(&RayLanes::of(&rays), &grid.place);
             let mut courses = Courses::idle();

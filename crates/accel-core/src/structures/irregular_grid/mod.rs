@@ -45,6 +45,7 @@ use crate::params::{config, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch::{self, Traverse, Whole};
 use crate::query::cells::{CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
 use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::resumable::{self, Resumable};
@@ -216,7 +217,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     }
 
     #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+    fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
         if P::HAS_BLOCKS && self.is_batch { Batches::Together } else { Batches::RayByRay }
     }
 
@@ -224,6 +225,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
+        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,

@@ -43,6 +43,12 @@ impl<S: Scalar> Node<S> {
 }
 
 impl<S> Cells<S> {
+    /// The references of a leaf.
+    #[inline(always)]
+    pub(super) fn list(&self, leaf: usize) -> &[u32] {
+        &self.ids[self.starts[leaf] as usize..self.starts[leaf + 1] as usize]
+    }
+
     /// The references of all leaves.
     pub(super) fn lists(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|at| &self.ids[at[0] as usize..at[1] as usize])

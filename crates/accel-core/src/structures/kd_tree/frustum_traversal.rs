@@ -24,9 +24,8 @@ impl FrustumTraversal for KdTree<f64> {
             let node = self.cells.nodes[index as usize];
             let axis = (node.link & 3) as usize;
             if node.link & 3 == Node::<f64>::LEAF {
-                let leaf = (node.link >> 2) as usize;
-                let range = self.cells.starts[leaf] as usize..self.cells.starts[leaf + 1] as usize;
-                if !range.is_empty() && cell(&self.cells.ids[range], depth).is_break() {
+                let ids = self.cells.list((node.link >> 2) as usize);
+                if !ids.is_empty() && cell(ids, depth).is_break() {
                     return;
                 }
                 continue;

@@ -324,14 +324,14 @@ fn wide_levels(bvh: &CwBvh) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use glam::Vec3A;
 
     use super::*;
 
     /// What is wrong with a tree over `boxes`: each box in one leaf, all leaves within their
     /// ancestors, no more levels than said.
-    fn fault(bvh: &Bvh2, boxes: &[Aabb], limit: u32) -> Option<String> {
+    pub(crate) fn fault(bvh: &Bvh2, boxes: &[Aabb], limit: u32) -> Option<String> {
         let mut seen = vec![0; boxes.len()];
         let mut waiting = vec![(0u32, 1, Vec3A::NEG_INFINITY, Vec3A::INFINITY)];
         while let Some((at, level, lo, hi)) = waiting.pop() {
@@ -360,13 +360,13 @@ mod tests {
         seen.iter().position(|n| *n != 1).map(|id| format!("box {id} is {} times", seen[id]))
     }
 
-    fn nested(n: usize) -> Vec<Aabb> {
+    pub(crate) fn nested(n: usize) -> Vec<Aabb> {
         let side = |i: usize| Vec3A::splat(1.0 + i as f32 / n as f32);
         (0..n).map(|i| Aabb::new(Vec3A::ZERO, side(i))).collect()
     }
 
     /// Boxes of the size given at places without order.
-    fn scattered(n: usize, size: f32) -> Vec<Aabb> {
+    pub(crate) fn scattered(n: usize, size: f32) -> Vec<Aabb> {
         let part = |i: usize, by: f64| (i as f64 * by).fract() as f32;
         let at = |i| Vec3A::new(part(i, 0.754_877), part(i, 0.569_84), part(i, 0.438_28));
         (0..n).map(|i| Aabb::new(at(i), at(i) + size)).collect()

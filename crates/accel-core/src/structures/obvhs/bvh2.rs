@@ -16,6 +16,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
@@ -130,7 +131,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     }
 
     #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, prims: &P) -> Batches {
+    fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
         Direct::batches::<S, P>(self.direct.as_ref(), prims)
     }
 
@@ -138,6 +139,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     fn answer_batch<P: PrimSet<S>>(
         &self,
         _: &P,
+        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         _: S,
         answers: BatchAnswers<'_, S>,

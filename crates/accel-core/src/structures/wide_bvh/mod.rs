@@ -1,16 +1,17 @@
-//! An eight-wide BVH with exact boxes: obvhs's binary tree collapsed, triangles in blocks of eight.
+//! An eight-wide BVH with exact boxes: a binary tree collapsed, triangles in blocks of eight.
 //!
 //! Papers: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
 //! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT 2008
-//! (one ray against all boxes of a node). The binary tree is obvhs's: agglomeration and reinsertion
-//! (see `obvhs/bvh2.rs`).
+//! (one ray against all boxes of a node). The binary tree is built in `binned.rs`, or with a `preset` by obvhs's
+//! agglomeration and reinsertion (see `obvhs/bvh2.rs`).
 //!
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays are
 //! padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013,
 //! pads the slabs' rounding alone; the children that a ray meets are sorted by where it enters them,
 //! unless any hit ends the query.
 
+mod binned;
 mod collapse;
 mod node;
 mod node_ray_lanes;
@@ -28,6 +29,7 @@ use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::kernel::ListBlocks;
 use crate::query::lists::Lists;
 use crate::query::prepared::{OneByOne, Prepared};
 use crate::query::resumable::{self, Resumable};
@@ -48,13 +50,18 @@ use stack::{LEVELS, Room, Stack};
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",
-    summary: "eight-wide BVH with exact boxes, collapsed from obvhs's binary tree",
-    paper: "Ylitie, Karras, Laine 2017; Wald, Benthin, Boulos 2008",
-    deviations: "obvhs's builder; exact boxes; children sorted by distance; blocks of triangles",
+    summary: "eight-wide BVH with exact boxes, collapsed from a binary tree binned from the top down",
+    paper: "Ylitie, Karras, Laine 2017; Wald 2007; Wald, Benthin, Boulos 2008",
+    deviations: "exact boxes; children sorted by distance; blocks of triangles; reinsertion by obvhs",
     params: &[
         ParamSpec::choice("query", "one", &["one", "batch"])
             .about("rays derived one by one, or those of a batch eight at a time"),
-        PRESET,
+        ParamSpec::choice(
+            PRESET.name,
+            BINNED,
+            &[BINNED, "fastest", "very-fast", "fast", "medium", "slow", "very-slow"],
+        )
+        .about("the binary tree: binned from the top down, or of one of obvhs's build presets"),
         ParamSpec::integer("max-leaf", "16", 1, 64).about("primitives of a leaf at most"),
         ParamSpec::real("node-cost", "1", 0.01, 100.0)
             .about("cost of a visit to a node, that of a block of triangles being 1"),
@@ -64,10 +71,19 @@ pub static INFO: StructureInfo = StructureInfo {
         crate::structures::obvhs::adapter::PADDING,
     ],
     variants: &[""],
-    also_tested: &["query=batch", "preset=fastest", "max-leaf=1", "max-leaf=4 node-cost=4"],
+    also_tested: &[
+        "query=batch",
+        "preset=medium",
+        "preset=fastest",
+        "max-leaf=1",
+        "max-leaf=4 node-cost=4",
+    ],
     known_defect: |params| is_unpadded(params).then_some(UNPADDED),
     sampled: false,
 };
+
+/// Of the preset: built as `binned.rs` says.
+const BINNED: &str = "binned";
 
 /// The tree.
 pub struct WideBvh<S: Scalar> {
@@ -93,6 +109,7 @@ pub struct WideBvhConfig {
     adapter: AdapterConfig,
     costs: Costs,
     is_batch: bool,
+    is_binned: bool,
 }
 
 impl Config for WideBvhConfig {
@@ -102,6 +119,7 @@ impl Config for WideBvhConfig {
             adapter: Config::of(params),
             costs: Costs { node: params.real("node-cost") as f32, longest_leaf },
             is_batch: params.text("query") == "batch",
+            is_binned: params.text(PRESET.name) == BINNED,
         }
     }
 }
@@ -126,7 +144,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();
         let items = items_of(prims, settings.limits(), settings.padding())?;
-        let mut bvh = reinserted(&items.boxes, &settings.adapter.preset, true);
+        let mut bvh = match settings.is_binned {
+            true => binned::tree(&items.boxes),
+            false => reinserted(&items.boxes, &settings.adapter.preset, true),
+        };
         let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
         let mut lists = Lists::begun(prims);
         let (collapsed, blocks) = collapse.nodes();
@@ -216,7 +237,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
     }
 
     #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, _: &P) -> Batches {
+    fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
         let is_batch = P::HAS_BLOCKS && self.is_batch;
         #[cfg(feature = "compiled-tests")]
         let is_batch = is_batch && !self.is_plain;
@@ -227,6 +248,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
     fn answer_batch<P: PrimSet<S>>(
         &self,
         prims: &P,
+        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
