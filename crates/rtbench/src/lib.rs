@@ -43,7 +43,6 @@ pub mod plugin_rows;
 pub mod profile;
 pub mod program;
 mod recorded_command;
-mod recorded_view;
 pub mod report;
 pub mod schema;
 mod usage;

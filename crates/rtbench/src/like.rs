@@ -13,7 +13,6 @@ use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings, s
 
 use crate::args::overrides_in;
 use crate::context::Context;
-use crate::recorded_view;
 
 /// Why a record gives no plan.
 #[derive(Debug, thiserror::Error)]
@@ -130,8 +129,7 @@ pub fn plan<'r>(
         .or_else(|error| by_source(error, record, settings, context))?;
     context.plugins.judge_nothing(&mut plan);
     plan.strides = FixedStrides::of(record, 1);
-    recorded_view::apply(&record.settings, &mut plan)
-        .map_err(|error| LikeError::Settings(format!("view: {error}")))?;
+    plan.set_view(&record.settings.view);
     Ok(plan)
 }
 

@@ -1,7 +1,7 @@
 //! A camera and lights that are said from outside: what the command line gives scenes instead of their
 //! own, or because they have none.
 //!
-//! Each has a text, as it is typed and recorded; numbers are printed so that they are read back
+//! Each has a text, by which it is typed and recorded; numbers are printed so that they are read back
 //! bit for bit.
 
 use std::fmt;
@@ -9,6 +9,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{FilePlace, LoadError};
 use crate::scene::{Light, Rgb, Scene, Warning};
@@ -17,18 +18,27 @@ use crate::scene::{Light, Rgb, Scene, Warning};
 const MAX_COORDINATE: f64 = 1e100;
 
 /// What replaces the view and the lights of a scene; what is not said stays the scene's own.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
 pub struct ViewOptions {
     /// Eye and point in the middle of the image.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<String>"))]
     pub camera: Option<CameraOption>,
     /// Up.
-    pub up: Option<DVec3>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<String>"))]
+    pub up: Option<UpOption>,
     /// All lights, where there is one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<String>"))]
     pub lights: Vec<LightOption>,
 }
 
 /// `FROM:AT[:FOV]`, as `1,2,3:0,0,0:45`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct CameraOption {
     /// Eye, world units.
     pub from: DVec3,
@@ -38,8 +48,14 @@ pub struct CameraOption {
     pub angle: Option<f64>,
 }
 
+/// `X,Y,Z`, a direction other than 0, world units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct UpOption(pub DVec3);
+
 /// `POS[:COLOR]`, as `0,10,0` or `0,10,0:1,0.9,0.8`: a point light without falloff.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct LightOption {
     /// Where it is, world units.
     pub position: DVec3,
@@ -56,26 +72,9 @@ impl ViewOptions {
     /// What was typed, as arguments: `--camera`, `--up`, `--light`.
     pub fn arguments(&self) -> Vec<String> {
         let camera = self.camera.iter().map(|camera| format!("--camera={camera}"));
-        let up = self.up.iter().map(|up| format!("--up={}", Numbers(up.to_array())));
+        let up = self.up.iter().map(|up| format!("--up={up}"));
         let lights = self.lights.iter().map(|light| format!("--light={light}"));
         camera.chain(up).chain(lights).collect()
-    }
-
-    /// What [`ViewOptions::arguments`] printed.
-    ///
-    /// # Errors
-    /// What is none of its arguments, or not of its form.
-    pub fn from_arguments(arguments: &[String]) -> Result<Self, String> {
-        let mut options = Self::default();
-        for argument in arguments {
-            match argument.split_once('=') {
-                Some(("--camera", text)) => options.camera = Some(text.parse()?),
-                Some(("--up", text)) => options.up = Some(direction(text)?),
-                Some(("--light", text)) => options.lights.push(text.parse()?),
-                _ => return Err(format!("found `{argument}`, expected --camera, --up or --light")),
-            }
-        }
-        Ok(options)
     }
 
     /// Gives a scene the view and the lights that are said.
@@ -91,7 +90,7 @@ impl ViewOptions {
             // a lens is focused where its own camera looks
             camera.focal_distance = None;
         }
-        camera.up = self.up.unwrap_or(camera.up);
+        camera.up = self.up.map_or(camera.up, |up| up.0);
         if self.camera.is_some() || self.up.is_some() {
             let place = format!("--camera, --up (scene {})", scene.name);
             camera.check(|| FilePlace::file(Path::new(&place)))?;
@@ -110,6 +109,13 @@ pub(crate) fn light_if_dark(scene: &mut Scene) {
         scene.lights.push(Light::Point { position: scene.camera.from, color: None });
         let text = "no lights: one is put at the eye; --light X,Y,Z or a scene file gives others";
         scene.warnings.push(Warning(text.into()));
+    }
+}
+
+/// As arguments.
+impl fmt::Display for ViewOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.arguments().join(" "))
     }
 }
 
@@ -169,14 +175,43 @@ impl fmt::Display for LightOption {
     }
 }
 
-/// `X,Y,Z` as a direction: not 0.
-///
-/// # Errors
-/// What is wrong, for whoever typed it.
-pub fn direction(text: &str) -> Result<DVec3, String> {
-    let up = point(text)?;
-    if up == DVec3::ZERO { Err("expected a direction other than 0,0,0".into()) } else { Ok(up) }
+impl FromStr for UpOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let up = point(text)?;
+        if up == DVec3::ZERO {
+            return Err("expected a direction other than 0,0,0".into());
+        }
+        Ok(Self(up))
+    }
 }
+
+impl fmt::Display for UpOption {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", Numbers(self.0.to_array()))
+    }
+}
+
+/// Options that are recorded as they are typed.
+macro_rules! recorded_as_typed {
+    ($($option:ty),*) => {$(
+        impl TryFrom<String> for $option {
+            type Error = String;
+
+            fn try_from(text: String) -> Result<Self, String> {
+                text.parse()
+            }
+        }
+
+        impl From<$option> for String {
+            fn from(option: $option) -> Self {
+                option.to_string()
+            }
+        }
+    )*};
+}
+recorded_as_typed!(CameraOption, UpOption, LightOption);
 
 fn point(text: &str) -> Result<DVec3, String> {
     numbers(text).map(DVec3::from_array)
@@ -218,11 +253,15 @@ mod tests {
         assert_eq!(light.to_string().parse(), Ok(light));
         let options = ViewOptions {
             camera: "1,2,3:0,0,0".parse().ok(),
-            up: Some(third),
+            up: Some(UpOption(third)),
             lights: vec![light; 2],
         };
-        assert_eq!(ViewOptions::from_arguments(&options.arguments()), Ok(options));
-        assert!(ViewOptions::from_arguments(&["--size=3".into()]).is_err());
+        let text = serde_json::to_string(&options).unwrap();
+        assert_eq!(serde_json::from_str::<ViewOptions>(&text).unwrap(), options, "{text}");
+        assert_eq!(serde_json::to_string(&ViewOptions::default()).unwrap(), "{}");
+        for wrong in [r#"{"camera":"1,2,3"}"#, r#"{"up":"0,0,0"}"#, r#"{"size":"3"}"#] {
+            assert!(serde_json::from_str::<ViewOptions>(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]
@@ -240,7 +279,7 @@ mod tests {
             assert!(error.contains(part), "{text}: {error}");
         }
         assert!("1,2,3:1,-1,0".parse::<LightOption>().unwrap_err().contains("at least 0"));
-        assert!(direction("0,0,0").unwrap_err().contains("0,0,0"));
+        assert!("0,0,0".parse::<UpOption>().unwrap_err().contains("0,0,0"));
     }
 
     #[test]
@@ -248,7 +287,7 @@ mod tests {
         let mut scene = Scene::new("a");
         let options = ViewOptions {
             camera: "0,0,5:0,0,0".parse().ok(),
-            up: Some(DVec3::X),
+            up: Some(UpOption(DVec3::X)),
             lights: vec!["1,2,3".parse().unwrap()],
         };
         scene.camera.angle = 30.0;
@@ -261,7 +300,7 @@ mod tests {
         light_if_dark(&mut scene);
         assert_eq!((scene.lights.len(), scene.warnings.len()), (1, 0));
         // a camera that looks along `up` is refused, whoever said which
-        let error = ViewOptions { up: Some(DVec3::Z), ..ViewOptions::default() }
+        let error = ViewOptions { up: Some(UpOption(DVec3::Z)), ..ViewOptions::default() }
             .apply(&mut scene)
             .unwrap_err();
         assert!(error.to_string().starts_with("--camera, --up (scene a): camera `up`"), "{error}");

@@ -343,7 +343,7 @@ pub(super) mod tests {
                 quick: true,
                 order: "scanline".into(),
                 lights: "each".into(),
-                view: Vec::new(),
+                view: Default::default(),
                 by_kind: false,
                 processes: 1,
                 timed_by: "processor time".into(),

@@ -22,7 +22,7 @@ use crate::plan::rows::Row;
 use crate::plan::strides::FixedStrides;
 use crate::rays::order::Orders;
 use crate::rounds::trial::BuildLimits;
-use crate::scenes::{KnownScene, SceneSource};
+use crate::scenes::{KnownScene, SceneSource, ViewOptions};
 use crate::settings::shard::PlannedPart;
 use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings, duration, suggest};
 use crate::system::memory_limit;
@@ -160,6 +160,14 @@ pub struct Plan<'r> {
 }
 
 impl<'r> Plan<'r> {
+    /// Gives its scenes the view and the lights of a record, unless the command line said something else: then
+    /// the settings differ, and whoever compares them says so.
+    pub fn set_view(&mut self, view: &ViewOptions) {
+        for scene in self.scenes.iter_mut().filter(|scene| scene.view().is_empty()) {
+            scene.set_view(view);
+        }
+    }
+
     /// Validates what a run is asked for; all of it, whatever part the settings name.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use serde_json::json;
 
 use crate::record::settings::TIME_OF_DAY;
 use crate::record::{RowRecord, RunRecord, SCHEMA_VERSION, Sample, SceneRecord, Settings};
+use crate::scenes::ViewOptions;
 use crate::system::world::{FixedWorld, World};
 
 /// Rows of a scene: a label and times.
@@ -36,7 +37,7 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
             quick: false,
             order: "scanline".into(),
             lights: "each".into(),
-            view: Vec::new(),
+            view: ViewOptions::default(),
             by_kind: false,
             processes: 1,
             timed_by: TIME_OF_DAY.into(),

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::rays::order::Orders;
+use crate::scenes::ViewOptions;
 use crate::settings::Lights;
 
 /// Settings of a run.
@@ -32,10 +33,9 @@ pub struct Settings {
     /// Which lights were asked: `each` that a hit faces, or from primary hits the `first`.
     #[serde(default = "each_light")]
     pub lights: String,
-    /// What the command line said of the view and the lights of all scenes, as typed:
-    /// `--camera=1,2,3:0,0,0`, `--up=0,0,1`, `--light=0,9,0`; absent where it said nothing.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub view: Vec<String>,
+    /// What the command line said of the view and the lights of all scenes; absent where it said nothing.
+    #[serde(default, skip_serializing_if = "ViewOptions::is_empty")]
+    pub view: ViewOptions,
     /// Tables of each kind of ray, and of the time to a picture, were asked for.
     #[serde(default)]
     pub by_kind: bool,

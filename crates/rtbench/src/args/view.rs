@@ -1,9 +1,8 @@
 //! The view and the lights that scenes are given from the command line.
 
 use clap::Args;
-use glam::DVec3;
 use scene_loading::ViewOptions;
-use scene_loading::view_options::{CameraOption, LightOption, direction};
+use scene_loading::view_options::{CameraOption, LightOption, UpOption};
 
 /// The view and the lights that scenes are given from the command line, of every command that loads
 /// scenes.
@@ -15,9 +14,8 @@ pub struct ViewArgs {
     #[arg(long, global = true, value_name = "FROM:AT[:FOV]", allow_hyphen_values = true)]
     pub camera: Option<CameraOption>,
     /// Up direction of the camera [default: the scene's, or 0,1,0]
-    #[arg(long, global = true, value_name = "X,Y,Z", allow_hyphen_values = true,
-          value_parser = direction)]
-    pub up: Option<DVec3>,
+    #[arg(long, global = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub up: Option<UpOption>,
     /// Point light instead of the scenes' own, repeatable: 0,10,0 or 0,10,0:1,0.9,0.8 [default: the
     /// scene's, or one at the eye]
     #[arg(long, global = true, value_name = "POS[:COLOR]", allow_hyphen_values = true)]

@@ -10,7 +10,6 @@ use crate::commands::scale;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
-use crate::recorded_view;
 use measurement::journal::lines::Manifest;
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
@@ -78,7 +77,7 @@ fn resume(
         }
     };
     let mut plan = plan_of(context, &settings)?;
-    recorded_view::apply(&begun.found.manifest.settings, &mut plan).map_err(differs)?;
+    plan.set_view(&begun.found.manifest.settings.view);
     let record = begin(context.world, &context.command_line, &plan);
     let named = begun.found.manifest.exports.clone();
     let (kept, record) = go_on(context, begun, &plan, record)?;

@@ -7,9 +7,8 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exports::occupied::Wanted;
 use crate::exports::outputs::Outputs;
-use crate::recorded_view;
+use measurement::journal::Journal;
 use measurement::journal::lines::Manifest;
-use measurement::journal::{Journal, JournalError};
 use measurement::plan::error::PlanError;
 use measurement::record::RunRecord;
 use measurement::settings::asked::Asked;
@@ -60,10 +59,7 @@ pub(super) fn resume(
 ) -> Result<u8, Error> {
     let exports = of_scale(exports)?;
     let mut scale = Scale::new(asked, context.registry, context.occluders, context.scenes)?;
-    let settings = &begun_before.found.manifest.settings;
-    recorded_view::apply(settings, &mut scale.plan).map_err(|differences| {
-        JournalError::Differs { folder: begun_before.folder.into(), differences }
-    })?;
+    scale.plan.set_view(&begun_before.found.manifest.settings.view);
     let record = begun(context, &scale);
     let (kept, record) = go_on(context, begun_before, &scale.plan, record)?;
     let outputs = outputs(&exports)?;

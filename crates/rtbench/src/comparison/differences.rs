@@ -36,7 +36,7 @@ pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
     found.unless_equal(Concerns::Everything, "lights", &a.lights, &b.lights);
     let views = [&a.view, &b.view].map(|view| match view.is_empty() {
         true => "the scenes' own".to_owned(),
-        false => view.join(" "),
+        false => view.to_string(),
     });
     found.unless_equal(Concerns::Everything, "view", &views[0], &views[1]);
     found.unless_equal(Concerns::Everything, "seed", &a.seed, &b.seed);
@@ -179,7 +179,7 @@ mod tests {
                 Concerns::Everything,
             ),
             (
-                |r| r.settings.view = vec!["--up=0,0,1".into()],
+                |r| r.settings.view.up = "0,0,1".parse().ok(),
                 "view: the scenes' own, then --up=0,0,1",
                 Concerns::Everything,
             ),

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
+use scene_loading::view_options::UpOption;
 use scene_loading::{LoadedScene, SceneCatalogue, SceneRef, ViewOptions};
 
 fn file(folder: &Path, name: &str, text: &str) -> SceneRef {
@@ -79,7 +80,7 @@ fn what_is_said_from_outside_replaces_view_and_lights_and_shows_in_the_hash() {
     let before = scene.load().unwrap();
     scene.view = ViewOptions {
         camera: "0,0,7:0,0,0:30".parse().ok(),
-        up: Some(DVec3::X),
+        up: Some(UpOption(DVec3::X)),
         lights: vec!["4,5,6:1,0,0".parse().unwrap(), "7,8,9".parse().unwrap()],
     };
     let after = scene.load().unwrap();
@@ -88,7 +89,7 @@ fn what_is_said_from_outside_replaces_view_and_lights_and_shows_in_the_hash() {
     assert_eq!((camera.from.z, camera.angle, camera.up), (7.0, 30.0, DVec3::X));
     assert_eq!(after.scene.lights.len(), 2);
     assert_eq!(after.scene.lights[0].color(), Some([1.0, 0.0, 0.0]));
-    scene.view = ViewOptions { up: Some(after.scene.camera.from), ..scene.view };
+    scene.view = ViewOptions { up: Some(UpOption(after.scene.camera.from)), ..scene.view };
     let error = scene.load().unwrap_err().to_string();
     assert!(error.contains("--camera, --up (scene a): camera `up`"), "{error}");
 }

@@ -151,7 +151,7 @@ fn facts(run: &RunRecord) -> Vec<String> {
         facts.push(format!("rays in order: {order}; shadow rays to lights: {lights}"));
     }
     if !settings.view.is_empty() {
-        facts.push(format!("view and lights of all scenes: {}", settings.view.join(" ")));
+        facts.push(format!("view and lights of all scenes: {}", settings.view));
     }
     let command = format!("command: {}", code(&run.command_line.join(" ")));
     std::iter::once(command).chain(facts.iter().map(|fact| escaped(fact))).collect()

@@ -10,9 +10,8 @@ use measurement::plan::Plan;
 use measurement::plan::rows::Row;
 use measurement::record::{RunRecord, Verdict};
 use measurement::settings::MeasuringSettings;
-use presentation::csv;
+use presentation::column::{self, Column, Unit, Value};
 use presentation::format_error::FormatError;
-use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
 use renderer::RayKind;
@@ -78,79 +77,56 @@ fn comparisons(run: &RunRecord, published: &[Published]) -> Vec<Comparison> {
     run.scenes.iter().map(|scene| Comparison::new(scene, published)).collect()
 }
 
+/// A structure on a scene, by name.
+type OfScene<'a> = (&'a str, &'a Line);
+
+/// All columns, in the order of the CSV file.
+#[rustfmt::skip]
+fn columns<'a>() -> [Column<OfScene<'a>>; 8] {
+    use Unit::{None, Ratio};
+    let c = Column::new;
+    [
+        c(&["scene"], "", None, |(scene, _)| Value::Text((*scene).to_owned())),
+        c(&["lecture"], "lecture", None, |(_, line)| Value::of(line.lecture, |name| Value::Text(name.to_owned()))),
+        c(&["ours"], "ours", None, |(_, line)| Value::Text(line.ours.clone())),
+        c(&["verdict"], "", None, |(_, line)| Value::Text(line.verdict.name().to_owned())),
+        c(&["build_then"], "build then", None, |(_, line)| Value::of(line.build.then, Value::Real)),
+        c(&["build_now", "build_low", "build_high"], "build now [95%]", Ratio, |(_, line)| {
+            Value::of(line.build.now, Value::Measured)
+        }).or(bad),
+        c(&["run_then"], "run then", None, |(_, line)| Value::of(line.run.then, Value::Real)),
+        c(&["run_now", "run_low", "run_high"], "run now [95%]", Ratio, |(_, line)| {
+            Value::of(line.run.now, Value::Measured)
+        }).or(bad),
+    ]
+}
+
+/// In the place of the times of a row that is not right.
+fn bad((_, line): &OfScene<'_>) -> Option<Cell> {
+    let is_bad = line.verdict != Verdict::Ok;
+    is_bad.then(|| Cell { text: line.verdict.name().into(), style: Style::Bad })
+}
+
+fn of_scene(comparison: &Comparison) -> impl Iterator<Item = OfScene<'_>> {
+    comparison.lines.iter().map(|line| (&*comparison.scene, line))
+}
+
 fn table(comparison: &Comparison) -> Table {
-    let header =
-        vec!["lecture", "build then", "build now [95%]", "run then", "run now [95%]", "ours"];
-    let rows = comparison.lines.iter().map(|line| {
-        let mut cells: Vec<Cell> = vec![line.lecture.unwrap_or("-").to_owned().into()];
-        for ratios in [line.build, line.run] {
-            cells.push(ratios.then.map_or("-".to_owned(), numbers::short).into());
-            cells.push(now_cell(line, ratios));
-        }
-        cells.push(line.ours.clone().into());
-        cells
-    });
+    let heads = ["lecture", "build then", "build now [95%]", "run then", "run now [95%]", "ours"];
     let correlation = |of: fn(&Line) -> Ratios| {
         comparison.correlation(of).map_or("-".to_owned(), |r| format!("{r:.2}"))
     };
     Table {
         title: format!("{}: times divided by those of uniform D=1", comparison.scene),
-        header,
-        rows: rows.collect(),
         notes: vec![format!(
             "Rank correlation of then and now: build {}, run {}.",
             correlation(|l| l.build),
             correlation(|l| l.run)
         )],
-    }
-}
-
-fn now_cell(line: &Line, ratios: Ratios) -> Cell {
-    match (line.verdict, ratios.now) {
-        (Verdict::Ok, Some(now)) => numbers::ratio(&now).into(),
-        (Verdict::Ok, None) => "-".to_owned().into(),
-        (bad, _) => Cell { text: bad.name().into(), style: Style::Bad },
+        ..column::table(&columns(), &heads, of_scene(comparison))
     }
 }
 
 fn csv_text(comparisons: &[Comparison]) -> Result<String, FormatError> {
-    let header = [
-        "scene",
-        "lecture",
-        "ours",
-        "verdict",
-        "build_then",
-        "build_now",
-        "build_low",
-        "build_high",
-        "run_then",
-        "run_now",
-        "run_low",
-        "run_high",
-    ];
-    csv::written(|writer| {
-        writer.write_record(header)?;
-        for comparison in comparisons {
-            for line in &comparison.lines {
-                let mut fields = vec![
-                    comparison.scene.clone(),
-                    line.lecture.unwrap_or_default().to_owned(),
-                    line.ours.clone(),
-                    line.verdict.name().to_owned(),
-                ];
-                for ratios in [line.build, line.run] {
-                    let now = ratios.now;
-                    let all = [
-                        ratios.then,
-                        now.map(|e| e.median),
-                        now.map(|e| e.low),
-                        now.map(|e| e.high),
-                    ];
-                    fields.extend(all.map(|x| x.map(|x| format!("{x:.6}")).unwrap_or_default()));
-                }
-                writer.write_record(fields)?;
-            }
-        }
-        Ok(())
-    })
+    column::csv(&columns(), comparisons.iter().flat_map(of_scene))
 }

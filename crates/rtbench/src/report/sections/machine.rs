@@ -75,7 +75,7 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
     let memory = |bytes: Option<u64>| bytes.map_or(UNKNOWN.to_owned(), |n| mebibytes(n) + " MiB");
     let [width, height] = run.settings.resolution;
     let view = &run.settings.view;
-    let given = (!view.is_empty()).then(|| ("camera and lights given", view.join(" ")));
+    let given = (!view.is_empty()).then(|| ("camera and lights given", view.to_string()));
     let mut facts = vec![
         ("started", utc(run.started_unix_s)),
         (
