@@ -80,7 +80,7 @@ fn the_lecture_is_put_beside_today() {
     assert!(ended.out.contains("tetra: then uniform D=20.0 won, 1.44 times"), "{}", ended.out);
     let text = folder.text("lecture.csv");
     assert_eq!(text.lines().count(), 7);
-    assert!(text.contains("tetra,recursive,recursive-grid,ok,3.615385,"), "{text}");
+    assert!(text.contains("tetra,recursive,recursive-grid,ok,3.615384615,"), "{text}");
     for refused in ["--scenes lattice", "--reference hug", "--structures hug"] {
         let ended = run_real(&format!("reproduce zachmann2007 {refused}"));
         assert_eq!(ended.code, 2, "{refused}: {}", ended.err);
