@@ -290,8 +290,8 @@ impl Cut {
                 n += numbers[bin];
                 above[bin] = around.half_area() * blocks(n);
             }
-            // both sides have items
-            if n as usize == items.len() || n == 0 {
+            // all centres are alike; else the first and the last bin have items
+            if n == 0 {
                 continue;
             }
             let (mut around, mut n) = (Bounds::NONE, 0);
@@ -299,7 +299,7 @@ impl Cut {
                 around.add(&bounds[bin - 1]);
                 n += numbers[bin - 1];
                 let cost = above[bin] + around.half_area() * blocks(n);
-                if cost < least && (n as usize) < items.len() {
+                if cost < least {
                     (least, best) = (cost, Some(Self { binning, axis, bin: bin as i32 }));
                 }
             }
@@ -385,7 +385,7 @@ mod tests {
         assert!(levels(1) > Some(11), "{:?}", levels(1));
     }
 
-    /// Two clusters far from each other, and what lies between them once.
+    /// Two clusters far from each other.
     #[test]
     fn the_first_cut_is_where_it_costs_least() {
         let mut boxes = scattered(600, 0.01);

@@ -37,7 +37,9 @@ use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
-use crate::structures::obvhs::adapter::{AdapterConfig, PRESET, UNPADDED, is_unpadded};
+use crate::structures::obvhs::adapter::{
+    AdapterConfig, BINNED, BUILDS, PRESET, UNPADDED, is_unpadded,
+};
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length, RaySetup};
 use crate::structures::obvhs::builder::reinserted;
 use crate::structures::obvhs::items::{Padding, items_of};
@@ -56,12 +58,8 @@ pub static INFO: StructureInfo = StructureInfo {
     params: &[
         ParamSpec::choice("query", "one", &["one", "batch"])
             .about("rays derived one by one, or those of a batch eight at a time"),
-        ParamSpec::choice(
-            PRESET.name,
-            BINNED,
-            &[BINNED, "fastest", "very-fast", "fast", "medium", "slow", "very-slow"],
-        )
-        .about("the binary tree: binned from the top down, or of one of obvhs's build presets"),
+        ParamSpec::choice(PRESET.name, BINNED, BUILDS)
+            .about("the binary tree: binned from the top down, or of one of obvhs's build presets"),
         ParamSpec::integer("max-leaf", "16", 1, 64).about("primitives of a leaf at most"),
         ParamSpec::real("node-cost", "1", 0.01, 100.0)
             .about("cost of a visit to a node, that of a block of triangles being 1"),
@@ -81,9 +79,6 @@ pub static INFO: StructureInfo = StructureInfo {
     known_defect: |params| is_unpadded(params).then_some(UNPADDED),
     sampled: false,
 };
-
-/// Of the preset: built as `binned.rs` says.
-const BINNED: &str = "binned";
 
 /// The tree.
 pub struct WideBvh<S: Scalar> {
