@@ -14,7 +14,7 @@ use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
-use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
@@ -52,12 +52,15 @@ pub static INFO: StructureInfo = StructureInfo {
         BricksConfig::PARAMS[1],
         Traversal::PARAM,
         kernel::BLOCK_PARAM,
+        QUERY_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
     also_tested: &[
         "kernel=scalar",
+        "query=batch",
+        "query=batch density=20",
         "density=20",
         "block-bytes=4 macro-block-bytes=4",
         "traversal=driving-axis",

@@ -23,7 +23,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::{BlockPlacement, CellRows};
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
-use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
 use crate::parallel::map_parts;
 use crate::params::ParamSpec;
 use crate::params::specs;
@@ -56,12 +56,15 @@ pub static INFO: StructureInfo = StructureInfo {
         RowsConfig::PARAMS[0],
         Traversal::PARAM,
         kernel::BLOCK_PARAM,
+        QUERY_PARAM,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
     variants: &[""],
     also_tested: &[
         "kernel=scalar",
+        "query=batch",
+        "query=batch density=20",
         "density=20",
         "tries=0",
         "traversal=driving-axis",

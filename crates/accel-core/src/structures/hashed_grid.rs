@@ -15,7 +15,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::Gained;
-use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
@@ -55,6 +55,7 @@ pub static INFO: StructureInfo = StructureInfo {
         TableConfig::PARAMS[1],
         Traversal::PARAM,
         kernel::BLOCK_PARAM,
+        QUERY_PARAM,
         INCREMENTAL,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
@@ -62,6 +63,8 @@ pub static INFO: StructureInfo = StructureInfo {
     variants: &[""],
     also_tested: &[
         "kernel=scalar",
+        "query=batch",
+        "query=batch density=20",
         "density=20",
         "load-factor=0.9",
         "traversal=driving-axis",

@@ -17,9 +17,9 @@ use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_overlap::Insertion;
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::Gained;
-use crate::grid::regular_grid::{CellStorage, Contents, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::params::Params;
 use crate::params::specs;
-use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox;
@@ -42,11 +42,7 @@ pub static INFO: StructureInfo = StructureInfo {
         Traversal::PARAM_OF_ALL,
         Insertion::PARAM,
         kernel::BLOCK_PARAM,
-        ParamSpec {
-            summary: "batch has 32 rays of a batch take their steps side by side, with traversal=t-next and \
-                      kernel=block over triangles alone",
-            ..specs::QUERY
-        },
+        QUERY_PARAM,
         INCREMENTAL,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
@@ -115,7 +111,6 @@ impl CellStorage for DenseCells {
     type Config = ();
 
     const COMPARES_TRAVERSALS: bool = true;
-    const HAS_BATCHES: bool = true;
 
     fn build<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,

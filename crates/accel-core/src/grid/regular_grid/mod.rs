@@ -17,6 +17,7 @@ use crate::grid::voxel_traversal_lanes::MOST_CELLS;
 use crate::memory::Counted;
 use crate::memory::Limits;
 use crate::params::config::{Config, Settings};
+use crate::params::{ParamSpec, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
@@ -41,8 +42,6 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     const REFERENCE_BYTES: u64 = 4;
     /// Whether the traversals that are there for comparison are compiled for it.
     const COMPARES_TRAVERSALS: bool = false;
-    /// Whether rays of a batch can go side by side: what that takes is compiled for it.
-    const HAS_BATCHES: bool = false;
 
     /// Its settings beside those of the grid.
     type Config: Config;
@@ -77,6 +76,13 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     /// Bytes occupied.
     fn bytes(&self) -> u64;
 }
+
+/// The parameter of how rays of a batch are answered.
+pub const QUERY_PARAM: ParamSpec = ParamSpec {
+    summary: "batch has 32 rays of a batch take their steps side by side, with traversal=t-next and kernel=block \
+              over triangles alone",
+    ..specs::QUERY
+};
 
 /// A regular grid whose cells are kept in a `G`.
 pub struct RegularGrid<S: Scalar, G> {
@@ -174,7 +180,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, _: &P, blocks: Option<&ListBlocks<S>>) -> Batches {
-        let is_together = G::HAS_BATCHES && self.is_batch && blocks.is_some();
+        let is_together = self.is_batch && blocks.is_some();
         if is_together { Batches::Together } else { Batches::RayByRay }
     }
 
@@ -187,7 +193,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        if let (true, Some(blocks)) = (G::HAS_BATCHES, blocks) {
+        if let Some(blocks) = blocks {
             let grid = &InBlocks {
                 grid: self,
                 frame: &self.frame,
