@@ -6,18 +6,38 @@
 
 use crate::estimate::{Estimate, RESAMPLES, interval, median_of};
 use crate::random::Random;
+use crate::series::Series;
+
+/// The product of the medians of series that share rounds, each raised to its power, with its 95% interval: of one
+/// process as [`product_of_medians`], of several as [`Series::estimate`] of the product that each process has. None as
+/// there, or where not all have the same processes.
+pub fn product_of_series(quantities: &[(Series, f64)], seed: u64) -> Option<Estimate> {
+    let of = |rounds: &dyn Fn(&Series) -> Option<Vec<f64>>| {
+        let own: Option<Vec<_>> = quantities.iter().map(|(s, p)| Some((rounds(s)?, *p))).collect();
+        own
+    };
+    let first = quantities.first()?.0.by_numbered_process();
+    if first.len() < 2 {
+        let all = of(&|series| Some(series.values().to_vec()))?;
+        let all: Vec<(&[f64], f64)> = all.iter().map(|(s, p)| (&s[..], *p)).collect();
+        return product_of_medians(&all, seed);
+    }
+    let of_process = |process: u32| {
+        let own = of(&|series| series.by_numbered_process().remove(&process))?;
+        let own: Vec<(&[f64], f64)> = own.iter().map(|(s, p)| (&s[..], *p)).collect();
+        Some((process, checked_product(&own)?))
+    };
+    let products: Option<Series> = first.keys().map(|process| of_process(*process)).collect();
+    products?.estimate(seed)
+}
 
 /// The product of the medians, each raised to its power, with the 95% interval of
 /// [`Estimate`]. None without samples, where the quantities have not as many samples each, or where
 /// one is not positive.
-pub fn product_of_medians(quantities: &[(&[f64], f64)], seed: u64) -> Option<Estimate> {
+fn product_of_medians(quantities: &[(&[f64], f64)], seed: u64) -> Option<Estimate> {
+    let middle = checked_product(quantities)?;
     let rounds = quantities.first()?.0.len();
-    let is_positive = |samples: &[f64]| samples.iter().all(|x| *x > 0.0);
-    if quantities.iter().any(|(samples, _)| samples.len() != rounds || !is_positive(samples)) {
-        return None;
-    }
-    let mut chosen: Vec<usize> = (0..rounds).collect();
-    let middle = product(quantities, &chosen)?;
+    let mut chosen = vec![0; rounds];
     let mut random = Random::new(seed, "bootstrap of products");
     let mut resampled = Vec::with_capacity(RESAMPLES);
     for _ in 0..RESAMPLES {
@@ -26,6 +46,14 @@ pub fn product_of_medians(quantities: &[(&[f64], f64)], seed: u64) -> Option<Est
     }
     let [low, high] = interval(&mut resampled, rounds);
     Some(Estimate { median: middle, low, high })
+}
+
+/// The product over all rounds, where all quantities have as many and none is not positive.
+fn checked_product(quantities: &[(&[f64], f64)]) -> Option<f64> {
+    let rounds = quantities.first()?.0.len();
+    let is_positive = |samples: &[f64]| samples.iter().all(|x| *x > 0.0);
+    let are_all = quantities.iter().all(|(s, _)| s.len() == rounds && is_positive(s));
+    are_all.then(|| product(quantities, &(0..rounds).collect::<Vec<_>>()))?
 }
 
 /// The product over those rounds.
@@ -84,6 +112,26 @@ mod tests {
         for bad in [0.0, -1.0, f64::NAN] {
             assert_eq!(product_of_medians(&[(&[1.0, bad], 1.0)], 1), None);
         }
+    }
+
+    #[test]
+    fn processes_are_told_from_rounds() {
+        let of = |levels: [f64; 3]| -> Series {
+            let rounds = (0..).zip(levels);
+            rounds.flat_map(|(p, level)| A.map(|round| (p, level * round / 2.1))).collect()
+        };
+        let quantities = [(of([2.0, 2.2, 2.4]), 1.0), (of([1.0, 1.0, 1.0]), -1.0)];
+        let e = product_of_series(&quantities, 1).unwrap();
+        assert!((e.median - (2.0_f64 * 2.2 * 2.4).cbrt()).abs() < 1e-12, "{e:?}");
+        assert!(e.low < 2.0 && e.high > 2.4, "{e:?}");
+        // planted: the same rounds as if of one process
+        let pooled = |(s, p): &(Series, f64)| (Series::from(s.values().to_vec()), *p);
+        let planted = product_of_series(&quantities.each_ref().map(pooled), 1).unwrap();
+        assert!(planted.high - planted.low < 0.5 * (e.high - e.low), "{planted:?}");
+        let fewer: Series = [(0, 1.0), (2, 1.0)].into_iter().collect();
+        let [whole, _] = quantities;
+        assert_eq!(product_of_series(&[whole, (fewer, 1.0)], 1), None);
+        assert_eq!(product_of_series(&[], 1), None);
     }
 
     #[test]

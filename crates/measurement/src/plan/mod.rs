@@ -168,6 +168,17 @@ impl<'r> Plan<'r> {
         }
     }
 
+    /// Builds and times each scene in so many processes; 0 is 1.
+    ///
+    /// # Errors
+    /// [`PlanError::OutOfRange`].
+    pub fn set_processes(&mut self, processes: u32) -> Result<(), PlanError> {
+        let processes = processes.max(1);
+        within("processes", processes.into(), RunSettings::MOST_PROCESSES.into())?;
+        self.processes = processes;
+        Ok(())
+    }
+
     /// Validates what a run is asked for; all of it, whatever part the settings name.
     ///
     /// # Errors
@@ -190,12 +201,11 @@ impl<'r> Plan<'r> {
             rows.push(default_baseline(registry)?);
         }
         let baseline = baseline(registry, &mut rows, reference)?;
-        within("processes", args.processes.max(1).into(), RunSettings::MOST_PROCESSES.into())?;
         let scenes = scenes.resolve(names)?;
         let mut plan = Self::over(scenes, rows, baseline, &args.measuring, registry)?;
         plan.settings.offset = ray_settings.offset;
         plan.by_kind = args.by_kind;
-        plan.processes = args.processes.max(1);
+        plan.set_processes(args.processes)?;
         if plan.kinds.iter().any(|k| k.is_occlusion()) {
             let within = |row: Row<'r, _>| Row { params: row.params.within(plan.memory), ..row };
             plan.rows.extend(occluding.into_iter().map(within).map(MeasuredRow::Occluder));

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use measurement::settings::MeasuringSettings;
+use measurement::settings::{MeasuringSettings, RunSettings};
 use studies::explain::ExplainSettings;
 
 use crate::args::measuring::MeasuringArgs;
@@ -25,6 +25,10 @@ pub struct ExplainArgs {
     /// How much memory a structure may take.
     #[command(flatten)]
     pub memory: MemoryArgs,
+    /// Build and time each scene in that many processes, and take intervals over both levels
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=RunSettings::MOST_PROCESSES.into()))]
+    pub processes: u32,
     /// Write one CSV row per scene, kind of ray and row or factor; - is standard output, instead of the
     /// tables
     #[arg(long, value_name = "FILE")]
@@ -50,6 +54,7 @@ impl ExplainArgs {
                 max_memory: self.memory.max_memory,
                 ..self.measuring.settings()
             },
+            processes: self.processes,
         }
     }
 }

@@ -22,7 +22,7 @@ use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use measurement::scenes::SceneSource;
 use measurement::settings::MeasuringSettings;
 use statistics::estimate::Estimate;
-use statistics::product_of_medians::product_of_medians;
+use statistics::product_of_medians::product_of_series;
 use statistics::series::Series;
 
 /// What cannot be explained.
@@ -55,6 +55,8 @@ pub struct ExplainSettings {
     pub structure: String,
     /// How to measure; `reference` is the other row.
     pub measuring: MeasuringSettings,
+    /// Fresh processes that build and time, one after the other; at most [`RunSettings::MOST_PROCESSES`].
+    pub processes: u32,
 }
 
 /// A validated explanation.
@@ -105,6 +107,7 @@ impl<'r> Explain<'r> {
         plan.keeps_baseline = true;
         // no image is asked for
         plan.limits.render_pass = 0.0;
+        plan.set_processes(args.processes)?;
         Ok(Self { plan, variants, row: 0 })
     }
 }
@@ -208,9 +211,7 @@ impl<'a> Explanation<'a> {
         }
         let samples: Vec<(Series, f64)> =
             rows.iter().map(|(row, power)| (rays.ratios(row), *power)).collect();
-        let quantities: Vec<(&[f64], f64)> =
-            samples.iter().map(|(s, p)| (s.values(), *p)).collect();
-        product_of_medians(&quantities, self.run.settings.seed)
+        product_of_series(&samples, self.run.settings.seed)
     }
 }
 
@@ -252,6 +253,7 @@ mod tests {
         let settings = ExplainSettings {
             scenes: vec!["tetra:2".into()],
             structure: row.into(),
+            processes: 1,
             measuring: MeasuringSettings {
                 reference: reference.map(str::to_owned),
                 threads: 1,

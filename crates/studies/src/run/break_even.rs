@@ -3,9 +3,12 @@
 //! The time for n rays is T(n) = build + n * time per ray. Two such lines cross once at most; the
 //! least time over all n is their lower envelope.
 
+use std::collections::BTreeMap;
+
 use crate::run::costs::{Cost, Profile};
 use statistics::estimate::{interval, median};
 use statistics::random::Random;
+use statistics::series::Series;
 
 /// Resamples of an interval.
 const RESAMPLES: usize = if cfg!(fuzzing) { 10 } else { 1000 };
@@ -71,31 +74,50 @@ pub fn envelope(costs: &[Cost]) -> Vec<Reign> {
     }
 }
 
-/// The 95% interval of the count from which on `slower_to_build` is worth it against `other`, from
-/// resampled rounds, paired; 0 where a resample has it always, infinite where never. None without
+/// The 95% interval of the count from which on `slower_to_build` is worth it against `other`, of rounds in pairs:
+/// of one process from resampled rounds; of several from the counts that each process has by itself, as
+/// [`Series::estimate`] does. 0 where a resample or a process has it always, infinite where never. None without
 /// common rounds.
 pub fn count_interval(slower_to_build: &Profile, other: &Profile, seed: u64) -> Option<[f64; 2]> {
-    let pairs: Vec<[Cost; 2]> = slower_to_build.paired(other).map(|(_, both)| both).collect();
-    if pairs.is_empty() {
-        return None;
+    let mut processes: BTreeMap<u32, Vec<[Cost; 2]>> = BTreeMap::new();
+    for (process, both) in slower_to_build.paired(other) {
+        processes.entry(process).or_default().push(both);
     }
-    let mut random = Random::new(seed, "break-even");
-    let mut counts = Vec::with_capacity(RESAMPLES);
-    for _ in 0..RESAMPLES {
-        let drawn: Vec<&[Cost; 2]> =
-            pairs.iter().filter_map(|_| pairs.get(random.below(pairs.len()))).collect();
-        let of = |f: fn(&[Cost; 2]) -> f64| {
-            median(&drawn.iter().map(|pair| f(pair)).collect::<Vec<_>>())
+    let pairs = processes.first_entry()?.get().clone();
+    if processes.len() == 1 {
+        let mut random = Random::new(seed, "break-even");
+        let drawn = |_| {
+            let of = pairs.iter().filter_map(|_| pairs.get(random.below(pairs.len())).copied());
+            count(&of.collect::<Vec<_>>())
         };
-        let one = Cost { build_s: of(|[a, _]| a.build_s)?, ray_s: of(|[a, _]| a.ray_s)? };
-        let other = Cost { build_s: of(|[_, b]| b.build_s)?, ray_s: of(|[_, b]| b.ray_s)? };
-        counts.push(match break_even(one, other) {
-            BreakEven::From(n) => n,
-            BreakEven::Always | BreakEven::Same => 0.0,
-            BreakEven::Never | BreakEven::Until(_) => f64::INFINITY,
-        });
+        let counts: Option<Vec<f64>> = (0..RESAMPLES).map(drawn).collect();
+        return Some(interval(&mut counts?, pairs.len()));
     }
-    Some(interval(&mut counts, pairs.len()))
+    let counts = processes.iter().map(|(process, pairs)| Some((*process, count(pairs)?)));
+    let counts: Vec<(u32, f64)> = counts.collect::<Option<_>>()?;
+    let is_finite = |(_, n): &(u32, f64)| *n > 0.0 && n.is_finite();
+    let of_finite: Series = counts.iter().copied().filter(is_finite).collect();
+    let [low, high] = match of_finite.estimate(seed) {
+        Some(finite) if of_finite.len() > 1 => [finite.low, finite.high],
+        _ => [0.0, f64::INFINITY],
+    };
+    let has = |which: fn(f64) -> bool| counts.iter().any(|(_, n)| which(*n));
+    let low = if has(|n| n == 0.0) { 0.0 } else { low };
+    let high = if has(f64::is_infinite) { f64::INFINITY } else { high };
+    Some([low, high])
+}
+
+/// From how many rays on the first is worth it against the second, by the medians of rounds; 0 for always, infinite
+/// for never.
+fn count(rounds: &[[Cost; 2]]) -> Option<f64> {
+    let of = |f: fn(&[Cost; 2]) -> f64| median(&rounds.iter().map(f).collect::<Vec<_>>());
+    let one = Cost { build_s: of(|[a, _]| a.build_s)?, ray_s: of(|[a, _]| a.ray_s)? };
+    let other = Cost { build_s: of(|[_, b]| b.build_s)?, ray_s: of(|[_, b]| b.ray_s)? };
+    Some(match break_even(one, other) {
+        BreakEven::From(n) => n,
+        BreakEven::Always | BreakEven::Same => 0.0,
+        BreakEven::Never | BreakEven::Until(_) => f64::INFINITY,
+    })
 }
 
 #[cfg(test)]
@@ -141,21 +163,65 @@ mod tests {
         assert_eq!(indices, [0, 2]);
     }
 
-    #[test]
-    fn the_interval_holds_the_truth_about_as_often_as_it_says() {
+    /// In how many of 200 trials the interval holds the truth: each process has costs of its own, which its
+    /// rounds scatter about.
+    fn held(processes: u32, between: f64, of: fn(&Profile, &Profile, u64) -> [f64; 2]) -> u32 {
         let mut random = Random::new(4, "noise");
-        let mut noisy = |x: f64| x * (0.9 + 0.2 * random.below(1000) as f64 / 999.0);
+        let mut noisy =
+            |x: f64, by: f64| x * (1.0 - by + 2.0 * by * random.below(1000) as f64 / 999.0);
         let mut held = 0;
         for trial in 0..200 {
             let mut profile = |number, build_s, ray_s| {
-                let rounds =
-                    (0..15).map(|i| ((0, i), cost(noisy(build_s), noisy(ray_s)))).collect();
+                let mut rounds = BTreeMap::new();
+                for process in 0..processes {
+                    let own = [noisy(build_s, between), noisy(ray_s, between)];
+                    rounds.extend((0..15).map(|round| {
+                        let [build_s, ray_s] = own.map(|x| noisy(x, 0.1));
+                        ((process, process * 15 + round), cost(build_s, ray_s))
+                    }));
+                }
                 Profile::new(number, String::new(), rounds).unwrap()
             };
             let (bvh, grid) = (profile(1, 4.0, 0.2), profile(2, 1.0, 0.5));
-            let [low, high] = count_interval(&bvh, &grid, trial).unwrap();
+            let [low, high] = of(&bvh, &grid, trial);
             held += u32::from(low <= 10.0 && 10.0 <= high);
         }
-        assert!((180..=199).contains(&held), "{held} of 200");
+        held
+    }
+
+    #[test]
+    fn the_interval_holds_the_truth_about_as_often_as_it_says() {
+        let of = |a: &Profile, b: &Profile, seed| count_interval(a, b, seed).unwrap();
+        let found = [held(1, 0.0, of), held(3, 0.0, of), held(3, 0.1, of), held(5, 0.1, of)];
+        assert!(found.iter().all(|n| (180..=200).contains(n)), "{found:?} of 200");
+    }
+
+    #[test]
+    fn an_interval_that_forgets_the_processes_is_caught() {
+        let planted = |a: &Profile, b: &Profile, seed| {
+            let as_one = |of: &Profile| {
+                let rounds = of.rounds.iter().map(|((_, round), cost)| ((0, *round), *cost));
+                Profile::new(1, String::new(), rounds.collect()).unwrap()
+            };
+            count_interval(&as_one(a), &as_one(b), seed).unwrap()
+        };
+        assert!(held(3, 0.1, planted) < 170);
+    }
+
+    #[test]
+    fn a_process_that_has_it_always_or_never_is_in_the_interval() {
+        let of = |costs: &[Cost]| {
+            let rounds = costs.iter().zip(0..).map(|(cost, i)| ((i, i), *cost)).collect();
+            Profile::new(1, String::new(), rounds).unwrap()
+        };
+        let grid = of(&[cost(1.0, 0.5); 3]);
+        let interval = |costs: &[Cost]| count_interval(&of(costs), &grid, 1).unwrap();
+        let bvh = cost(4.0, 0.2);
+        let [low, high] = interval(&[bvh; 3]);
+        assert!((low - 10.0).abs() < 1e-9 && (high - 10.0).abs() < 1e-9);
+        let [low, high] = interval(&[bvh, bvh, cost(0.9, 0.2)]);
+        assert!(low == 0.0 && high.is_finite());
+        assert_eq!(interval(&[bvh, cost(4.0, 0.6), cost(0.9, 0.2)]), [0.0, f64::INFINITY]);
+        assert_eq!(interval(&[cost(4.0, 0.6); 3])[1], f64::INFINITY);
     }
 }
