@@ -3,10 +3,11 @@
 
 usage: accuracy-classes.py [--at-least PERCENT] OLD/accuracy.json NEW/accuracy.json
 
-A variant's class is what it takes beyond the cheapest of its axis, scene and subject, as in summary.md: free (the
-interval contains 1 and ends below 1.1), inconclusive (it contains 1 and does not), under 10%, more. Lists those whose class
-changed, with both figures; prints how many stayed, also those of axes as a whole and on the front. Fails where less
-than PERCENT of the variants stayed in their class.
+A variant's class is what it takes beyond the cheapest of its axis, scene and subject, as in summary.md, by the whole
+interval: free (less than 5% more), costs (more than that), inconclusive (5% is in it). Lists those whose class changed,
+with both figures; prints how many stayed, also those of axes as a whole and on the front, and by the classes that
+records had until November 2026 (free where the interval contains 1 and ends below 1.1; else under 10% or more, by the
+median). Fails where less than PERCENT of the variants stayed in their class.
 """
 
 import argparse
@@ -15,8 +16,20 @@ import math
 import sys
 
 
+NOTICED = 1.05
+
+
 def price(ratio):
     """The class of a ratio with its interval."""
+    if ratio["median"] is None:
+        return "no time"
+    if ratio["high"] < NOTICED:
+        return "free"
+    return "inconclusive" if ratio["low"] <= NOTICED else "costs"
+
+
+def price_of_before(ratio):
+    """The class that it had until November 2026."""
     if ratio["median"] is None:
         return "no time"
     if ratio["low"] <= 1.0:
@@ -57,12 +70,13 @@ def main():
         sys.exit("accuracy-classes: no variant is in both")
     print("| axis | scene | variant | before | now | class before | class now |")
     print("| --- | --- | --- | ---: | ---: | --- | --- |")
-    same = standing = held = told = 0
+    same = as_before = standing = held = told = 0
     apart = []
     for key in both:
         a, b = old[key], new[key]
         before, now = price(a["ratio"]), price(b["ratio"])
         same += before == now
+        as_before += price_of_before(a["ratio"]) == price_of_before(b["ratio"])
         standing += a["standing"] == b["standing"]
         held += b["ratio"]["low"] <= a["ratio"]["median"] <= b["ratio"]["high"]
         # a class that is inconclusive contradicts none
@@ -77,6 +91,7 @@ def main():
     at = lambda share: 100 * (math.exp(apart[min(len(apart) - 1, int(share * len(apart)))]) - 1)
     print()
     print(f"same class: {percent(same, len(both))}; none that contradicts: {percent(told, len(both))}")
+    print(f"same class of those until November 2026: {percent(as_before, len(both))}")
     print(f"same place (front, ~front, -): {percent(standing, len(both))}")
     print(f"medians before within the interval now: {percent(held, len(both))}")
     print(f"ratios apart: {at(0.5):.1f}% in the middle, {at(0.9):.1f}% nine of ten, {at(1.0):.1f}% most")

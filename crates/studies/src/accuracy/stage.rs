@@ -23,6 +23,9 @@ use statistics::random::Random;
 /// Who traces what is not itself varied.
 pub const TRACER: &str = "obvhs-bvh2";
 
+/// Trials where nobody asks what they come to.
+const FEW_TRIALS: usize = 1000;
+
 /// A scene and its primitives.
 pub struct Prepared {
     /// The scene.
@@ -116,6 +119,11 @@ impl<'a> Stage<'a> {
     /// The scene.
     pub fn scene(&self) -> &'a Scene {
         &self.prepared.scene
+    }
+
+    /// Trials of an axis that times none of the rays that it draws for them: few where only times are asked for.
+    pub fn trials(&self) -> usize {
+        if self.only_times { self.aims.min(FEW_TRIALS) } else { self.aims }
     }
 
     /// Builds a structure with settings, as `run -s` takes them.

@@ -16,19 +16,19 @@ use statistics::series::{Series, geometric_mean_of};
 pub enum Cost {
     /// All variants are equally accurate.
     NoneAtStake,
-    /// The most accurate one takes no longer: it is the cheapest, or no difference was measured and
-    /// one of a tenth would have been.
-    Free,
-    /// No difference was measured, but one of more than a tenth may be there.
+    /// The most accurate one takes less than [`NOTICED`] times as long, by the whole interval.
+    Free(Estimate),
+    /// It may take less than that or more.
     NotTold(Estimate),
-    /// Less than a tenth more, over all scenes.
-    Cheap(Estimate),
-    /// More.
-    Expensive(Estimate),
+    /// It takes more, by the whole interval.
+    More(Estimate),
 }
 
-/// A tenth more.
-const TENTH: f64 = 1.1;
+/// Time over that of the cheapest from which on a difference counts as a cost: the margin of `compare`. An interval
+/// that excludes 1 says only how many rounds were made; one on a side of this says what matters (J. Kruschke,
+/// "Rejecting or Accepting Parameter Values in Bayesian Estimation", AMPPS 1(2), 2018: a region of practical
+/// equivalence).
+const NOTICED: f64 = 1.05;
 
 /// The cost over all scenes of an axis; none without a scene.
 pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
@@ -46,10 +46,9 @@ pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
     let ratios: Vec<Series> = axis.scenes.iter().filter_map(ratios_of_accurate).collect();
     let over_all = geometric_mean_of(&ratios.iter().collect::<Vec<_>>(), seed)?;
     Some(match () {
-        () if over_all.low <= 1.0 && over_all.high < TENTH => Cost::Free,
-        () if over_all.low <= 1.0 => Cost::NotTold(over_all),
-        () if over_all.median < TENTH => Cost::Cheap(over_all),
-        () => Cost::Expensive(over_all),
+        () if over_all.high < NOTICED => Cost::Free(over_all),
+        () if over_all.low <= NOTICED => Cost::NotTold(over_all),
+        () => Cost::More(over_all),
     })
 }
 
@@ -63,34 +62,33 @@ fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Series> {
 pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time\n\n");
     push_facts(&mut text, run);
-    let mut lists: [Vec<String>; 5] = Default::default();
+    let mut lists: [Vec<(f64, String)>; 4] = Default::default();
     for axis in run.axes.iter().flat_map(AxisRecord::by_subject) {
         let Some(cost) = cost(&axis, run.seed) else { continue };
         let line = format!("**{}**: {}", escaped(&axis.axis), escaped(&words(&axis, &cost)));
-        let list = match cost {
-            Cost::Free => 0,
-            Cost::Cheap(_) => 1,
-            Cost::Expensive(_) => 2,
-            Cost::NotTold(_) => 3,
-            Cost::NoneAtStake => 4,
+        let (list, times) = match cost {
+            Cost::Free(times) => (0, times.median),
+            Cost::More(times) => (1, times.median),
+            Cost::NotTold(times) => (2, times.median),
+            Cost::NoneAtStake => (3, 1.0),
         };
         if let Some(list) = lists.get_mut(list) {
-            list.push(line);
+            list.push((times, line));
         }
     }
     let heads = [
-        "Free: no difference in time, and one of 10% would have shown",
-        "Costs less than 10%",
-        "Expensive",
-        "Inconclusive: no difference in time was measured, but one of more than 10% may be there",
+        "Free: less than 5% more time, by the whole interval",
+        "Costs more than 5%, by the whole interval",
+        "Inconclusive: the interval has 5% in it",
         "No accuracy is at stake: all variants give the same answers",
     ];
-    for (head, lines) in heads.iter().zip(&lists) {
+    for (head, lines) in heads.iter().zip(&mut lists) {
+        lines.sort_by(|a, b| a.0.total_cmp(&b.0));
         let _ = writeln!(text, "## {head}\n");
         if lines.is_empty() {
             text.push_str("Nothing.\n\n");
         }
-        for line in lines {
+        for (_, line) in lines {
             let _ = writeln!(text, "* {line}");
         }
         text.push('\n');
@@ -130,8 +128,10 @@ pub fn line(axis: &AxisRecord, cost: &Cost) -> String {
 fn words(axis: &AxisRecord, cost: &Cost) -> String {
     let scenes: Vec<String> = axis.scenes.iter().map(|s| scene(s, cost)).collect();
     let head = match cost {
-        Cost::Free => "the most accurate variant takes no more time".into(),
-        Cost::Cheap(e) | Cost::Expensive(e) => match e.median < 2.0 {
+        Cost::Free(e) => {
+            format!("the most accurate variant costs next to nothing: {} more time", more(e))
+        }
+        Cost::More(e) => match e.median < 2.0 {
             true => {
                 format!("the most accurate variant costs {} more time over all scenes", more(e))
             }
@@ -230,21 +230,36 @@ mod tests {
     #[test]
     fn costs_are_told_and_said() {
         let of = |rows| cost(&axis(rows), 1).unwrap();
-        assert_eq!(of(vec![row("a", 2.0, 5), row("b", 2.0, 0)]), Cost::Free);
+        assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 2.0, 0)]), Cost::Free(_)));
+        // measured, and too small to matter
+        assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 2.06, 0)]), Cost::Free(_)));
         let mut noisy = row("b", 2.1, 0);
         noisy.seconds = vec![1.0, 2.1, 9.0];
         assert!(matches!(of(vec![row("a", 2.0, 5), noisy]), Cost::NotTold(_)));
-        assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 2.1, 0)]), Cost::Cheap(_)));
-        assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 3.0, 0)]), Cost::Expensive(_)));
+        assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 2.2, 0)]), Cost::More(_)));
         assert_eq!(of(vec![row("a", 2.0, 0), row("b", 3.0, 0)]), Cost::NoneAtStake);
-        let tests = axis(vec![row("leaky", 2.0, 71), row("watertight", 2.1, 0)]);
+        let tests = axis(vec![row("leaky", 2.0, 71), row("watertight", 2.2, 0)]);
         let said = line(&tests, &cost(&tests, 1).unwrap());
         assert!(
             said.contains(
-                "on kitchen watertight costs 5.0% (5.0% to 5.0%) more time than leaky and removes \
+                "on kitchen watertight costs 10.0% (10.0% to 10.0%) more time than leaky and removes \
                  71.0 errors in 10^6 of 71.0"
             ),
             "{said}"
         );
+    }
+
+    #[test]
+    fn lists_are_in_the_order_of_their_costs() {
+        let of = |name: &str, seconds| {
+            let mut axis = axis(vec![row("leaky", 2.0, 71), row("watertight", seconds, 0)]);
+            axis.axis = name.to_owned();
+            axis
+        };
+        let axes = vec![of("dear", 6.0), of("cheap", 2.2), of("free", 2.01)];
+        let page = to_markdown(&crate::accuracy::test_records::record(axes));
+        let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("no {what}: {page}"));
+        assert!(at("**free**") < at("## Costs more") && at("## Costs more") < at("**cheap**"));
+        assert!(at("**cheap**") < at("**dear**") && at("**dear**") < at("## Inconclusive"));
     }
 }

@@ -1,7 +1,7 @@
 //! Made-up records for tests.
 
 use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::{AxisRecord, SceneOutcome, Standing, VariantRecord};
+use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, Standing, VariantRecord};
 use statistics::estimate::Estimate;
 
 /// A variant that takes so many seconds and is wrong so often in a million.
@@ -22,6 +22,23 @@ pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
         also: Default::default(),
         parts: Vec::new(),
         is_without: false,
+    }
+}
+
+/// A run of these axes.
+pub fn record(axes: Vec<AxisRecord>) -> AccuracyRecord {
+    let run = measurement::record::made_up::run(&[]);
+    AccuracyRecord {
+        command_line: run.command_line,
+        tool: run.tool,
+        machine: run.machine,
+        compiler: run.compiler,
+        seed: 1,
+        quick: false,
+        rounds: 3,
+        processes: 1,
+        took_s: 1.0,
+        axes,
     }
 }
 

@@ -98,8 +98,8 @@ struct Aim {
 fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
     let mut random = stage.random("boxes");
     let scene = set.scene_bounds();
-    let mut found = Vec::with_capacity(stage.aims);
-    for _ in 0..stage.aims {
+    let mut found = Vec::with_capacity(stage.trials());
+    for _ in 0..stage.trials() {
         let bounds = set.bounds(random.below(set.len()) as u32);
         let from = scene.min + scene.size() * (point(&mut random).as_vec3() * 1.5 + 0.5);
         let target = on_surface(&bounds, &mut random);

@@ -73,7 +73,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     }
     let said = Said {
         timed: format!("{rays} rays of the scene through a grid of 8 cells per primitive"),
-        judged: format!("{} points that lie on primitives", stage.aims),
+        judged: format!("{} points that lie on primitives", stage.trials()),
         ..Said::default()
     };
     Ok(timed(stage, said, variants))
@@ -88,7 +88,7 @@ fn judged<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P, label: &str) -> Result<Ta
     let wide = frame.in_double();
     let mut random = stage.random("points");
     let (mut tally, mut balls) = (Tally::default(), Vec::new());
-    for _ in 0..stage.aims {
+    for _ in 0..stage.trials() {
         let id = random.below(set.len()) as u32;
         let Some(point) = point_on(set, id, &mut random, &mut balls) else { continue };
         let crossing = (random.below(2) == 0)

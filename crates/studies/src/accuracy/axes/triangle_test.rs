@@ -117,6 +117,6 @@ fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
     let (centre, reach) = ((bounds.min + bounds.max) * 0.5, bounds.size().length());
     let mut random = stage.random("aims");
     // some of what is drawn is an outline or open
-    let drawn = (0..stage.aims * 8).filter_map(|_| shared.aim(&mut random, centre, reach));
-    drawn.take(stage.aims).collect()
+    let drawn = (0..stage.trials() * 8).filter_map(|_| shared.aim(&mut random, centre, reach));
+    drawn.take(stage.trials()).collect()
 }

@@ -156,10 +156,10 @@ pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
     };
     let (low, size) = (bounds.min.to_dvec3(), bounds.size().to_dvec3());
     let cell = (size / f64::from(n)).max(DVec3::splat(f64::MIN_POSITIVE));
-    let batches = stage.batches(stage.aims, |kind| kind != RayKind::Shadow);
+    let batches = stage.batches(stage.trials(), |kind| kind != RayKind::Shadow);
     let rays: Vec<_> = batches.iter().flat_map(|(_, rays)| rays).collect();
     let mut random = stage.random("lattice");
-    let drawn = (0..2 * stage.aims / SHARE).filter_map(|_| {
+    let drawn = (0..2 * stage.trials() / SHARE).filter_map(|_| {
         let ray = rays.get(random.below(rays.len()))?;
         let origin = (ray.origin.to_dvec3() - low) / cell + point(&mut random);
         let along = ray.direction.to_dvec3() / cell;
@@ -168,5 +168,5 @@ pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
         // most that miss the grid would be right whatever the traversal
         (!aim.visited("f64").is_empty()).then_some(aim)
     });
-    drawn.take(stage.aims / SHARE).collect()
+    drawn.take(stage.trials() / SHARE).collect()
 }
