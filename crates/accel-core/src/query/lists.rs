@@ -22,6 +22,13 @@ impl<S: Scalar> Lists<S> {
         if blocks::serve(prims) { Self::Blocks(Vec::new()) } else { Self::Ids(Vec::new()) }
     }
 
+    /// Makes room for so many blocks, where lists are of blocks.
+    pub(crate) fn reserve(&mut self, blocks: usize) {
+        if let Self::Blocks(all) = self {
+            all.reserve_exact(blocks);
+        }
+    }
+
     /// Adds a list that is not empty; its number, unless numbers have run out.
     pub(crate) fn push<P: PrimSet<S>>(&mut self, prims: &P, ids: &[u32]) -> Option<u32> {
         let number = match self {

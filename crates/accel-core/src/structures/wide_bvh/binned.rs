@@ -5,7 +5,7 @@
 //! Papers: I. Wald, "On Fast Construction of SAH-based Bounding Volume Hierarchies", RT 2007 (bins); D. Meister,
 //! J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer Graphics Forum 37(2), 2018,
 //! as implemented by obvhs. Deviations: all three axes are binned; a side costs what its blocks of triangles cost;
-//! few boxes have few bins; only nodes of many boxes are inserted anew.
+//! few boxes have few bins, the fewest none; only nodes of many boxes are inserted anew.
 
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -25,8 +25,8 @@ const MOST_BINS: usize = 32;
 /// Triangles of a block.
 const BLOCK: u32 = TriangleBlock::<f32>::LANES as u32;
 
-/// So few boxes are cut half way along the longest axis: they mostly share a block.
-const FEW: usize = 4;
+/// So few boxes are not divided: they mostly share a block.
+const FEW: u32 = 3;
 
 /// Nodes of no more boxes than this stay where they are.
 const LEAST_INSERTED: usize = 64;
@@ -111,6 +111,19 @@ impl Around {
         self.centres.add(&Bounds { low: centre, high: centre });
     }
 
+    /// Adds the item where the mask is set.
+    #[inline(always)]
+    fn add_where(&mut self, mask: i32x4, item: &Item) {
+        let Bounds { low, high } = Bounds::NONE;
+        let centre = item.centre();
+        self.items.add(&Bounds {
+            low: item.low.where_set(mask, low),
+            high: item.high.where_set(mask, high),
+        });
+        self.centres
+            .add(&Bounds { low: centre.where_set(mask, low), high: centre.where_set(mask, high) });
+    }
+
     fn of(items: &[Item]) -> Self {
         let mut around = Self::NONE;
         items.iter().for_each(|item| around.add(item));
@@ -118,22 +131,26 @@ impl Around {
     }
 }
 
-/// The tree over these boxes, one a leaf; the same for any number of threads.
-pub(super) fn tree(boxes: &[Aabb]) -> Bvh2 {
-    let (mut bvh, upper) = divided(boxes, 1);
+/// The tree over these boxes, so many in a leaf at most; the same for any number of threads. Some of its nodes may be
+/// below no other.
+pub(super) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
+    let (mut bvh, upper) = divided(boxes, longest_leaf, 1);
     insert_anew(&mut bvh, upper);
     bvh
 }
 
 /// The tree whose root is on this level, and its nodes of many boxes.
-fn divided(boxes: &[Aabb], level: u32) -> (Bvh2, Vec<u32>) {
+fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
+    let few = FEW.min(longest_leaf) as usize;
     let mut items: Vec<Item> = boxes.iter().zip(0..).map(|(aabb, i)| Item::of(aabb, i)).collect();
-    let mut nodes = vec![Bvh2Node::default(); (2 * items.len()).saturating_sub(1)];
+    // a leaf of several boxes leaves places of nodes below it as they are
+    let unused = Bvh2Node::new(Aabb::default(), 1, 0);
+    let mut nodes = vec![unused; (2 * items.len()).saturating_sub(1)];
     let mut upper = Vec::new();
     if let Some((root, below)) = nodes.split_first_mut() {
         let around = Around::of(&items);
         let set = Set { items: &mut items, first: 0, around, level, node: root, below, pairs: 1 };
-        upper = set.build(parallel::forks());
+        upper = set.build(few, parallel::forks());
     }
     let primitive_indices = items.iter().map(Item::number).collect();
     (Bvh2 { nodes, primitive_indices, ..Bvh2::default() }, upper)
@@ -167,18 +184,19 @@ struct Set<'a> {
 }
 
 impl Set<'_> {
-    /// Makes the node and all below it; gives the places of those below it that are of many items.
-    fn build(self, forks: u32) -> Vec<u32> {
-        let mut upper = Vec::new();
+    /// Makes the node and all below it, so `few` items being a leaf; gives the places of those below it that are of
+    /// many items.
+    fn build(self, few: usize, forks: u32) -> Vec<u32> {
+        let (mut upper, mut bins) = (Vec::new(), Bins::NONE);
         let mut waiting = vec![self];
         while let Some(set) = waiting.pop() {
             let (n, pair) = (set.items.len(), set.pairs as u32);
-            let Some([a, b]) = set.divided() else { continue };
+            let Some([a, b]) = set.divided(few, &mut bins) else { continue };
             let places = [(&a, pair), (&b, pair + 1)];
             let many = places.into_iter().filter(|(set, _)| set.items.len() > LEAST_INSERTED);
             upper.extend(many.map(|(_, place)| place));
             if forks > 0 && parallel::is_worth_a_fork(n) {
-                let (a, b) = rayon::join(|| a.build(forks - 1), || b.build(forks - 1));
+                let (a, b) = rayon::join(|| a.build(few, forks - 1), || b.build(few, forks - 1));
                 upper.extend(a);
                 upper.extend(b);
             } else {
@@ -189,18 +207,17 @@ impl Set<'_> {
     }
 
     /// Makes the node, and gives both sides of the cut that costs least; none of a leaf.
-    fn divided(self) -> Option<[Self; 2]> {
+    fn divided(self, few: usize, bins: &mut Bins) -> Option<[Self; 2]> {
         let Self { items, first, around, level, node, below, pairs } = self;
         let (bounds, n) = (around.items.aabb(), items.len());
-        let ([lower_node, upper_node, below @ ..], 2..) = (below, n) else {
-            *node = Bvh2Node::new(bounds, 1, first as u32);
+        let (false, [lower_node, upper_node, below @ ..]) = (n <= few, below) else {
+            *node = Bvh2Node::new(bounds, n as u32, first as u32);
             return None;
         };
         *node = Bvh2Node::new(bounds, 0, pairs as u32);
-        let cut = match n {
-            _ if level > MOST_CUTS => None,
-            ..=FEW => Cut::half_way(&around.centres),
-            _ => Cut::of(items, &around.centres),
+        let cut = match level {
+            ..=MOST_CUTS => Cut::of(items, &around.centres, bins),
+            _ => None,
         };
         let (middle, [lower, upper]) = match cut {
             Some(cut) => cut.partition(items),
@@ -255,6 +272,33 @@ impl Binning {
     }
 }
 
+/// What lies in the bins of each axis.
+struct Bins {
+    bounds: [[Bounds; MOST_BINS]; 3],
+    numbers: [[u32; MOST_BINS]; 3],
+}
+
+impl Bins {
+    const NONE: Self =
+        Self { bounds: [[Bounds::NONE; MOST_BINS]; 3], numbers: [[0; MOST_BINS]; 3] };
+
+    /// Counts the items into so many bins.
+    #[inline(always)]
+    fn fill(&mut self, count: usize, binning: &Binning, items: &[Item]) {
+        self.bounds.iter_mut().for_each(|of_axis| of_axis[..count].fill(Bounds::NONE));
+        self.numbers.iter_mut().for_each(|of_axis| of_axis[..count].fill(0));
+        for item in items {
+            let places = binning.bins(item);
+            let of = Bounds { low: item.low, high: item.high };
+            for axis in 0..3 {
+                let bin = places[axis] as usize & (MOST_BINS - 1);
+                self.bounds[axis][bin].add(&of);
+                self.numbers[axis][bin] += 1;
+            }
+        }
+    }
+}
+
 /// A cut between two bins.
 struct Cut {
     binning: Binning,
@@ -265,24 +309,14 @@ struct Cut {
 
 impl Cut {
     /// The cut that costs least; none where all centres are alike.
-    fn of(items: &[Item], centres: &Bounds) -> Option<Self> {
+    fn of(items: &[Item], centres: &Bounds, bins: &mut Bins) -> Option<Self> {
         let count = (FEWEST_BINS + items.len() / BOXES_A_BIN).min(MOST_BINS);
         let binning = Binning::of(centres, count);
-        let mut bounds = [[Bounds::NONE; MOST_BINS]; 3];
-        let mut numbers = [[0u32; MOST_BINS]; 3];
-        for item in items {
-            let bins = binning.bins(item);
-            let of = Bounds { low: item.low, high: item.high };
-            for axis in 0..3 {
-                let bin = bins[axis] as usize & (MOST_BINS - 1);
-                bounds[axis][bin].add(&of);
-                numbers[axis][bin] += 1;
-            }
-        }
+        bins.fill(count, &binning, items);
         let blocks = |items: u32| items.div_ceil(BLOCK) as f32;
         let (mut least, mut best) = (f32::INFINITY, None);
         for axis in 0..3 {
-            let (bounds, numbers) = (&bounds[axis][..count], &numbers[axis][..count]);
+            let (bounds, numbers) = (&bins.bounds[axis][..count], &bins.numbers[axis][..count]);
             let mut above = [0.0; MOST_BINS];
             let (mut around, mut n) = (Bounds::NONE, 0);
             for bin in (1..count).rev() {
@@ -307,41 +341,22 @@ impl Cut {
         best
     }
 
-    /// Half way along the longest axis; none where all centres are alike.
-    fn half_way(centres: &Bounds) -> Option<Self> {
-        let binning = Binning::of(centres, 2);
-        let scale = binning.scale.to_array();
-        let longest = |best: usize, axis: usize| {
-            let is_longer = scale[axis] > 0.0 && (scale[best] == 0.0 || scale[axis] < scale[best]);
-            if is_longer { axis } else { best }
-        };
-        let axis = (1..3).fold(0, longest);
-        (scale[axis] > 0.0).then_some(Self { binning, axis, bin: 1 })
-    }
-
-    #[inline(always)]
-    fn is_lower(&self, item: &Item) -> bool {
-        self.binning.bins(item)[self.axis] < self.bin
-    }
-
-    /// Brings the items of the lower side before the others: how many they are, and what is around both.
+    /// Brings the items of the lower side before the others: how many they are, and what is around both. Without
+    /// branches (N. Lomuto's way to partition), as no processor can guess on which side an item is.
     fn partition(&self, items: &mut [Item]) -> (usize, [Around; 2]) {
         let [mut lower, mut upper] = [Around::NONE; 2];
-        let (mut from, mut to) = (0, items.len());
-        loop {
-            while from < to && self.is_lower(&items[from]) {
-                lower.add(&items[from]);
-                from += 1;
-            }
-            while from < to && !self.is_lower(&items[to - 1]) {
-                to -= 1;
-                upper.add(&items[to]);
-            }
-            if from == to {
-                return (from, [lower, upper]);
-            }
-            items.swap(from, to - 1);
+        let mut middle = 0;
+        for i in 0..items.len() {
+            let item = items[i];
+            let is_lower = self.binning.bins(&item)[self.axis] < self.bin;
+            items[i] = items[middle];
+            items[middle] = item;
+            middle += usize::from(is_lower);
+            let mask = i32x4::splat(-i32::from(is_lower));
+            lower.add_where(mask, &item);
+            upper.add_where(!mask, &item);
         }
+        (middle, [lower, upper])
     }
 }
 
@@ -352,7 +367,7 @@ mod tests {
 
     fn built(boxes: &[Aabb], threads: usize) -> Bvh2 {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| tree(boxes))
+        pool.install(|| tree(boxes, 16))
     }
 
     #[test]
@@ -373,16 +388,35 @@ mod tests {
                 assert!(other.nodes.iter().zip(&one.nodes).all(same), "{threads} threads");
             }
         }
-        assert!(tree(&[]).nodes.is_empty());
+        assert!(tree(&[], 16).nodes.is_empty());
+    }
+
+    #[test]
+    fn leaves_have_a_few_boxes_and_no_more_than_is_asked_for() {
+        let boxes = scattered(3000, 0.01);
+        for longest in [1, 2, 3, 16] {
+            let bvh = tree(&boxes, longest);
+            assert_eq!(fault(&bvh, &boxes, 96), None);
+            let (mut most, mut waiting) = (0, vec![0]);
+            while let Some(at) = waiting.pop() {
+                let node: &Bvh2Node = &bvh.nodes[at as usize];
+                most = most.max(node.prim_count);
+                if !node.is_leaf() {
+                    waiting.extend([node.first_index, node.first_index + 1]);
+                }
+            }
+            assert_eq!(most, FEW.min(longest));
+        }
     }
 
     #[test]
     fn what_is_deep_is_balanced() {
         let boxes = scattered(1000, 0.01);
-        let levels =
-            |level| (10..96).find(|most| fault(&divided(&boxes, level).0, &boxes, *most).is_none());
-        assert_eq!(levels(MOST_CUTS + 1), Some(11));
-        assert!(levels(1) > Some(11), "{:?}", levels(1));
+        let levels = |level| {
+            (9..96).find(|most| fault(&divided(&boxes, 3, level).0, &boxes, *most).is_none())
+        };
+        assert_eq!(levels(MOST_CUTS + 1), Some(10));
+        assert!(levels(1) > Some(10), "{:?}", levels(1));
     }
 
     /// Two clusters far from each other.
@@ -394,7 +428,9 @@ mod tests {
         }
         let mut items: Vec<Item> = boxes.iter().zip(0..).map(|(b, i)| Item::of(b, i)).collect();
         let around = Around::of(&items);
-        let cut = Cut::of(&items, &around.centres).unwrap();
+        let of =
+            |items: &[Item], around: &Around| Cut::of(items, &around.centres, &mut { Bins::NONE });
+        let cut = of(&items, &around).unwrap();
         let (middle, [lower, upper]) = cut.partition(&mut items);
         assert_eq!(middle, 400);
         let numbers: Vec<u32> = items.iter().map(Item::number).collect();
@@ -405,6 +441,6 @@ mod tests {
             lower.items.aabb().max.max_element() < 1.1
                 && upper.items.aabb().min.min_element() > 4.9
         );
-        assert!(Cut::of(&items[..1], &Around::of(&items[..1]).centres).is_none());
+        assert!(of(&items[..1], &Around::of(&items[..1])).is_none());
     }
 }

@@ -17,12 +17,10 @@ mod node;
 mod node_ray_lanes;
 mod refit;
 mod stack;
-
-use std::ops::ControlFlow;
+mod traversal;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
@@ -31,8 +29,8 @@ use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::Lists;
-use crate::query::prepared::{OneByOne, Prepared};
-use crate::query::resumable::{self, Resumable};
+use crate::query::prepared::OneByOne;
+use crate::query::resumable;
 use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
@@ -40,14 +38,13 @@ use crate::structure::{
 use crate::structures::obvhs::adapter::{
     AdapterConfig, BINNED, BUILDS, PRESET, UNPADDED, is_unpadded,
 };
-use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length, RaySetup};
+use crate::structures::obvhs::box_ray::RaySetup;
 use crate::structures::obvhs::builder::reinserted;
 use crate::structures::obvhs::items::{Padding, items_of};
 use crate::update::{Change, REBUILD_AT, REFIT};
 use collapse::{Collapse, Costs, WIDTH};
-use node::{LEAF, Node, NodeRay};
-use node_ray_lanes::NodeRayLanes;
-use stack::{LEVELS, Room, Stack};
+use node::{LEAF, Node};
+use stack::LEVELS;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -140,7 +137,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         let structure = settings.structure();
         let items = items_of(prims, settings.limits(), settings.padding())?;
         let mut bvh = match settings.is_binned {
-            true => binned::tree(&items.boxes),
+            true => binned::tree(&items.boxes, settings.costs.longest_leaf),
             false => reinserted(&items.boxes, &settings.adapter.preset, true),
         };
         let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
@@ -151,6 +148,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             bytes += blocks * size_of::<TriangleBlock<S>>();
         }
         settings.fits(bytes as u128)?;
+        lists.reserve(blocks);
         let mut stats = StructureStats::default();
         let mut ids = Vec::new();
         let mut leaf = |node: u32, stats: &mut StructureStats| {
@@ -278,126 +276,5 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             waiting.extend(children(at).into_iter().rev().map(|(at, b)| (at, b, depth + 1)));
         }
         Ok(())
-    }
-}
-
-/// A ray's way through the tree.
-pub struct State<S: Scalar> {
-    parameters: BoxParameters<S>,
-    ray: NodeRay,
-    /// Where the query ends, on `ray`.
-    end: f32,
-    at: u32,
-    waiting: usize,
-}
-
-impl<S: Scalar> WideBvh<S> {
-    #[inline(always)]
-    fn at_root(&self, parameters: BoxParameters<S>, ray: NodeRay, t_max: S) -> State<S> {
-        State { parameters, ray, end: parameters.bound(t_max), at: self.root, waiting: 0 }
-    }
-}
-
-/// What nodes need of eight rays.
-pub struct EightRays<S: Scalar> {
-    rays: NodeRayLanes,
-    parameters: [BoxParameters<S>; LANES],
-}
-
-impl<S: Scalar> Prepared<S> for WideBvh<S> {
-    type Eight = EightRays<S>;
-
-    #[inline(always)]
-    fn prepare(&self, rays: &RayLanes<S>) -> EightRays<S> {
-        let BoxRayLanes { origin, direction, parameters } = self.setup.ray_lanes(rays);
-        EightRays { rays: NodeRayLanes::of(&origin, &direction, self.is_exact), parameters }
-    }
-
-    #[inline(always)]
-    fn begin_prepared(&self, eight: &EightRays<S>, lane: usize, t_max: S) -> State<S> {
-        self.at_root(eight.parameters[lane & (LANES - 1)], eight.rays.get(lane), t_max)
-    }
-}
-
-impl<S: Scalar> Resumable<S> for WideBvh<S> {
-    type State = State<S>;
-    type Room = Room;
-
-    #[inline(always)]
-    fn begin(&self, ray: &Ray<S>, t_max: S) -> State<S> {
-        let BoxRay { origin, direction, parameters } = self.setup.ray(ray, Length::Own);
-        let is_exact = self.is_exact && !parameters.starts_earlier();
-        let of_nodes = NodeRay::of(origin, direction, is_exact);
-        #[cfg(feature = "compiled-tests")]
-        let of_nodes = match self.is_plain {
-            true => NodeRay::plain(origin, direction),
-            false => of_nodes,
-        };
-        self.at_root(parameters, of_nodes, t_max)
-    }
-
-    #[inline(always)]
-    fn is_nowhere(_: &State<S>) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn arrive(&self, _: &mut State<S>) {}
-
-    #[inline(always)]
-    fn is_inner(state: &State<S>) -> bool {
-        state.at & LEAF == 0
-    }
-
-    #[inline(always)]
-    fn is_empty(_: &State<S>) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    unsafe fn descend<K: Sink<S>>(
-        &self,
-        state: &mut State<S>,
-        room: &mut Room,
-        sink: &mut K,
-    ) -> bool {
-        sink.inner_step();
-        let node = &self.nodes[state.at as usize];
-        // SAFETY: the ray has been in this room since it began, and nothing waited then
-        let mut stack = unsafe { Stack::new(room, &mut state.waiting) };
-        let next = match sink.is_any_hit() {
-            true => stack.descend_unordered(node, &state.ray, state.end),
-            false => stack.descend(node, &state.ray, state.end),
-        };
-        match next.or_else(|| stack.pop(state.end)) {
-            Some(next) => {
-                state.at = next;
-                true
-            }
-            None => false,
-        }
-    }
-
-    #[inline(always)]
-    fn test<K: Sink<S>>(&self, state: &State<S>, sink: &mut K) -> ControlFlow<()> {
-        self.lists.test(state.at & !LEAF, sink)
-    }
-
-    #[inline(always)]
-    unsafe fn leave<K: Sink<S>>(
-        &self,
-        state: &mut State<S>,
-        room: &mut Room,
-        sink: &mut K,
-    ) -> bool {
-        if !sink.is_any_hit() {
-            state.end = state.parameters.bound(sink.t_max());
-        }
-        // SAFETY: as in `descend`
-        let next = unsafe { Stack::new(room, &mut state.waiting) }.pop(state.end);
-        if let Some(next) = next {
-            state.at = next;
-        }
-        next.is_some()
     }
 }

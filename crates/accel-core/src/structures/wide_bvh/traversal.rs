@@ -1,0 +1,136 @@
+//! One ray's way through the tree: its setup, alone or eight at a time, and its steps.
+
+use std::ops::ControlFlow;
+
+use crate::geometry::ray::Ray;
+use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::scalar::Scalar;
+use crate::query::prepared::Prepared;
+use crate::query::resumable::Resumable;
+use crate::query::sink::Sink;
+use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length};
+use crate::structures::wide_bvh::WideBvh;
+use crate::structures::wide_bvh::node::{LEAF, NodeRay};
+use crate::structures::wide_bvh::node_ray_lanes::NodeRayLanes;
+use crate::structures::wide_bvh::stack::{Room, Stack};
+
+/// A ray's way through the tree.
+pub struct State<S: Scalar> {
+    parameters: BoxParameters<S>,
+    ray: NodeRay,
+    /// Where the query ends, on `ray`.
+    end: f32,
+    at: u32,
+    waiting: usize,
+}
+
+impl<S: Scalar> WideBvh<S> {
+    #[inline(always)]
+    fn at_root(&self, parameters: BoxParameters<S>, ray: NodeRay, t_max: S) -> State<S> {
+        State { parameters, ray, end: parameters.bound(t_max), at: self.root, waiting: 0 }
+    }
+}
+
+/// What nodes need of eight rays.
+pub struct EightRays<S: Scalar> {
+    rays: NodeRayLanes,
+    parameters: [BoxParameters<S>; LANES],
+}
+
+impl<S: Scalar> Prepared<S> for WideBvh<S> {
+    type Eight = EightRays<S>;
+
+    #[inline(always)]
+    fn prepare(&self, rays: &RayLanes<S>) -> EightRays<S> {
+        let BoxRayLanes { origin, direction, parameters } = self.setup.ray_lanes(rays);
+        EightRays { rays: NodeRayLanes::of(&origin, &direction, self.is_exact), parameters }
+    }
+
+    #[inline(always)]
+    fn begin_prepared(&self, eight: &EightRays<S>, lane: usize, t_max: S) -> State<S> {
+        self.at_root(eight.parameters[lane & (LANES - 1)], eight.rays.get(lane), t_max)
+    }
+}
+
+impl<S: Scalar> Resumable<S> for WideBvh<S> {
+    type State = State<S>;
+    type Room = Room;
+
+    #[inline(always)]
+    fn begin(&self, ray: &Ray<S>, t_max: S) -> State<S> {
+        let BoxRay { origin, direction, parameters } = self.setup.ray(ray, Length::Own);
+        let is_exact = self.is_exact && !parameters.starts_earlier();
+        let of_nodes = NodeRay::of(origin, direction, is_exact);
+        #[cfg(feature = "compiled-tests")]
+        let of_nodes = match self.is_plain {
+            true => NodeRay::plain(origin, direction),
+            false => of_nodes,
+        };
+        self.at_root(parameters, of_nodes, t_max)
+    }
+
+    #[inline(always)]
+    fn is_nowhere(_: &State<S>) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn arrive(&self, _: &mut State<S>) {}
+
+    #[inline(always)]
+    fn is_inner(state: &State<S>) -> bool {
+        state.at & LEAF == 0
+    }
+
+    #[inline(always)]
+    fn is_empty(_: &State<S>) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    unsafe fn descend<K: Sink<S>>(
+        &self,
+        state: &mut State<S>,
+        room: &mut Room,
+        sink: &mut K,
+    ) -> bool {
+        sink.inner_step();
+        let node = &self.nodes[state.at as usize];
+        // SAFETY: the ray has been in this room since it began, and nothing waited then
+        let mut stack = unsafe { Stack::new(room, &mut state.waiting) };
+        let next = match sink.is_any_hit() {
+            true => stack.descend_unordered(node, &state.ray, state.end),
+            false => stack.descend(node, &state.ray, state.end),
+        };
+        match next.or_else(|| stack.pop(state.end)) {
+            Some(next) => {
+                state.at = next;
+                true
+            }
+            None => false,
+        }
+    }
+
+    #[inline(always)]
+    fn test<K: Sink<S>>(&self, state: &State<S>, sink: &mut K) -> ControlFlow<()> {
+        self.lists.test(state.at & !LEAF, sink)
+    }
+
+    #[inline(always)]
+    unsafe fn leave<K: Sink<S>>(
+        &self,
+        state: &mut State<S>,
+        room: &mut Room,
+        sink: &mut K,
+    ) -> bool {
+        if !sink.is_any_hit() {
+            state.end = state.parameters.bound(sink.t_max());
+        }
+        // SAFETY: as in `descend`
+        let next = unsafe { Stack::new(room, &mut state.waiting) }.pop(state.end);
+        if let Some(next) = next {
+            state.at = next;
+        }
+        next.is_some()
+    }
+}
