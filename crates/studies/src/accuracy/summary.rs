@@ -16,7 +16,7 @@ use statistics::series::{Series, geometric_mean_of};
 pub enum Cost {
     /// All variants are equally accurate.
     NoneAtStake,
-    /// The most accurate one takes less than [`NOTICED`] times as long, by the whole interval.
+    /// The most accurate one takes less than 5% longer, by the whole interval.
     Free(Estimate),
     /// It may take less than that or more.
     NotTold(Estimate),

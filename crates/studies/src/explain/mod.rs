@@ -55,7 +55,7 @@ pub struct ExplainSettings {
     pub structure: String,
     /// How to measure; `reference` is the other row.
     pub measuring: MeasuringSettings,
-    /// Fresh processes that build and time, one after the other; at most [`RunSettings::MOST_PROCESSES`].
+    /// Fresh processes that build and time, one after the other, as [`measurement::settings::RunSettings::processes`].
     pub processes: u32,
 }
 

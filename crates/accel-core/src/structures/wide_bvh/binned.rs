@@ -288,12 +288,12 @@ impl Bins {
         self.bounds.iter_mut().for_each(|of_axis| of_axis[..count].fill(Bounds::NONE));
         self.numbers.iter_mut().for_each(|of_axis| of_axis[..count].fill(0));
         for item in items {
-            let places = binning.bins(item);
             let of = Bounds { low: item.low, high: item.high };
-            for axis in 0..3 {
-                let bin = places[axis] as usize & (MOST_BINS - 1);
-                self.bounds[axis][bin].add(&of);
-                self.numbers[axis][bin] += 1;
+            let axes = self.bounds.iter_mut().zip(&mut self.numbers);
+            for ((bounds, numbers), place) in axes.zip(binning.bins(item)) {
+                let bin = place as usize & (MOST_BINS - 1);
+                bounds[bin].add(&of);
+                numbers[bin] += 1;
             }
         }
     }
