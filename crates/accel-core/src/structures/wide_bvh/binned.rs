@@ -15,15 +15,12 @@ use wide::{f32x4, i32x4};
 
 use crate::geometry::lanes::{Four, Lanes};
 use crate::parallel;
-use crate::primitives::TriangleBlock;
+use crate::structures::wide_bvh::collapse::blocks;
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
 const FEWEST_BINS: usize = 4;
 const BOXES_A_BIN: usize = 20;
 const MOST_BINS: usize = 32;
-
-/// Triangles of a block.
-const BLOCK: u32 = TriangleBlock::<f32>::LANES as u32;
 
 /// So few boxes are not divided: they mostly share a block.
 const FEW: u32 = 3;
@@ -36,28 +33,25 @@ const MOST_CUTS: u32 = 48;
 
 /// A box and its number, which stands in the fourth lane of `low`.
 #[derive(Debug, Clone, Copy)]
-struct Item {
-    low: f32x4,
-    high: f32x4,
-}
+struct Item(Bounds);
 
 impl Item {
     fn of(aabb: &Aabb, number: u32) -> Self {
         let ([x, y, z], [u, v, w]) = (aabb.min.to_array(), aabb.max.to_array());
-        Self {
+        Self(Bounds {
             low: f32x4::new([x, y, z, f32::from_bits(number)]),
             high: f32x4::new([u, v, w, 0.0]),
-        }
+        })
     }
 
     fn number(&self) -> u32 {
-        self.low.to_array()[3].to_bits()
+        self.0.low.to_array()[3].to_bits()
     }
 
     /// Twice the centre.
     #[inline(always)]
     fn centre(&self) -> f32x4 {
-        (self.low + self.high) & XYZ
+        (self.0.low + self.0.high) & XYZ
     }
 }
 
@@ -80,6 +74,15 @@ impl Bounds {
     fn add(&mut self, other: &Self) {
         self.low = self.low.lesser(other.low);
         self.high = self.high.greater(other.high);
+    }
+
+    /// Adds the other where the mask is set.
+    #[inline(always)]
+    fn add_where(&mut self, mask: i32x4, other: &Self) {
+        self.add(&Self {
+            low: other.low.where_set(mask, Self::NONE.low),
+            high: other.high.where_set(mask, Self::NONE.high),
+        });
     }
 
     #[inline(always)]
@@ -106,22 +109,17 @@ impl Around {
 
     #[inline(always)]
     fn add(&mut self, item: &Item) {
-        self.items.add(&Bounds { low: item.low, high: item.high });
         let centre = item.centre();
+        self.items.add(&item.0);
         self.centres.add(&Bounds { low: centre, high: centre });
     }
 
     /// Adds the item where the mask is set.
     #[inline(always)]
     fn add_where(&mut self, mask: i32x4, item: &Item) {
-        let Bounds { low, high } = Bounds::NONE;
         let centre = item.centre();
-        self.items.add(&Bounds {
-            low: item.low.where_set(mask, low),
-            high: item.high.where_set(mask, high),
-        });
-        self.centres
-            .add(&Bounds { low: centre.where_set(mask, low), high: centre.where_set(mask, high) });
+        self.items.add_where(mask, &item.0);
+        self.centres.add_where(mask, &Bounds { low: centre, high: centre });
     }
 
     fn of(items: &[Item]) -> Self {
@@ -288,11 +286,10 @@ impl Bins {
         self.bounds.iter_mut().for_each(|of_axis| of_axis[..count].fill(Bounds::NONE));
         self.numbers.iter_mut().for_each(|of_axis| of_axis[..count].fill(0));
         for item in items {
-            let of = Bounds { low: item.low, high: item.high };
             let axes = self.bounds.iter_mut().zip(&mut self.numbers);
             for ((bounds, numbers), place) in axes.zip(binning.bins(item)) {
                 let bin = place as usize & (MOST_BINS - 1);
-                bounds[bin].add(&of);
+                bounds[bin].add(&item.0);
                 numbers[bin] += 1;
             }
         }
@@ -313,7 +310,7 @@ impl Cut {
         let count = (FEWEST_BINS + items.len() / BOXES_A_BIN).min(MOST_BINS);
         let binning = Binning::of(centres, count);
         bins.fill(count, &binning, items);
-        let blocks = |items: u32| items.div_ceil(BLOCK) as f32;
+        let blocks = |items: u32| blocks(items) as f32;
         let (mut least, mut best) = (f32::INFINITY, None);
         for axis in 0..3 {
             let (bounds, numbers) = (&bins.bounds[axis][..count], &bins.numbers[axis][..count]);

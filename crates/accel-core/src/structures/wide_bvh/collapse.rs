@@ -69,7 +69,8 @@ fn primitives_of(bvh: &Bvh2, groups: &Groups, leaf: &Bvh2Node) -> u32 {
     items(bvh, leaf).iter().map(|item| groups.ids(item).len() as u32).sum()
 }
 
-fn blocks(primitives: u32) -> u32 {
+/// Blocks of triangles that so many primitives of a leaf take.
+pub(super) fn blocks(primitives: u32) -> u32 {
     primitives.div_ceil(TriangleBlock::<f32>::LANES as u32)
 }
 
