@@ -75,6 +75,7 @@ struct Embree {
     FUNCTION(void, SetSceneFlags, Scene, int);
     FUNCTION(void, JoinCommitScene, Scene);
     FUNCTION(Geometry, NewGeometry, Device, int);
+    FUNCTION(void, SetGeometryBuildQuality, Geometry, int);
     FUNCTION(void *, SetNewGeometryBuffer, Geometry, int, unsigned, int, size_t, size_t);
     FUNCTION(void, SetGeometryOccludedFilterFunction, Geometry, void (*)(const FilterArguments *));
     FUNCTION(void, CommitGeometry, Geometry);
@@ -135,10 +136,16 @@ void destroy(void *pointer) {
     delete built;
 }
 
+int quality_of(const rtbench_scene &scene) {
+    std::string quality = scene.settings[0];
+    return quality == "low" ? 0 : quality == "high" ? 2 : 1;
+}
+
 void attach(Built &built, const rtbench_scene &from, unsigned which) {
     const auto &ids = built.ids[which];
     if (ids.empty()) return;
     Geometry geometry = embree().NewGeometry(built.device, TRIANGLES);
+    embree().SetGeometryBuildQuality(geometry, quality_of(from));
     auto *vertices = static_cast<float *>(embree().SetNewGeometryBuffer(geometry, VERTICES, 0, FLOAT3, 12, 3 * ids.size()));
     auto *indices = static_cast<uint32_t *>(embree().SetNewGeometryBuffer(geometry, INDICES, 0, UINT3, 12, ids.size()));
     if (vertices && indices) {
@@ -163,9 +170,8 @@ int build(const rtbench_scene *scene, void **out, char *message, size_t size) {
         return destroy(built), 1;
     }
     embree().SetDeviceMemoryMonitorFunction(built->device, count_bytes, built);
-    std::string quality = scene->settings[0];
     built->scene = embree().NewScene(built->device);
-    embree().SetSceneBuildQuality(built->scene, quality == "low" ? 0 : quality == "high" ? 2 : 1);
+    embree().SetSceneBuildQuality(built->scene, quality_of(*scene));
     embree().SetSceneFlags(built->scene, scene->settings[1] == std::string("yes") ? ROBUST : 0);
     for (uint32_t id = 0; id < scene->triangles; id++)
         built->ids[scene->transmissive && scene->transmissive[id]].push_back(id);
