@@ -46,6 +46,11 @@ pub(crate) fn map_parts<T: Send>(
     (0..primitives.div_ceil(size)).into_par_iter().map(part).collect()
 }
 
+/// What `f` makes of each of `0..n`, in their order.
+pub(crate) fn collect<T: Send>(n: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    if parts(n) == 1 { (0..n).map(f).collect() } else { (0..n).into_par_iter().map(f).collect() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

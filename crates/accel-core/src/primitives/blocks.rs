@@ -1,5 +1,7 @@
 //! Lists of primitives as blocks of triangles.
 
+use std::mem::MaybeUninit;
+
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::prim_set::PrimSet;
 use crate::primitives::triangle_block::TriangleBlock;
@@ -22,17 +24,42 @@ pub(crate) fn length<S: Scalar>(blocks: &[TriangleBlock<S>]) -> usize {
     (blocks.iter().take_while(|block| block.has_next()).count() + 1).min(blocks.len())
 }
 
-/// The blocks of a list, in its order.
-pub(crate) fn of_list<'a, S: Scalar, P: PrimSet<S>>(
-    prims: &'a P,
-    ids: &'a [u32],
-) -> impl ExactSizeIterator<Item = TriangleBlock<S>> + 'a {
-    let corners = |id| prims.corners_in_block(id).map(|corners| corners.map(|p| p.to_array()));
+/// Adds the blocks of a list, in its order.
+pub(crate) fn push_list<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    ids: &[u32],
+    into: &mut Vec<TriangleBlock<S>>,
+) {
+    let first = into.len();
+    into.resize(first + number_of::<S>(ids.len()), TriangleBlock::empty());
+    set_list(prims, ids, &mut into[first..]);
+}
+
+/// Makes the first of these the blocks of a list, in its order; the others.
+pub(crate) fn set_list<'a, S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    ids: &[u32],
+    into: &'a mut [TriangleBlock<S>],
+) -> &'a mut [TriangleBlock<S>] {
+    let (blocks, others) = into.split_at_mut(number_of::<S>(ids.len()));
+    for (block, (part, more)) in blocks.iter_mut().zip(parts::<S>(ids)) {
+        *block = TriangleBlock::empty();
+        fill(prims, part, more, block);
+    }
+    others
+}
+
+/// The ids of each block of a list, and whether another follows.
+fn parts<S: Scalar>(ids: &[u32]) -> impl Iterator<Item = (&[u32], bool)> {
     let last = number_of::<S>(ids.len()).saturating_sub(1);
-    ids.chunks(TriangleBlock::<S>::LANES).enumerate().map(move |(i, part)| {
-        TriangleBlock::new(part.iter().filter_map(|&id| Some((id, corners(id)?))), i < last)
-            .moving(prims.move_as_one(part))
-    })
+    ids.chunks(TriangleBlock::<S>::LANES).enumerate().map(move |(i, part)| (part, i < last))
+}
+
+/// Makes an empty block that of these primitives.
+#[inline(always)]
+fn fill<S: Scalar, P: PrimSet<S>>(prims: &P, ids: &[u32], more: bool, into: &mut TriangleBlock<S>) {
+    let corners = |&id| Some((id, prims.corners_in_block(id)?.map(|p| p.to_array())));
+    into.fill(ids.iter().filter_map(corners), more, prims.move_as_one(ids));
 }
 
 /// Makes blocks anew of the same primitives, of which some have moved.
@@ -46,10 +73,9 @@ pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(
         if !ids[..n].iter().any(|&id| moved.has(id)) {
             continue;
         }
-        let corners = |id| Some((id, prims.corners_in_block(id)?.map(|p| p.to_array())));
-        *block =
-            TriangleBlock::new(ids[..n].iter().filter_map(|&id| corners(id)), block.has_next())
-                .moving(prims.move_as_one(&ids[..n]));
+        let more = block.has_next();
+        *block = TriangleBlock::empty();
+        fill(prims, &ids[..n], more, block);
     }
 }
 
@@ -61,8 +87,11 @@ pub(crate) fn of_lists<S: Scalar, P: PrimSet<S>>(
     lists: &[&[u32]],
 ) -> Vec<TriangleBlock<S>> {
     let number: usize = lists.iter().map(|list| number_of::<S>(list.len())).sum();
-    let mut all = vec![TriangleBlock::new(std::iter::empty(), false); empty + number];
-    write(prims, lists, &mut all[empty..]);
+    let mut all = Vec::with_capacity(empty + number);
+    all.resize(empty, TriangleBlock::empty());
+    write(prims, lists, &mut all.spare_capacity_mut()[..number]);
+    // SAFETY: `write` has written each of them
+    unsafe { all.set_len(empty + number) };
     all
 }
 
@@ -77,10 +106,20 @@ pub(crate) fn ids_of_list<S: Scalar>(blocks: &[TriangleBlock<S>], into: &mut Vec
     }
 }
 
-fn write<S: Scalar, P: PrimSet<S>>(prims: &P, lists: &[&[u32]], into: &mut [TriangleBlock<S>]) {
+/// Writes the blocks of the lists, of which there are as many.
+fn write<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    lists: &[&[u32]],
+    into: &mut [MaybeUninit<TriangleBlock<S>>],
+) {
     if lists.len() < 512 {
-        let blocks = lists.iter().flat_map(|list| of_list(prims, list));
-        into.iter_mut().zip(blocks).for_each(|(into, block)| *into = block);
+        let mut written = 0;
+        let blocks = lists.iter().flat_map(|list| parts::<S>(list));
+        for (slot, (part, more)) in into.iter_mut().zip(blocks) {
+            fill(prims, part, more, slot.write(TriangleBlock::empty()));
+            written += 1;
+        }
+        assert_eq!(written, into.len());
         return;
     }
     let (before, after) = lists.split_at(lists.len() / 2);

@@ -160,7 +160,8 @@ mod tests {
                     continue;
                 }
                 let ids: Vec<u32> = ids.collect();
-                let block = blocks::of_list(&set, &ids).next().unwrap();
+                let mut block = TriangleBlock::empty();
+                blocks::set_list(&set, &ids, std::slice::from_mut(&mut block));
                 as_one += u32::from(block.moves_as_one());
                 let mut found = Hit { t: t_max, id: u32::MAX };
                 moving.closest_in_block(&block, &ray, &setup, &mut found);

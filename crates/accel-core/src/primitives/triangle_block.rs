@@ -40,29 +40,40 @@ impl<S: Scalar> TriangleBlock<S> {
     /// The largest number of primitives that ids in blocks can tell apart.
     pub const MOST_IDS: usize = APART as usize - 1;
 
-    /// Of no more than `LANES` triangles; further ones are left out. `more`: another block
-    /// of the same list follows.
-    pub fn new(triangles: impl Iterator<Item = (u32, [[S; 3]; 3])>, more: bool) -> Self {
+    /// Without triangles.
+    pub(crate) fn empty() -> Self {
         let nan = S::from_f64(f64::NAN);
         let mut this = Self { corners: [[[nan; LANES]; 3]; 3], ids: [MISS; LANES] };
-        for (lane, (id, corners)) in triangles.take(LANES).enumerate() {
-            this.ids[lane] = id;
-            for (i, corner) in corners.iter().enumerate() {
-                for (k, x) in corner.iter().enumerate() {
-                    this.corners[i][k][lane] = *x;
-                }
-            }
-        }
-        // as one, until said otherwise
         this.ids[0] &= !MARKS;
-        this.ids[0] |= if more { MORE } else { 0 };
         this
     }
 
-    /// The same, marked where its triangles do not all move alike.
-    pub(crate) fn moving(mut self, as_one: bool) -> Self {
-        self.ids[0] |= if as_one { 0 } else { APART };
-        self
+    /// Of no more than `LANES` triangles; further ones are left out. `more`: another block
+    /// of the same list follows.
+    pub fn new(triangles: impl Iterator<Item = (u32, [[S; 3]; 3])>, more: bool) -> Self {
+        let mut this = Self::empty();
+        this.fill(triangles, more, true);
+        this
+    }
+
+    /// Makes an empty one that of these triangles, where it is: a block is large. `as_one`: they all move alike, or are
+    /// at rest.
+    #[inline(always)]
+    pub(crate) fn fill(
+        &mut self,
+        triangles: impl Iterator<Item = (u32, [[S; 3]; 3])>,
+        more: bool,
+        as_one: bool,
+    ) {
+        for (lane, (id, corners)) in triangles.take(LANES).enumerate() {
+            self.ids[lane] = id;
+            for (i, corner) in corners.iter().enumerate() {
+                for (k, x) in corner.iter().enumerate() {
+                    self.corners[i][k][lane] = *x;
+                }
+            }
+        }
+        self.ids[0] |= if more { MORE } else { 0 } | if as_one { 0 } else { APART };
     }
 
     /// Whether its triangles move alike, or are at rest.

@@ -92,10 +92,9 @@ impl<S: Scalar> ListBlocks<S> {
                 let room = at.map_or(0, |at| blocks::length(&self.blocks[at as usize..]));
                 if room < length_of(list) {
                     at = u32::try_from(self.blocks.len()).ok();
-                    self.blocks.extend(blocks::of_list(prims, list));
+                    blocks::push_list(prims, list, &mut self.blocks);
                 } else if let Some(at) = at {
-                    let own = self.blocks.iter_mut().skip(at as usize);
-                    own.zip(blocks::of_list(prims, list)).for_each(|(own, block)| *own = block);
+                    blocks::set_list(prims, list, &mut self.blocks[at as usize..]);
                 }
             }
             *first.get_mut(place)? = at.filter(|&at| at != NONE)?;

@@ -16,37 +16,48 @@ pub(crate) enum Lists<S> {
     Blocks(Vec<TriangleBlock<S>>),
 }
 
-impl<S: Scalar> Lists<S> {
-    /// None yet; of blocks where they serve the set.
-    pub(crate) fn begun<P: PrimSet<S>>(prims: &P) -> Self {
-        if blocks::serve(prims) { Self::Blocks(Vec::new()) } else { Self::Ids(Vec::new()) }
-    }
+/// Where each of some lists, none of them empty, will be.
+pub(crate) struct Layout {
+    /// Their numbers.
+    pub(crate) numbers: Vec<u32>,
+    /// They are kept as so many blocks or ids.
+    end: usize,
+    is_blocks: bool,
+}
 
-    /// Makes room for so many blocks, where lists are of blocks.
-    pub(crate) fn reserve(&mut self, blocks: usize) {
-        if let Self::Blocks(all) = self {
-            all.reserve_exact(blocks);
-        }
-    }
-
-    /// Adds a list that is not empty; its number, unless numbers have run out.
-    pub(crate) fn push<P: PrimSet<S>>(&mut self, prims: &P, ids: &[u32]) -> Option<u32> {
-        let number = match self {
-            Self::Ids(all) => {
-                let number = all.len();
-                all.push(ids.len() as u32);
-                all.extend_from_slice(ids);
-                number
-            }
-            Self::Blocks(all) => {
-                let number = all.len();
-                all.extend(blocks::of_list(prims, ids));
-                number
-            }
+impl Layout {
+    /// Of blocks where they serve the set; none where numbers run out.
+    pub(crate) fn of<S: Scalar, P: PrimSet<S>>(prims: &P, lists: &[&[u32]]) -> Option<Self> {
+        let (is_blocks, mut end) = (blocks::serve(prims), 0);
+        let number = |list: &&[u32]| {
+            let number = u32::try_from(end).ok();
+            end += if is_blocks { blocks::number_of::<S>(list.len()) } else { 1 + list.len() };
+            number
         };
-        u32::try_from(number).ok()
+        let numbers = lists.iter().map(number).collect::<Option<Vec<u32>>>()?;
+        Some(Self { numbers, end, is_blocks })
     }
 
+    /// Bytes of all lists.
+    pub(crate) fn bytes<S: Scalar>(&self) -> usize {
+        self.end * if self.is_blocks { size_of::<TriangleBlock<S>>() } else { size_of::<u32>() }
+    }
+
+    /// The lists that this is the layout of; made by the threads of the current rayon pool.
+    pub(crate) fn filled<S: Scalar, P: PrimSet<S>>(&self, prims: &P, lists: &[&[u32]]) -> Lists<S> {
+        if self.is_blocks {
+            return Lists::Blocks(blocks::of_lists(prims, 0, lists));
+        }
+        let mut ids = Vec::with_capacity(self.end);
+        for list in lists {
+            ids.push(list.len() as u32);
+            ids.extend_from_slice(list);
+        }
+        Lists::Ids(ids)
+    }
+}
+
+impl<S: Scalar> Lists<S> {
     /// Makes the blocks of the same lists over primitives of which some have moved; false where these would not be
     /// such lists.
     pub(crate) fn refresh<P: PrimSet<S>>(&mut self, prims: &P, moved: &MovedIds) -> bool {

@@ -15,14 +15,15 @@ use crate::params::config::Config;
 use crate::params::{ParamSpec, Params};
 use crate::update::refitted_until;
 
-/// Of a binary tree that obvhs does not build.
+/// Of binary trees that obvhs does not build.
 pub(crate) const BINNED: &str = "binned";
+pub(crate) const MORTON: &str = "morton";
 
 /// How a binary tree can be built: so, or by a preset.
 pub(crate) const BUILDS: &[&str] =
-    &[BINNED, "fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
+    &[BINNED, MORTON, "fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
 
-pub(crate) const PRESETS: &[&str] = BUILDS.split_at(1).1;
+pub(crate) const PRESETS: &[&str] = BUILDS.split_at(2).1;
 
 /// The preset, for the parameter list of whatever is built by obvhs.
 pub(crate) const PRESET: ParamSpec =

@@ -7,6 +7,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
 use crate::memory::Limits;
+use crate::parallel;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::structure::{BuildError, refuse_out_of_scale};
@@ -120,7 +121,7 @@ pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
     let scale = BoxScale::new(boxes.scene().magnitude(), padding);
-    let single = (0..prims.len() as u32).map(|id| scale.padded(prims.bounds(id))).collect();
+    let single = parallel::collect(prims.len(), |id| scale.padded(prims.bounds(id as u32)));
     Ok((single, scale.setup))
 }
 

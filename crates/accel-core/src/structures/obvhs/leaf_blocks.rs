@@ -45,7 +45,7 @@ pub(crate) fn of_binary<S: Scalar, P: PrimSet<S>>(
     for leaf in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
         let first = leaf.first_index as usize;
         leaf.first_index = all.len() as u32;
-        all.extend(blocks::of_list(prims, &ids[first..first + leaf.prim_count as usize]));
+        blocks::push_list(prims, &ids[first..first + leaf.prim_count as usize], &mut all);
     }
     all
 }
@@ -62,7 +62,7 @@ pub(crate) fn of_wide<S: Scalar, P: PrimSet<S>>(
     for node in &mut bvh.nodes {
         let first = node.primitive_base_idx as usize;
         node.primitive_base_idx = all.len() as u32 * LANES;
-        all.extend(blocks::of_list(prims, &ids[first..first + primitives(node)]));
+        blocks::push_list(prims, &ids[first..first + primitives(node)], &mut all);
     }
     all
 }

@@ -10,6 +10,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use wide::f32x8;
 
+use super::node::LEAF;
 use crate::geometry::lanes::Eight;
 use crate::primitives::TriangleBlock;
 use crate::structures::obvhs::builder::limit_levels;
@@ -53,6 +54,42 @@ pub(super) struct Collapse<'a> {
     groups: &'a Groups,
     /// By pairs of children: where their parent keeps its own. Pairs lie side by side, at odd places.
     choices: Vec<Choice>,
+}
+
+/// The nodes of the collapsed tree, the first its root, none if that is a leaf; children come after their parents.
+pub(super) struct Collapsed {
+    pub(super) nodes: Vec<CollapsedNode>,
+    /// The ids of all leaves, one after the other, and where each ends.
+    ids: Vec<u32>,
+    ends: Vec<usize>,
+}
+
+impl Collapsed {
+    /// The ids of each leaf.
+    pub(super) fn leaves(&self) -> Vec<&[u32]> {
+        let mut first = 0;
+        let ids = |&end| &self.ids[std::mem::replace(&mut first, end)..end];
+        self.ends.iter().map(ids).collect()
+    }
+}
+
+/// A node that is no leaf.
+#[derive(Clone, Copy)]
+pub(super) struct CollapsedNode {
+    /// The subtrees that became its children, so many.
+    subtrees: [u32; WIDTH],
+    /// Which nodes, or with [`LEAF`] which leaves, they are.
+    places: [u32; WIDTH],
+    children: usize,
+}
+
+impl CollapsedNode {
+    const NONE: Self = Self { subtrees: [0; WIDTH], places: [0; WIDTH], children: 0 };
+
+    /// Its children: of each the subtree and which node or leaf it is.
+    pub(super) fn children(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.subtrees.into_iter().zip(self.places).take(self.children)
+    }
 }
 
 /// The place of an inner node's choice.
@@ -119,14 +156,6 @@ impl<'a> Collapse<'a> {
         node.is_leaf() || self.choices[pair_of(node)].leaf_primitives > 0
     }
 
-    fn leaf_primitives(&self, node: u32) -> u32 {
-        let node = &self.bvh.nodes[node as usize];
-        match node.is_leaf() {
-            true => primitives_of(self.bvh, self.groups, node),
-            false => self.choices[pair_of(node)].leaf_primitives,
-        }
-    }
-
     /// The subtrees that become the children of a node that is no leaf.
     pub(super) fn children(&self, node: u32) -> ([u32; WIDTH], usize) {
         let (mut children, mut n) = ([0; WIDTH], 0);
@@ -161,26 +190,39 @@ impl<'a> Collapse<'a> {
         (children, n)
     }
 
-    /// The children of all nodes that are no leaves, in the order in which a stack leads to them from the root;
-    /// and how many blocks of triangles there are in all leaves.
-    pub(super) fn nodes(&self) -> (Vec<([u32; WIDTH], usize)>, usize) {
-        let (mut nodes, mut all_blocks) = (Vec::new(), 0);
-        let mut waiting = vec![0];
-        while let Some(node) = waiting.pop() {
-            if self.is_leaf(node) {
-                all_blocks += blocks(self.leaf_primitives(node)) as usize;
-                continue;
-            }
-            let (children, n) = self.children(node);
-            waiting.extend_from_slice(&children[..n]);
-            nodes.push((children, n));
+    /// All nodes and leaves.
+    pub(super) fn collapsed(&self) -> Collapsed {
+        let mut all = Collapsed { nodes: Vec::new(), ids: Vec::new(), ends: Vec::new() };
+        let mut below = Vec::new();
+        if self.is_leaf(0) {
+            self.ids(0, &mut below, &mut all.ids);
+            all.ends.push(all.ids.len());
+            return all;
         }
-        (nodes, all_blocks)
+        all.nodes.push(CollapsedNode::NONE);
+        let mut waiting = vec![(0, 0)];
+        while let Some((number, subtree)) = waiting.pop() {
+            let (subtrees, n) = self.children(subtree);
+            let mut places = [0; WIDTH];
+            for (place, &child) in places.iter_mut().zip(&subtrees[..n]) {
+                if self.is_leaf(child) {
+                    *place = LEAF | all.ends.len() as u32;
+                    self.ids(child, &mut below, &mut all.ids);
+                    all.ends.push(all.ids.len());
+                } else {
+                    *place = all.nodes.len() as u32;
+                    waiting.push((all.nodes.len(), child));
+                    all.nodes.push(CollapsedNode::NONE);
+                }
+            }
+            all.nodes[number] = CollapsedNode { subtrees, places, children: n };
+        }
+        all
     }
 
     /// The ids of a subtree's primitives.
-    pub(super) fn ids(&self, node: u32, ids: &mut Vec<u32>) {
-        let mut waiting = vec![node];
+    fn ids(&self, node: u32, waiting: &mut Vec<u32>, ids: &mut Vec<u32>) {
+        waiting.push(node);
         while let Some(node) = waiting.pop() {
             let inner = &self.bvh.nodes[node as usize];
             if inner.is_leaf() {

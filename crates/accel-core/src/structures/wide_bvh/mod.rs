@@ -3,15 +3,15 @@
 //! Papers: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
 //! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT 2008
-//! (one ray against all boxes of a node). The binary tree is built in `binned.rs`, or with a `preset` by obvhs's
-//! agglomeration and reinsertion (see `obvhs/bvh2.rs`).
+//! (one ray against all boxes of a node). The binary tree is built in `binary_tree/`, or with a `preset` by
+//! obvhs's agglomeration and reinsertion (see `obvhs/bvh2.rs`).
 //!
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays are
 //! padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013,
 //! pads the slabs' rounding alone; the children that a ray meets are sorted by where it enters them,
 //! unless any hit ends the query.
 
-mod binned;
+mod binary_tree;
 mod collapse;
 mod node;
 mod node_ray_lanes;
@@ -22,13 +22,14 @@ mod traversal;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
+use crate::parallel;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
-use crate::primitives::{PrimSet, TriangleBlock};
+use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
-use crate::query::lists::Lists;
+use crate::query::lists::{Layout, Lists};
 use crate::query::prepared::OneByOne;
 use crate::query::resumable;
 use crate::query::sink::Sink;
@@ -36,12 +37,13 @@ use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
 use crate::structures::obvhs::adapter::{
-    AdapterConfig, BINNED, BUILDS, PRESET, UNPADDED, is_unpadded,
+    AdapterConfig, BINNED, BUILDS, MORTON, PRESET, UNPADDED, is_unpadded,
 };
 use crate::structures::obvhs::box_ray::RaySetup;
 use crate::structures::obvhs::builder::reinserted;
 use crate::structures::obvhs::items::{Padding, items_of};
 use crate::update::{Change, REBUILD_AT, REFIT};
+use binary_tree::{binned, morton};
 use collapse::{Collapse, Costs, WIDTH};
 use node::{LEAF, Node};
 use stack::LEVELS;
@@ -56,7 +58,10 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec::choice("query", "one", &["one", "batch"])
             .about("rays derived one by one, or those of a batch eight at a time"),
         ParamSpec::choice(PRESET.name, BINNED, BUILDS)
-            .about("the binary tree: binned from the top down, or of one of obvhs's build presets"),
+            .about(
+                "the binary tree: binned from the top down, the same over clusters in Morton order (built faster), or \
+                 of one of obvhs's build presets",
+            ),
         ParamSpec::integer("max-leaf", "16", 1, 64).about("primitives of a leaf at most"),
         ParamSpec::real("node-cost", "1", 0.01, 100.0)
             .about("cost of a visit to a node, that of a block of triangles being 1"),
@@ -68,6 +73,7 @@ pub static INFO: StructureInfo = StructureInfo {
     variants: &[""],
     also_tested: &[
         "query=batch",
+        "preset=morton",
         "preset=medium",
         "preset=fastest",
         "max-leaf=1",
@@ -101,7 +107,15 @@ pub struct WideBvhConfig {
     adapter: AdapterConfig,
     costs: Costs,
     is_batch: bool,
-    is_binned: bool,
+    build: Build,
+}
+
+/// Who builds the binary tree.
+#[derive(Clone)]
+enum Build {
+    Binned,
+    Morton,
+    Obvhs,
 }
 
 impl Config for WideBvhConfig {
@@ -111,7 +125,11 @@ impl Config for WideBvhConfig {
             adapter: Config::of(params),
             costs: Costs { node: params.real("node-cost") as f32, longest_leaf },
             is_batch: params.text("query") == "batch",
-            is_binned: params.text(PRESET.name) == BINNED,
+            build: match params.text(PRESET.name) {
+                BINNED => Build::Binned,
+                MORTON => Build::Morton,
+                _ => Build::Obvhs,
+            },
         }
     }
 }
@@ -136,60 +154,50 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();
         let items = items_of(prims, settings.limits(), settings.padding())?;
-        let mut bvh = match settings.is_binned {
-            true => binned::tree(&items.boxes, settings.costs.longest_leaf),
-            false => reinserted(&items.boxes, &settings.adapter.preset, true),
+        let longest_leaf = settings.costs.longest_leaf;
+        let mut bvh = match settings.build {
+            Build::Binned => binned::tree(&items.boxes, longest_leaf),
+            Build::Morton => morton::tree(&items.boxes, longest_leaf),
+            Build::Obvhs => reinserted(&items.boxes, &settings.adapter.preset, true),
         };
         let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
-        let mut lists = Lists::begun(prims);
-        let (collapsed, blocks) = collapse.nodes();
-        let mut bytes = collapsed.len() * size_of::<Node>();
-        if matches!(lists, Lists::Blocks(_)) {
-            bytes += blocks * size_of::<TriangleBlock<S>>();
-        }
+        let collapsed = collapse.collapsed();
+        let leaves = collapsed.leaves();
+        let references: u64 = leaves.iter().map(|ids| ids.len() as u64).sum();
+        let layout = Layout::of(prims, &leaves);
+        let layout =
+            layout.filter(|layout| layout.numbers.last().is_none_or(|last| last & LEAF == 0));
+        let layout = layout.ok_or(BuildError::TooLarge {
+            structure,
+            what: "number of references",
+            needed: references.into(),
+            limit: LEAF.into(),
+        })?;
+        let bytes = collapsed.nodes.len() * size_of::<Node>() + layout.bytes::<S>();
         settings.fits(bytes as u128)?;
-        lists.reserve(blocks);
-        let mut stats = StructureStats::default();
-        let mut ids = Vec::new();
-        let mut leaf = |node: u32, stats: &mut StructureStats| {
-            ids.clear();
-            collapse.ids(node, &mut ids);
-            stats.cells += 1;
-            stats.references += ids.len() as u64;
-            lists.push(prims, &ids).filter(|number| number & LEAF == 0).ok_or(
-                BuildError::TooLarge {
-                    structure,
-                    what: "number of references",
-                    needed: stats.references.into(),
-                    limit: LEAF.into(),
-                },
-            )
+        let lists = layout.filled(prims, &leaves);
+        let place = |place: u32| match place & LEAF {
+            0 => place,
+            _ => LEAF | layout.numbers[(place & !LEAF) as usize],
         };
-        let mut nodes: Vec<Node> = Vec::with_capacity(collapsed.len());
-        let mut waiting = Vec::new();
-        let root = if collapse.is_leaf(0) {
-            LEAF | leaf(0, &mut stats)?
-        } else {
-            nodes.push(Node::empty());
-            waiting.push(0);
-            0
-        };
-        for (children, n) in collapsed {
-            let Some(into) = waiting.pop() else { break };
-            for (k, &child) in children[..n].iter().enumerate() {
-                let aabb = collapse.bounds(child);
-                nodes[into].set_box(k, aabb.min.to_array(), aabb.max.to_array());
-                nodes[into].children[k] = if collapse.is_leaf(child) {
-                    LEAF | leaf(child, &mut stats)?
-                } else {
-                    waiting.push(nodes.len());
-                    nodes.push(Node::empty());
-                    nodes.len() as u32 - 1
-                };
+        let node = |number: usize| {
+            let mut node = Node::empty();
+            for (k, (subtree, to)) in collapsed.nodes[number].children().enumerate() {
+                let aabb = collapse.bounds(subtree);
+                node.set_box(k, aabb.min.to_array(), aabb.max.to_array());
+                node.children[k] = place(to);
             }
-        }
-        stats.inner_cells = nodes.len() as u64;
-        stats.bytes = (size_of_val(nodes.as_slice()) + lists.bytes()) as u64;
+            node
+        };
+        let nodes = parallel::collect(collapsed.nodes.len(), node);
+        let stats = StructureStats {
+            cells: leaves.len() as u64,
+            inner_cells: nodes.len() as u64,
+            references,
+            bytes: bytes as u64,
+            ..StructureStats::default()
+        };
+        let root = if nodes.is_empty() { place(LEAF) } else { 0 };
         let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
         let mut built = Self {
             nodes,

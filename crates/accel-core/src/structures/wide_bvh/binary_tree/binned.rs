@@ -1,0 +1,159 @@
+//! A binary tree built from the top down: a set of boxes is divided where the surface-area heuristic, looked at
+//! in equal bins of their centres, says that it costs least; then its upper nodes are inserted anew where they cost
+//! less.
+//!
+//! Papers: I. Wald, "On Fast Construction of SAH-based Bounding Volume Hierarchies", RT 2007 (bins); D. Meister,
+//! J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer Graphics Forum 37(2), 2018,
+//! as implemented by obvhs. Deviations: all three axes are binned; a side costs what its blocks of triangles cost;
+//! few boxes have few bins, the fewest none; only nodes of many boxes are inserted anew.
+
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+
+use super::boxes::{Around, Item};
+use super::cut::Bins;
+use super::sets::{Nodes, Set, Sizes};
+use crate::parallel;
+
+/// So few boxes are not divided: they mostly share a block.
+const FEW: u32 = 3;
+
+/// Nodes of no more boxes than this stay where they are.
+pub(super) const MANY: usize = 64;
+
+/// The tree over these boxes, so many in a leaf at most; the same for any number of threads.
+pub(in crate::structures::wide_bvh) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
+    let (mut bvh, upper) = divided(boxes, longest_leaf, 1);
+    insert_anew(&mut bvh, upper);
+    bvh
+}
+
+/// The tree whose root is on this level, and its nodes of many boxes.
+fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
+    let item = |i: usize| Item::of(&boxes[i], i as u32);
+    let mut items: Vec<Item> = parallel::collect(boxes.len(), item);
+    if items.is_empty() {
+        return (Bvh2::default(), Vec::new());
+    }
+    let mut nodes = Nodes::with_root(2 * items.len());
+    let around = Around::of(&items);
+    let set = Set { items: &mut items, first: 0, around, level, node: 0 };
+    let sizes = Sizes { few: FEW.min(longest_leaf) as usize, many: MANY };
+    set.build(&mut nodes, &mut { Bins::NONE }, sizes, parallel::forks());
+    let primitive_indices = items.iter().map(Item::number).collect();
+    (Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() }, nodes.upper)
+}
+
+/// Inserts the largest of these nodes anew, half of them, then fewer and fewer, as obvhs does.
+pub(super) fn insert_anew(bvh: &mut Bvh2, mut upper: Vec<u32>) {
+    let mut reinsertion = ReinsertionOptimizer::default();
+    for part in (2..64).step_by(4) {
+        let most = upper.len() / part;
+        if most == 0 {
+            return;
+        }
+        let area = |node: &u32| bvh.nodes[*node as usize].aabb().half_area();
+        upper.sort_unstable_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
+        reinsertion.run_with_candidates(bvh, &upper[..most], 1);
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use obvhs::bvh2::node::Bvh2Node;
+
+    use super::super::cut::Cut;
+    use super::super::sets::MOST_CUTS;
+    use super::*;
+    use crate::structures::obvhs::builder::tests::{fault, nested, scattered};
+
+    /// Whether all trees have each box once, have few levels and are the same for any number of threads.
+    pub fn assert_whole_and_the_same(tree: fn(&[Aabb], u32) -> Bvh2) {
+        let built = |boxes: &[Aabb], threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| tree(boxes, 16))
+        };
+        let mut alike = scattered(3000, 0.01);
+        let first = alike[0];
+        alike[500..2500].fill(first);
+        for boxes in [nested(1), nested(2), nested(5), nested(9000), scattered(30_000, 0.02), alike]
+        {
+            let one = built(&boxes, 1);
+            assert_eq!(fault(&one, &boxes, 96), None, "{} boxes", boxes.len());
+            for threads in [2, 5] {
+                let other = built(&boxes, threads);
+                assert!(other.primitive_indices == one.primitive_indices);
+                assert_eq!(other.nodes.len(), one.nodes.len());
+                let same = |(a, b): (&Bvh2Node, &Bvh2Node)| {
+                    a.aabb() == b.aabb() && a.first_index == b.first_index
+                };
+                assert!(other.nodes.iter().zip(&one.nodes).all(same), "{threads} threads");
+            }
+        }
+        assert!(tree(&[], 16).nodes.is_empty());
+    }
+
+    /// The most boxes of a leaf.
+    pub fn most_in_a_leaf(bvh: &Bvh2) -> u32 {
+        let (mut most, mut waiting) = (0, vec![0]);
+        while let Some(at) = waiting.pop() {
+            let node: &Bvh2Node = &bvh.nodes[at as usize];
+            most = most.max(node.prim_count);
+            if !node.is_leaf() {
+                waiting.extend([node.first_index, node.first_index + 1]);
+            }
+        }
+        most
+    }
+
+    #[test]
+    fn trees_are_whole_and_the_same_for_any_number_of_threads() {
+        assert_whole_and_the_same(tree);
+    }
+
+    #[test]
+    fn leaves_have_a_few_boxes_and_no_more_than_is_asked_for() {
+        let boxes = scattered(3000, 0.01);
+        for longest in [1, 2, 3, 16] {
+            let bvh = tree(&boxes, longest);
+            assert_eq!(fault(&bvh, &boxes, 96), None);
+            assert_eq!(most_in_a_leaf(&bvh), FEW.min(longest));
+        }
+    }
+
+    #[test]
+    fn what_is_deep_is_balanced() {
+        let boxes = scattered(1000, 0.01);
+        let levels = |level| {
+            (9..96).find(|most| fault(&divided(&boxes, 3, level).0, &boxes, *most).is_none())
+        };
+        assert_eq!(levels(MOST_CUTS + 1), Some(10));
+        assert!(levels(1) > Some(10), "{:?}", levels(1));
+    }
+
+    /// Two clusters far from each other.
+    #[test]
+    fn the_first_cut_is_where_it_costs_least() {
+        let mut boxes = scattered(600, 0.01);
+        for aabb in &mut boxes[400..] {
+            *aabb = Aabb::new(aabb.min + 5.0, aabb.max + 5.0);
+        }
+        let mut items: Vec<Item> = boxes.iter().zip(0..).map(|(b, i)| Item::of(b, i)).collect();
+        let around = Around::of(&items);
+        let of =
+            |items: &[Item], around: &Around| Cut::of(items, &around.centres, &mut { Bins::NONE });
+        let cut = of(&items, &around).unwrap();
+        let (middle, [lower, upper]) = cut.partition(&mut items);
+        assert_eq!(middle, 400);
+        let numbers: Vec<u32> = items.iter().map(Item::number).collect();
+        assert!(
+            numbers[..400].iter().all(|i| *i < 400) && numbers[400..].iter().all(|i| *i >= 400)
+        );
+        assert!(
+            lower.items.aabb().max.max_element() < 1.1
+                && upper.items.aabb().min.min_element() > 4.9
+        );
+        assert!(of(&items[..1], &Around::of(&items[..1])).is_none());
+    }
+}
