@@ -64,6 +64,9 @@ mod tests {
                 assert_eq!(ranges.len(), threads.min((n / LEAST_PRIMITIVES).max(1)));
                 let all: Vec<u32> = ranges.into_iter().flatten().collect();
                 assert!(all.iter().copied().eq(0..n as u32), "{threads} threads, {n}");
+                assert!(
+                    pool.install(|| collect(n, |i| 3 * i)).into_iter().eq((0..n).map(|i| 3 * i))
+                );
             }
         }
     }

@@ -1,14 +1,5 @@
-//! Lists of a dense grid in which every primitive goes to a block of cells: a counting sort, on
-//! all threads of the current rayon pool.
-//!
-//! Paper: T. Ize, I. Wald, C. Robertson, S. Parker, "An Evaluation of Parallel Grid Construction
-//! for Ray Tracing Dynamic Scenes", IEEE Symposium on Interactive Ray Tracing, 2006 (their
-//! sort-last build: each thread has a grid for its part of the primitives, merged in the end).
-//!
-//! Deviations: a thread has only counters, not lists; they are turned into the places in the one
-//! array at which it then fills its primitives in, so nothing is merged or moved. The block of a
-//! primitive is found once, when counting, and kept in 8 bytes for filling. Parts stand in their
-//! order within each list, so lists are the same for any number of threads.
+//! Lists of a dense grid in which every primitive goes to a block of cells: a counting sort, in parts (`sort_in_parts.rs`).
+//! The block of a primitive is found once, when counting, and kept in 8 bytes for filling.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -16,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
-use crate::parallel::parts;
+use crate::grid::sort_in_parts::{filled, useful_parts};
 
 /// Says to which block of cells a primitive goes.
 pub(crate) trait BlockPlacement: Sync {
@@ -79,48 +70,21 @@ pub(crate) fn block_lists(
     placement: &impl BlockPlacement,
 ) -> Result<CellLists, TooManyReferences> {
     let sort = Sort { rows, placement, order };
-    let max_references = max_references.min(u64::from(u32::MAX));
-    let size = primitives.div_ceil(useful_parts(primitives, rows.cells())).max(1);
+    let parts = useful_parts(primitives, rows.cells());
+    let size = parts.first().map_or(1, |part| part.len().max(1));
     let mut kept = vec![0; primitives];
     let count =
         |(i, kept): (usize, &mut [u64])| sort.count((i * size) as u32, kept, max_references);
-    let counted: Vec<(Vec<u32>, u64)> = if size >= primitives {
-        vec![count((0, &mut kept))]
-    } else {
-        kept.par_chunks_mut(size).enumerate().map(count).collect()
+    let counted = match parts.len() {
+        1 => vec![count((0, &mut kept))],
+        _ => kept.par_chunks_mut(size).enumerate().map(count).collect(),
     };
-    let total = counted.iter().fold(0u64, |sum, (_, n)| sum.saturating_add(*n));
-    if total > max_references {
-        return Err(TooManyReferences(total));
-    }
-    let mut cursors: Vec<Vec<u32>> = counted.into_iter().map(|(counts, _)| counts).collect();
-    let mut parts: Vec<Range<usize>> =
-        (0..cursors.len()).map(|i| i * size..((i + 1) * size).min(primitives)).collect();
-    // the part whose ids come first in a list comes first: its cursors end as the lists' starts
-    if order == ListOrder::Reverse {
-        cursors.reverse();
-        parts.reverse();
-    }
-    turn_into_ends(&mut cursors);
-    let mut ids = vec![0; total as usize];
-    let shared = shared(&mut ids);
-    let fill = |(cursors, part): (&mut Vec<u32>, Range<usize>)| {
-        sort.fill(part.start as u32, &kept[part], cursors, shared);
+    let fill = |part: Range<usize>, cursors: &mut [u32], ids: &[AtomicU32]| {
+        sort.fill(part.start as u32, &kept[part], cursors, ids);
     };
-    match cursors.as_mut_slice() {
-        [only] => parts.into_iter().for_each(|part| fill((&mut *only, part))),
-        all => all.par_iter_mut().zip(parts).for_each(fill),
-    }
-    Ok(CellLists::of_parts(cursors.into_iter().next().unwrap_or_default(), ids))
-}
-
-/// Counters of all parts together may take as much memory as this for each primitive.
-const COUNTER_BYTES: usize = 256;
-
-/// How many parts: no more than there is memory for, as each has counters of its own.
-fn useful_parts(primitives: usize, cells: usize) -> usize {
-    let affordable = primitives.saturating_mul(COUNTER_BYTES / 4) / cells.max(1);
-    parts(primitives).min(affordable.max(1))
+    filled(counted, parts, order == ListOrder::Reverse, max_references, fill)
+        .map(|(starts, ids)| CellLists::of_parts(starts, ids))
+        .map_err(TooManyReferences)
 }
 
 /// The block of a primitive in 8 bytes: where its first cell stands, and how many more follow on
@@ -261,55 +225,6 @@ impl<R: CellRows, P: BlockPlacement> Sort<'_, R, P> {
     }
 }
 
-/// Turns the counts of each part into where its ids end in the one array: cell after cell, in each
-/// cell part after part.
-fn turn_into_ends(counts: &mut [Vec<u32>]) {
-    if let [only] = counts {
-        let mut sum = 0;
-        for n in only {
-            sum += *n;
-            *n = sum;
-        }
-        return;
-    }
-    // as many stretches of cells as parts, each with the counts of all parts
-    let cells = counts.first().map_or(0, Vec::len);
-    let length = cells.div_ceil(counts.len().max(1)).max(1);
-    let mut stretches: Vec<Vec<&mut [u32]>> = (0..cells.div_ceil(length)).map(|_| vec![]).collect();
-    for part in counts {
-        for (stretch, counts) in stretches.iter_mut().zip(part.chunks_mut(length)) {
-            stretch.push(counts);
-        }
-    }
-    let sums: Vec<u32> = stretches
-        .par_iter()
-        .map(|parts| parts.iter().map(|counts| counts.iter().sum::<u32>()).sum())
-        .collect();
-    let before = sums.iter().scan(0, |sum, n| {
-        let before = *sum;
-        *sum += n;
-        Some(before)
-    });
-    let before: Vec<u32> = before.collect();
-    stretches.into_par_iter().zip(before).for_each(|(mut parts, mut sum)| {
-        let length = parts.first().map_or(0, |counts| counts.len());
-        for cell in 0..length {
-            for counts in &mut parts {
-                sum += counts[cell];
-                counts[cell] = sum;
-            }
-        }
-    });
-}
-
-/// The same numbers, to be written by several threads, each in places of its own.
-fn shared(numbers: &mut [u32]) -> &[AtomicU32] {
-    let shared = std::ptr::from_mut(numbers) as *const [AtomicU32];
-    // SAFETY: an AtomicU32 has the size, alignment and bit validity of a u32, and for the lifetime
-    // of the result nothing else refers to the numbers.
-    unsafe { &*shared }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -412,12 +327,5 @@ mod tests {
             assert_eq!(Block::of_packed(block.packed()), block);
         }
         assert_eq!(Block { first: 0, more: [0, 256, 0] }.packed(), ASK_AGAIN);
-    }
-
-    #[test]
-    fn as_many_parts_as_memory_allows() {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
-        let parts = |cells| pool.install(|| useful_parts(100_000, cells));
-        assert_eq!([parts(200_000), parts(2_000_000), parts(50_000_000)], [8, 3, 1]);
     }
 }

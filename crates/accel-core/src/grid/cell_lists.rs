@@ -5,6 +5,11 @@
 
 use std::ops::{Deref, Range};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rayon::prelude::*;
+
+use crate::grid::sort_in_parts::{filled, useful_parts};
 
 /// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other lists.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -28,7 +33,7 @@ pub enum ListOrder {
 pub struct TooManyReferences(pub u64);
 
 /// Says which cells a primitive goes to.
-pub trait Placement {
+pub trait Placement: Sync {
     /// Calls `emit` with every cell primitive `id` goes to; the same ones each time it is asked.
     fn cells_of(&self, id: u32, emit: impl FnMut(usize));
 }
@@ -46,7 +51,9 @@ impl CellLists {
         max_references: u64,
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
-        Self::fill(cells, 0..primitives as u32, order, (max_references, u64::MAX), placement)
+        let parts = useful_parts(primitives, cells);
+        let ids = |part: Range<usize>| part.start as u32..part.end as u32;
+        Self::sorted(cells, parts, ids, order, (max_references, u64::MAX), placement)
     }
 
     /// Builds the lists of `cells` cells for these primitives, each list in the order of `ids`.
@@ -60,7 +67,8 @@ impl CellLists {
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
         let limits = (max_references, max_references);
-        Self::fill(cells, ids.iter().copied(), ListOrder::File, limits, placement)
+        let part = |part: Range<usize>| ids[part].iter().copied();
+        Self::sorted(cells, vec![0..ids.len(); 1], part, ListOrder::File, limits, placement)
     }
 
     /// From starts, one more than there are cells, and ids.
@@ -76,47 +84,49 @@ impl CellLists {
         &self.ids
     }
 
-    /// More than `max_references` are refused; counting ends once there are more than
+    /// More than `max_references` are refused; counting of a part ends once there are more than
     /// `stop_counting`.
-    fn fill(
+    fn sorted<I: DoubleEndedIterator<Item = u32>>(
         cells: usize,
-        primitives: impl DoubleEndedIterator<Item = u32> + Clone,
+        parts: Vec<Range<usize>>,
+        ids_of: impl Fn(Range<usize>) -> I + Sync,
         order: ListOrder,
         (max_references, stop_counting): (u64, u64),
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
-        let mut starts = vec![0u32; cells + 1];
-        let mut total = 0u64;
-        for id in primitives.clone() {
-            placement.cells_of(id, |cell| {
-                starts[cell] = starts[cell].wrapping_add(1);
-                total += 1;
-            });
-            if total > stop_counting {
-                break;
+        let count = |part: &Range<usize>| {
+            let (mut counts, mut total) = (vec![0u32; cells + 1], 0u64);
+            for id in ids_of(part.clone()) {
+                placement.cells_of(id, |cell| {
+                    counts[cell] = counts[cell].wrapping_add(1);
+                    total += 1;
+                });
+                if total > stop_counting {
+                    break;
+                }
             }
-        }
-        if total > max_references.min(u64::from(u32::MAX)) {
-            return Err(TooManyReferences(total));
-        }
-        // starts[c] becomes the end of cell c; filling from the back turns it into its start
-        let mut sum = 0u32;
-        for s in &mut starts {
-            sum += *s;
-            *s = sum;
-        }
-        let mut ids = vec![0u32; total as usize];
-        let mut place = |id: u32| {
-            placement.cells_of(id, |cell| {
-                starts[cell] -= 1;
-                ids[starts[cell] as usize] = id;
-            });
+            (counts, total)
         };
-        match order {
-            ListOrder::File => primitives.rev().for_each(&mut place),
-            ListOrder::Reverse => primitives.for_each(&mut place),
-        }
-        Ok(Self { starts, ids })
+        let counted = match parts.as_slice() {
+            [only] => vec![count(only)],
+            parts => parts.par_iter().map(count).collect(),
+        };
+        let fill = |part: Range<usize>, cursors: &mut [u32], ids: &[AtomicU32]| {
+            let mut place = |id: u32| {
+                placement.cells_of(id, |cell| {
+                    cursors[cell] -= 1;
+                    ids[cursors[cell] as usize].store(id, Ordering::Relaxed);
+                });
+            };
+            // from the back: the last id placed comes first
+            match order {
+                ListOrder::File => ids_of(part).rev().for_each(&mut place),
+                ListOrder::Reverse => ids_of(part).for_each(&mut place),
+            }
+        };
+        filled(counted, parts, order == ListOrder::Reverse, max_references, fill)
+            .map(|(starts, ids)| Self { starts, ids })
+            .map_err(TooManyReferences)
     }
 
     /// Asks `replacement` for every list that is not empty; where it answers, the list becomes
@@ -267,6 +277,36 @@ mod tests {
         assert_eq!((lists.cells(), lists.empty_cells(), lists.references()), (5, 1, 12));
         let reverse = build(ListOrder::Reverse, 99).unwrap();
         assert_eq!(reverse.list(2), [5, 4, 3, 2, 2, 1, 0]);
+    }
+
+    #[test]
+    fn any_number_of_threads_makes_the_lists_that_one_cell_after_the_other_has() {
+        struct Scattered;
+        impl Placement for Scattered {
+            fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+                let hash = id.wrapping_mul(0x9E37_79B9);
+                (0..1 + id % 5).for_each(|k| emit((hash >> k) as usize % 700));
+            }
+        }
+        let (cells, primitives) = (700, 30_000);
+        let mut expected = vec![Vec::new(); cells];
+        for id in 0..primitives as u32 {
+            Scattered.cells_of(id, |cell| expected[cell].push(id));
+        }
+        for order in [ListOrder::File, ListOrder::Reverse] {
+            for threads in [1, 2, 5] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let build = || CellLists::build(cells, primitives, order, u64::MAX, &Scattered);
+                let lists = pool.install(build).unwrap();
+                assert!(
+                    lists.lists().eq(expected.iter().map(Vec::as_slice)),
+                    "{threads} {order:?}"
+                );
+                let few = || CellLists::build(cells, primitives, order, 89_999, &Scattered);
+                assert_eq!(pool.install(few), Err(TooManyReferences(90_000)));
+            }
+            expected.iter_mut().for_each(|list| list.reverse());
+        }
     }
 
     #[test]

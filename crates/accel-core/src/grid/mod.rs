@@ -12,5 +12,6 @@ pub mod driving_axis_traversal;
 pub(crate) mod nested_grids;
 pub mod regular_grid;
 pub mod resolution;
+mod sort_in_parts;
 pub mod voxel_traversal;
 mod voxel_traversal_lanes;

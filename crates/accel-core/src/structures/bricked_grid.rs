@@ -15,6 +15,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::parallel;
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
@@ -167,12 +168,14 @@ impl CellStorage for BrickedCells {
         let lists: CellLists = contents.lists(layout.cells, |c| layout.index(c))?;
         let occupied = (lists.cells() - lists.empty_cells()) as u64;
         let (starts, ids) = lists.into_parts();
-        let line = |part: &[u32]| {
+        let line = |number: usize| {
+            let part = &starts[32 * number..starts.len().min(32 * number + 32)];
             let mut line = Line([0; 32]);
             line.0[..part.len()].copy_from_slice(part);
             line
         };
-        Ok(Self { layout, starts: starts.chunks(32).map(line).collect(), ids, occupied })
+        let starts = parallel::collect(starts.len().div_ceil(32), line);
+        Ok(Self { layout, starts, ids, occupied })
     }
 
     #[inline(always)]

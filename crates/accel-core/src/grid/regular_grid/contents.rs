@@ -1,5 +1,7 @@
 //! Which primitive goes to which cells of a regular grid, and the settings that say so.
 
+use std::ops::Range;
+
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::block_lists::{BlockPlacement, CellRows, DenseRows, block_lists};
@@ -10,6 +12,7 @@ use crate::grid::resolution::{ResolutionInput, ResolutionRule, divided_bounds, r
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Limits;
+use crate::parallel::map_parts;
 use crate::params::config::Config;
 use crate::params::{Params, specs};
 use crate::primitives::PrimSet;
@@ -106,7 +109,8 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
             let (first, last) = self.range(id);
             (0..3).map(|k| (last[k] - first[k] + 1).max(0) as u64).product::<u64>()
         };
-        (0..self.primitives as u32).map(cells).fold(0, u64::saturating_add)
+        let of_part = |ids: Range<u32>| ids.map(cells).fold(0, u64::saturating_add);
+        map_parts(self.primitives, of_part).into_iter().fold(0, u64::saturating_add)
     }
 
     /// The lists in one array, those of the frame's cells in their order.
@@ -135,10 +139,12 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     pub fn lists(
         &self,
         cells: usize,
-        index: impl Fn([i32; 3]) -> usize,
+        index: impl Fn([i32; 3]) -> usize + Sync,
     ) -> Result<CellLists, TooManyReferences> {
         struct Indexed<'c, 'a, S: Scalar, P: PrimSet<S>, F>(&'c Contents<'a, S, P>, F);
-        impl<S: Scalar, P: PrimSet<S>, F: Fn([i32; 3]) -> usize> Placement for Indexed<'_, '_, S, P, F> {
+        impl<S: Scalar, P: PrimSet<S>, F: Fn([i32; 3]) -> usize + Sync> Placement
+            for Indexed<'_, '_, S, P, F>
+        {
             #[inline(always)]
             fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
                 self.0.cells_of(id, |c| emit((self.1)(c)));

@@ -10,7 +10,6 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use wide::f32x8;
 
-use super::node::LEAF;
 use crate::geometry::lanes::Eight;
 use crate::primitives::TriangleBlock;
 use crate::structures::obvhs::builder::limit_levels;
@@ -18,6 +17,9 @@ use crate::structures::obvhs::items::Groups;
 
 /// Children of a node at most.
 pub(super) const WIDTH: usize = 8;
+
+/// Set in the child of a node that is a leaf.
+pub(super) const LEAF: u32 = 1 << 31;
 
 /// What the collapse minimises.
 #[derive(Debug, Clone, Copy)]

@@ -44,15 +44,15 @@ use crate::structures::obvhs::builder::reinserted;
 use crate::structures::obvhs::items::{Padding, items_of};
 use crate::update::{Change, REBUILD_AT, REFIT};
 use binary_tree::{binned, morton};
-use collapse::{Collapse, Costs, WIDTH};
-use node::{LEAF, Node};
+use collapse::{Collapse, Costs, LEAF, WIDTH};
+use node::Node;
 use stack::LEVELS;
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",
     summary: "eight-wide BVH with exact boxes, collapsed from a binary tree binned from the top down",
-    paper: "Ylitie, Karras, Laine 2017; Wald 2007; Wald, Benthin, Boulos 2008",
+    paper: "Ylitie, Karras, Laine 2017; Wald 2007; Pantaleoni, Luebke 2010; Wald, Benthin, Boulos 2008",
     deviations: "exact boxes; children sorted by distance; blocks of triangles; reinsertion by obvhs",
     params: &[
         ParamSpec::choice("query", "one", &["one", "batch"])

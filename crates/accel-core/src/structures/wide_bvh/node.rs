@@ -3,11 +3,8 @@
 use glam::{BVec3A, Vec3A};
 use wide::f32x8;
 
-use super::collapse::WIDTH;
+use super::collapse::{LEAF, WIDTH};
 use crate::geometry::lanes::{Eight, Lanes};
-
-/// Set in the child of a node that is a leaf.
-pub(super) const LEAF: u32 = 1 << 31;
 
 /// Eight boxes in f32, by plane; 224 bytes in four cache lines of their own, which is faster than without
 /// the gap.

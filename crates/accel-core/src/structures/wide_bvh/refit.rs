@@ -8,8 +8,8 @@
 
 use obvhs::aabb::Aabb;
 
-use super::collapse::{Costs, WIDTH};
-use super::node::{LEAF, Node};
+use super::collapse::{Costs, LEAF, WIDTH};
+use super::node::Node;
 use super::{WideBvh, WideBvhConfig};
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;

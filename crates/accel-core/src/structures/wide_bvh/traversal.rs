@@ -10,7 +10,8 @@ use crate::query::resumable::Resumable;
 use crate::query::sink::Sink;
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length};
 use crate::structures::wide_bvh::WideBvh;
-use crate::structures::wide_bvh::node::{LEAF, NodeRay};
+use crate::structures::wide_bvh::collapse::LEAF;
+use crate::structures::wide_bvh::node::NodeRay;
 use crate::structures::wide_bvh::node_ray_lanes::NodeRayLanes;
 use crate::structures::wide_bvh::stack::{Room, Stack};
 

@@ -1,0 +1,127 @@
+//! A counting sort on all threads of the current rayon pool: each part of the input is counted and filled in by itself.
+//!
+//! Paper: T. Ize, I. Wald, C. Robertson, S. Parker, "An Evaluation of Parallel Grid Construction
+//! for Ray Tracing Dynamic Scenes", IEEE Symposium on Interactive Ray Tracing, 2006 (their
+//! sort-last build: each thread has a grid for its part of the primitives, merged in the end).
+//!
+//! Deviations: a thread has only counters, not lists; they are turned into the places in the one
+//! array at which it then fills its primitives in, so nothing is merged or moved. Parts stand in their
+//! order within each list, so lists are the same for any number of threads.
+
+use std::ops::Range;
+use std::sync::atomic::AtomicU32;
+
+use rayon::prelude::*;
+
+use crate::parallel::parts;
+
+/// Counters of all parts together may take as much memory as this for each primitive.
+const COUNTER_BYTES: usize = 256;
+
+/// Parts of the input: no more than there is memory for, as each has counters of its own.
+pub(super) fn useful_parts(primitives: usize, cells: usize) -> Vec<Range<usize>> {
+    let affordable = primitives.saturating_mul(COUNTER_BYTES / 4) / cells.max(1);
+    let size = primitives.div_ceil(parts(primitives).min(affordable.max(1))).max(1);
+    let part = |i: usize| i * size..((i + 1) * size).min(primitives);
+    (0..primitives.div_ceil(size).max(1)).map(part).collect()
+}
+
+/// Starts of lists, one more than there are lists, and their numbers. Of each part is `counted` how many of its numbers
+/// belong to each list (and a zero), and how many these are together; `fill` writes the numbers of a part, each cursor
+/// going down from the end of the part's numbers in that list to their start.
+///
+/// # Errors
+/// How many numbers there are, if these are more than `most`.
+pub(super) fn filled(
+    counted: Vec<(Vec<u32>, u64)>,
+    mut parts: Vec<Range<usize>>,
+    is_reversed: bool,
+    most: u64,
+    fill: impl Fn(Range<usize>, &mut [u32], &[AtomicU32]) + Sync,
+) -> Result<(Vec<u32>, Vec<u32>), u64> {
+    let total = counted.iter().fold(0u64, |sum, (_, n)| sum.saturating_add(*n));
+    if total > most.min(u64::from(u32::MAX)) {
+        return Err(total);
+    }
+    let mut cursors: Vec<Vec<u32>> = counted.into_iter().map(|(counts, _)| counts).collect();
+    // the part whose numbers come first in a list comes first: its cursors end as the lists' starts
+    if is_reversed {
+        cursors.reverse();
+        parts.reverse();
+    }
+    turn_into_ends(&mut cursors);
+    let mut numbers = vec![0; total as usize];
+    let shared = shared(&mut numbers);
+    match cursors.as_mut_slice() {
+        [only] => parts.into_iter().for_each(|part| fill(part, &mut *only, shared)),
+        all => {
+            let all = all.par_iter_mut().zip(parts);
+            all.for_each(|(cursors, part)| fill(part, cursors, shared));
+        }
+    }
+    Ok((cursors.into_iter().next().unwrap_or_default(), numbers))
+}
+
+/// Turns the counts of each part into where its ids end in the one array: cell after cell, in each
+/// cell part after part.
+fn turn_into_ends(counts: &mut [Vec<u32>]) {
+    if let [only] = counts {
+        let mut sum = 0;
+        for n in only {
+            sum += *n;
+            *n = sum;
+        }
+        return;
+    }
+    // as many stretches of cells as parts, each with the counts of all parts
+    let cells = counts.first().map_or(0, Vec::len);
+    let length = cells.div_ceil(counts.len().max(1)).max(1);
+    let mut stretches: Vec<Vec<&mut [u32]>> = (0..cells.div_ceil(length)).map(|_| vec![]).collect();
+    for part in counts {
+        for (stretch, counts) in stretches.iter_mut().zip(part.chunks_mut(length)) {
+            stretch.push(counts);
+        }
+    }
+    let sums: Vec<u32> = stretches
+        .par_iter()
+        .map(|parts| parts.iter().map(|counts| counts.iter().sum::<u32>()).sum())
+        .collect();
+    let before = sums.iter().scan(0, |sum, n| {
+        let before = *sum;
+        *sum += n;
+        Some(before)
+    });
+    let before: Vec<u32> = before.collect();
+    stretches.into_par_iter().zip(before).for_each(|(mut parts, mut sum)| {
+        let length = parts.first().map_or(0, |counts| counts.len());
+        for cell in 0..length {
+            for counts in &mut parts {
+                sum += counts[cell];
+                counts[cell] = sum;
+            }
+        }
+    });
+}
+
+/// The same numbers, to be written by several threads, each in places of its own.
+fn shared(numbers: &mut [u32]) -> &[AtomicU32] {
+    let shared = std::ptr::from_mut(numbers) as *const [AtomicU32];
+    // SAFETY: an AtomicU32 has the size, alignment and bit validity of a u32, and for the lifetime
+    // of the result nothing else refers to the numbers.
+    unsafe { &*shared }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_parts_as_memory_allows() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
+        let parts = |cells| pool.install(|| useful_parts(100_000, cells).len());
+        assert_eq!([parts(200_000), parts(2_000_000), parts(50_000_000)], [8, 3, 1]);
+        assert_eq!(pool.install(|| useful_parts(0, 9)), vec![0..0; 1]);
+        let ranges = pool.install(|| useful_parts(100_003, 9));
+        assert!(ranges.into_iter().flatten().eq(0..100_003));
+    }
+}
