@@ -192,14 +192,23 @@ fn outward<S: Scalar>(b: &Aabb<S>, margin: f64, unit: f64) -> ObvhsAabb {
     let lo = b.min.to_array().map(|x| {
         let exact = (x.to_f64() - margin) * unit;
         let y = exact as f32;
-        if f64::from(y) > exact { y.next_down() } else { y }
+        moved(y, -i32::from(f64::from(y) > exact))
     });
     let hi = b.max.to_array().map(|x| {
         let exact = (x.to_f64() + margin) * unit;
         let y = exact as f32;
-        if f64::from(y) < exact { y.next_up() } else { y }
+        moved(y, i32::from(f64::from(y) < exact))
     });
     ObvhsAabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
+}
+
+/// The number so many places further on in the order of all finite ones, in which -0 is before 0. Without branches, as
+/// nobody can guess which way a number was rounded.
+#[inline(always)]
+fn moved(x: f32, places: i32) -> f32 {
+    // of negative numbers the larger ones have the smaller bits
+    let order = |bits: i32| bits ^ ((bits >> 31) as u32 >> 1) as i32;
+    f32::from_bits(order(order(x.to_bits() as i32) + places) as u32)
 }
 
 fn centre_key(b: &ObvhsAabb) -> [u32; 3] {
@@ -237,6 +246,33 @@ fn grouped(single: &[ObvhsAabb]) -> (Vec<ObvhsAabb>, Groups) {
 mod tests {
     use super::*;
     use crate::primitives::MixedSetBuilder;
+
+    #[test]
+    fn numbers_are_rounded_outwards() {
+        let mut wrong = 0;
+        for x in [0.0, 1e-45, 1e-40, 1.0, 1.5, 3e7, 1e30, 1.0 - f32::EPSILON / 2.0] {
+            for x in [x, -x] {
+                // a zero moves away from the other one
+                let (down, up) = (moved(x, -1), moved(x, 1));
+                let is_zero = |y: f32| y == 0.0;
+                wrong += u32::from(!(down == x.next_down() || is_zero(x) && is_zero(down)));
+                wrong += u32::from(!(up == x.next_up() || is_zero(x) && is_zero(up)));
+                assert_eq!(moved(x, 0).to_bits(), x.to_bits());
+            }
+        }
+        assert_eq!(wrong, 0);
+        // what is rounded to a zero has its sign
+        for exact in [1e-60, 0.1, 16_777_217.0, 1e-46, 123.456] {
+            for exact in [exact, -exact] {
+                let point =
+                    Aabb::<f64> { min: glam::DVec3::splat(exact), max: glam::DVec3::splat(exact) };
+                let around = outward(&point, 0.0, 1.0);
+                let [low, high] = [around.min, around.max].map(|p| f64::from(p.x));
+                assert!(low <= exact && exact <= high, "{exact} {low} {high}");
+                assert!(around.min.x.next_up() >= around.max.x, "{exact}");
+            }
+        }
+    }
 
     #[test]
     fn coincident_centres_are_grouped_and_nothing_is_lost() {

@@ -46,16 +46,26 @@ fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
 }
 
 /// Inserts the largest of these nodes anew, half of them, then fewer and fewer, as obvhs does.
-pub(super) fn insert_anew(bvh: &mut Bvh2, mut upper: Vec<u32>) {
+pub(super) fn insert_anew(bvh: &mut Bvh2, upper: Vec<u32>) {
     let mut reinsertion = ReinsertionOptimizer::default();
+    let (mut by_area, mut largest) = (Vec::with_capacity(upper.len()), Vec::new());
     for part in (2..64).step_by(4) {
         let most = upper.len() / part;
         if most == 0 {
             return;
         }
-        let area = |node: &u32| bvh.nodes[*node as usize].aabb().half_area();
-        upper.sort_unstable_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
-        reinsertion.run_with_candidates(bvh, &upper[..most], 1);
+        // areas are not negative: their bits are in their order
+        let key = |&node: &u32| {
+            let area = bvh.nodes[node as usize].aabb().half_area();
+            u64::from(!area.to_bits()) << 32 | u64::from(node)
+        };
+        by_area.clear();
+        by_area.extend(upper.iter().map(key));
+        by_area.select_nth_unstable(most - 1);
+        by_area[..most].sort_unstable();
+        largest.clear();
+        largest.extend(by_area[..most].iter().map(|&key| key as u32));
+        reinsertion.run_with_candidates(bvh, &largest, 1);
     }
 }
 
