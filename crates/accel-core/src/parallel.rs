@@ -3,6 +3,7 @@
 //! Work is cut by position, never by who comes first, and put together in order: what is built is
 //! the same, bit for bit, for any number of threads. On one thread rayon is not even called.
 
+use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -47,8 +48,27 @@ pub(crate) fn map_parts<T: Send>(
 }
 
 /// What `f` makes of each of `0..n`, in their order.
-pub(crate) fn collect<T: Send>(n: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-    if parts(n) == 1 { (0..n).map(f).collect() } else { (0..n).into_par_iter().map(f).collect() }
+pub(crate) fn collect<T: Copy + Send>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    if parts(n) == 1 {
+        return (0..n).map(f).collect();
+    }
+    collect_in_parts(n, &|first, part| {
+        part.iter_mut().zip(first..).for_each(|(slot, i)| _ = slot.write(f(i)));
+    })
+}
+
+/// A vector of which `write` writes each part, which begins at the place given, wholly. Compiled once for all that write.
+fn collect_in_parts<T: Copy + Send>(
+    n: usize,
+    write: &(dyn Fn(usize, &mut [MaybeUninit<T>]) + Sync),
+) -> Vec<T> {
+    let mut all = Vec::with_capacity(n);
+    let size = n.div_ceil(parts(n)).max(1);
+    let parts = all.spare_capacity_mut()[..n].par_chunks_mut(size).enumerate();
+    parts.for_each(|(i, part)| write(i * size, part));
+    // SAFETY: the parts are all of the first `n`, and each has been written
+    unsafe { all.set_len(n) };
+    all
 }
 
 #[cfg(test)]

@@ -82,7 +82,7 @@ pub(crate) fn block_lists(
     let fill = |part: Range<usize>, cursors: &mut [u32], ids: &[AtomicU32]| {
         sort.fill(part.start as u32, &kept[part], cursors, ids);
     };
-    filled(counted, parts, order == ListOrder::Reverse, max_references, fill)
+    filled(counted, parts, order == ListOrder::Reverse, max_references, &fill)
         .map(|(starts, ids)| CellLists::of_parts(starts, ids))
         .map_err(TooManyReferences)
 }

@@ -7,9 +7,7 @@ use std::ops::{Deref, Range};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use rayon::prelude::*;
-
-use crate::grid::sort_in_parts::{filled, useful_parts};
+use crate::grid::sort_in_parts::{counted, filled, useful_parts};
 
 /// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other lists.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -94,9 +92,9 @@ impl CellLists {
         (max_references, stop_counting): (u64, u64),
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
-        let count = |part: &Range<usize>| {
+        let count = |part: Range<usize>| {
             let (mut counts, mut total) = (vec![0u32; cells + 1], 0u64);
-            for id in ids_of(part.clone()) {
+            for id in ids_of(part) {
                 placement.cells_of(id, |cell| {
                     counts[cell] = counts[cell].wrapping_add(1);
                     total += 1;
@@ -107,10 +105,7 @@ impl CellLists {
             }
             (counts, total)
         };
-        let counted = match parts.as_slice() {
-            [only] => vec![count(only)],
-            parts => parts.par_iter().map(count).collect(),
-        };
+        let counted = counted(&parts, &count);
         let fill = |part: Range<usize>, cursors: &mut [u32], ids: &[AtomicU32]| {
             let mut place = |id: u32| {
                 placement.cells_of(id, |cell| {
@@ -124,7 +119,7 @@ impl CellLists {
                 ListOrder::Reverse => ids_of(part).for_each(&mut place),
             }
         };
-        filled(counted, parts, order == ListOrder::Reverse, max_references, fill)
+        filled(counted, parts, order == ListOrder::Reverse, max_references, &fill)
             .map(|(starts, ids)| Self { starts, ids })
             .map_err(TooManyReferences)
     }

@@ -26,18 +26,34 @@ pub(super) fn useful_parts(primitives: usize, cells: usize) -> Vec<Range<usize>>
     (0..primitives.div_ceil(size).max(1)).map(part).collect()
 }
 
-/// Starts of lists, one more than there are lists, and their numbers. Of each part is `counted` how many of its numbers
-/// belong to each list (and a zero), and how many these are together; `fill` writes the numbers of a part, each cursor
+/// How many numbers of a part belong to each list (and a zero), and how many these are together.
+pub(super) type Counts = (Vec<u32>, u64);
+
+/// What `count` says of each part.
+pub(super) fn counted(
+    parts: &[Range<usize>],
+    count: &(dyn Fn(Range<usize>) -> Counts + Sync),
+) -> Vec<Counts> {
+    match parts {
+        [only] => vec![count(only.clone())],
+        parts => parts.par_iter().cloned().map(count).collect(),
+    }
+}
+
+/// Writes the numbers of a part.
+type Fill<'a> = dyn Fn(Range<usize>, &mut [u32], &[AtomicU32]) + Sync + 'a;
+
+/// Starts of lists, one more than there are lists, and their numbers. `fill` writes the numbers of a part, each cursor
 /// going down from the end of the part's numbers in that list to their start.
 ///
 /// # Errors
 /// How many numbers there are, if these are more than `most`.
 pub(super) fn filled(
-    counted: Vec<(Vec<u32>, u64)>,
+    counted: Vec<Counts>,
     mut parts: Vec<Range<usize>>,
     is_reversed: bool,
     most: u64,
-    fill: impl Fn(Range<usize>, &mut [u32], &[AtomicU32]) + Sync,
+    fill: &Fill<'_>,
 ) -> Result<(Vec<u32>, Vec<u32>), u64> {
     let total = counted.iter().fold(0u64, |sum, (_, n)| sum.saturating_add(*n));
     if total > most.min(u64::from(u32::MAX)) {
