@@ -23,7 +23,7 @@ const FEW: u32 = 3;
 pub(super) const MANY: usize = 64;
 
 /// The tree over these boxes, so many in a leaf at most; the same for any number of threads.
-pub(in crate::structures::wide_bvh) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
+pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     let (mut bvh, upper) = divided(boxes, longest_leaf, 1);
     insert_anew(&mut bvh, upper);
     bvh

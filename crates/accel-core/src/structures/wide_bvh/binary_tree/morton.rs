@@ -34,7 +34,7 @@ const MANY_CLUSTERS: usize = 4;
 const LEVELS: u32 = 12;
 
 /// The tree over these boxes, so many in a leaf at most; the same for any number of threads.
-pub(in crate::structures::wide_bvh) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
+pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     if boxes.is_empty() {
         return Bvh2::default();
     }
