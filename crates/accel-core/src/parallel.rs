@@ -38,13 +38,18 @@ pub(crate) fn map_parts<T: Send>(
     primitives: usize,
     f: impl Fn(Range<u32>) -> T + Send + Sync,
 ) -> Vec<T> {
-    let parts = parts(primitives);
-    if parts == 1 {
-        return vec![f(0..primitives as u32)];
+    let ranges = ranges(primitives, parts(primitives));
+    let part = |range: &Range<usize>| f(range.start as u32..range.end as u32);
+    match ranges.as_slice() {
+        [only] => vec![part(only)],
+        ranges => ranges.par_iter().map(part).collect(),
     }
-    let size = primitives.div_ceil(parts);
-    let part = |i: usize| f((i * size) as u32..((i + 1) * size).min(primitives) as u32);
-    (0..primitives.div_ceil(size)).into_par_iter().map(part).collect()
+}
+
+/// Cuts `0..n` into at most so many parts, at least one, all of one length but for the last.
+pub(crate) fn ranges(n: usize, parts: usize) -> Vec<Range<usize>> {
+    let length = n.div_ceil(parts).max(1);
+    (0..n.max(1)).step_by(length).map(|first| first..(first + length).min(n)).collect()
 }
 
 /// What `f` makes of each of `0..n`, in their order.

@@ -70,6 +70,7 @@ pub(crate) fn block_lists(
     placement: &impl BlockPlacement,
 ) -> Result<CellLists, TooManyReferences> {
     let sort = Sort { rows, placement, order };
+    let max_references = max_references.min(u64::from(u32::MAX));
     let parts = useful_parts(primitives, rows.cells());
     let size = parts.first().map_or(1, |part| part.len().max(1));
     let mut kept = vec![0; primitives];

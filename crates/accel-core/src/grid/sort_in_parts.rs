@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicU32;
 
 use rayon::prelude::*;
 
-use crate::parallel::parts;
+use crate::parallel::{parts, ranges};
 
 /// Counters of all parts together may take as much memory as this for each primitive.
 const COUNTER_BYTES: usize = 256;
@@ -21,9 +21,7 @@ const COUNTER_BYTES: usize = 256;
 /// Parts of the input: no more than there is memory for, as each has counters of its own.
 pub(super) fn useful_parts(primitives: usize, cells: usize) -> Vec<Range<usize>> {
     let affordable = primitives.saturating_mul(COUNTER_BYTES / 4) / cells.max(1);
-    let size = primitives.div_ceil(parts(primitives).min(affordable.max(1))).max(1);
-    let part = |i: usize| i * size..((i + 1) * size).min(primitives);
-    (0..primitives.div_ceil(size).max(1)).map(part).collect()
+    ranges(primitives, parts(primitives).min(affordable.max(1)))
 }
 
 /// How many numbers of a part belong to each list (and a zero), and how many these are together.

@@ -32,21 +32,21 @@ pub(crate) fn push_list<S: Scalar, P: PrimSet<S>>(
 ) {
     let first = into.len();
     into.resize(first + number_of::<S>(ids.len()), TriangleBlock::empty());
-    set_list(prims, ids, &mut into[first..]);
+    for (block, (part, more)) in into[first..].iter_mut().zip(parts::<S>(ids)) {
+        fill(prims, part, more, block);
+    }
 }
 
-/// Makes the first of these the blocks of a list, in its order; the others.
-pub(crate) fn set_list<'a, S: Scalar, P: PrimSet<S>>(
+/// Makes the first of these the blocks of a list, in its order.
+pub(crate) fn set_list<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     ids: &[u32],
-    into: &'a mut [TriangleBlock<S>],
-) -> &'a mut [TriangleBlock<S>] {
-    let (blocks, others) = into.split_at_mut(number_of::<S>(ids.len()));
-    for (block, (part, more)) in blocks.iter_mut().zip(parts::<S>(ids)) {
+    into: &mut [TriangleBlock<S>],
+) {
+    for (block, (part, more)) in into.iter_mut().zip(parts::<S>(ids)) {
         *block = TriangleBlock::empty();
         fill(prims, part, more, block);
     }
-    others
 }
 
 /// The ids of each block of a list, and whether another follows.

@@ -26,11 +26,15 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Of blocks where they serve the set; none where numbers run out.
-    pub(crate) fn of<S: Scalar, P: PrimSet<S>>(prims: &P, lists: &[&[u32]]) -> Option<Self> {
+    /// Of blocks where they serve the set; none where a number would not be below `limit`.
+    pub(crate) fn of<S: Scalar, P: PrimSet<S>>(
+        prims: &P,
+        lists: &[&[u32]],
+        limit: u32,
+    ) -> Option<Self> {
         let (is_blocks, mut end) = (blocks::serve(prims), 0);
         let number = |list: &&[u32]| {
-            let number = u32::try_from(end).ok();
+            let number = u32::try_from(end).ok().filter(|number| *number < limit);
             end += if is_blocks { blocks::number_of::<S>(list.len()) } else { 1 + list.len() };
             number
         };

@@ -164,10 +164,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         let collapsed = collapse.collapsed();
         let leaves = collapsed.leaves();
         let references: u64 = leaves.iter().map(|ids| ids.len() as u64).sum();
-        let layout = Layout::of(prims, &leaves);
-        let layout =
-            layout.filter(|layout| layout.numbers.last().is_none_or(|last| last & LEAF == 0));
-        let layout = layout.ok_or(BuildError::TooLarge {
+        let layout = Layout::of(prims, &leaves, LEAF).ok_or(BuildError::TooLarge {
             structure,
             what: "number of references",
             needed: references.into(),

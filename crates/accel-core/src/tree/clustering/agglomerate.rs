@@ -11,6 +11,8 @@
 //! "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction", IEEE TVCG
 //! 24(3), 2018). Once few enough clusters are left, the exact method goes on.
 
+use obvhs::ploc::morton::morton_encode_u64;
+
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 
@@ -219,22 +221,10 @@ fn sort_by_morton_code(clusters: &mut [Cluster]) {
     }
     let extent = (0..3).map(|k| hi[k] - lo[k]).fold(f64::MIN_POSITIVE, f64::max);
     let code = |c: &Cluster| {
-        (0..3).fold(0u64, |code, k| {
-            let x = ((centre(c, k) - lo[k]) / extent * f64::from(1 << 20)) as u64;
-            code | spread(x) << k
-        })
+        let place = |k: usize| ((centre(c, k) - lo[k]) / extent * f64::from(1 << 20)) as u32;
+        morton_encode_u64(place(0), place(1), place(2))
     };
     clusters.sort_by_cached_key(|c| (code(c), c.head));
-}
-
-/// Puts two zero bits between any two of the 21 lowest bits.
-fn spread(x: u64) -> u64 {
-    let mut x = x & 0x1f_ffff;
-    x = (x | x << 32) & 0x001f_0000_0000_ffff;
-    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
-    x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
-    x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
-    (x | x << 2) & 0x1249_2492_4924_9249
 }
 
 #[cfg(test)]

@@ -104,17 +104,22 @@ pub(super) mod tests {
         assert!(tree(&[], 16).nodes.is_empty());
     }
 
-    /// The most boxes of a leaf.
-    pub fn most_in_a_leaf(bvh: &Bvh2) -> u32 {
-        let (mut most, mut waiting) = (0, vec![0]);
-        while let Some(at) = waiting.pop() {
-            let node: &Bvh2Node = &bvh.nodes[at as usize];
-            most = most.max(node.prim_count);
-            if !node.is_leaf() {
-                waiting.extend([node.first_index, node.first_index + 1]);
+    /// Whether leaves have so many boxes at most, and no more than is asked for.
+    pub fn assert_few_in_a_leaf(tree: fn(&[Aabb], u32) -> Bvh2, few: u32) {
+        let boxes = scattered(3000, 0.01);
+        for longest in [1, 2, 3, 5, 16] {
+            let bvh = tree(&boxes, longest);
+            assert_eq!(fault(&bvh, &boxes, 96), None);
+            let (mut most, mut waiting) = (0, vec![0]);
+            while let Some(at) = waiting.pop() {
+                let node: &Bvh2Node = &bvh.nodes[at as usize];
+                most = most.max(node.prim_count);
+                if !node.is_leaf() {
+                    waiting.extend([node.first_index, node.first_index + 1]);
+                }
             }
+            assert_eq!(most, few.min(longest));
         }
-        most
     }
 
     #[test]
@@ -124,12 +129,7 @@ pub(super) mod tests {
 
     #[test]
     fn leaves_have_a_few_boxes_and_no_more_than_is_asked_for() {
-        let boxes = scattered(3000, 0.01);
-        for longest in [1, 2, 3, 16] {
-            let bvh = tree(&boxes, longest);
-            assert_eq!(fault(&bvh, &boxes, 96), None);
-            assert_eq!(most_in_a_leaf(&bvh), FEW.min(longest));
-        }
+        assert_few_in_a_leaf(tree, FEW);
     }
 
     #[test]
