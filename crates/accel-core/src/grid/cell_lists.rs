@@ -7,7 +7,7 @@ use std::ops::{Deref, Range};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::grid::sort_in_parts::{counted, filled, useful_parts};
+use crate::grid::sort_in_parts::{Counts, counted, filled, filled_whole, useful_parts};
 
 /// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other lists.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -36,6 +36,49 @@ pub trait Placement: Sync {
     fn cells_of(&self, id: u32, emit: impl FnMut(usize));
 }
 
+/// How many of these ids go to each cell, and to all; counting ends once these are more than `most`.
+#[inline(always)]
+fn count(
+    cells: usize,
+    ids: impl Iterator<Item = u32>,
+    most: u64,
+    placement: &impl Placement,
+) -> Counts {
+    let (mut counts, mut total) = (vec![0u32; cells + 1], 0u64);
+    for id in ids {
+        placement.cells_of(id, |cell| {
+            counts[cell] = counts[cell].wrapping_add(1);
+            total += 1;
+        });
+        if total > most {
+            break;
+        }
+    }
+    (counts, total)
+}
+
+/// Puts these ids to their places: each cursor goes down from the end of a list.
+#[inline(always)]
+fn fill(
+    ids: impl DoubleEndedIterator<Item = u32>,
+    order: ListOrder,
+    placement: &impl Placement,
+    cursors: &mut [u32],
+    mut put: impl FnMut(usize, u32),
+) {
+    let mut place = |id: u32| {
+        placement.cells_of(id, |cell| {
+            cursors[cell] -= 1;
+            put(cursors[cell] as usize, id);
+        });
+    };
+    // from the back: the last id placed comes first
+    match order {
+        ListOrder::File => ids.rev().for_each(&mut place),
+        ListOrder::Reverse => ids.for_each(&mut place),
+    }
+}
+
 impl CellLists {
     /// Builds the lists of `cells` cells for primitives `0..primitives`.
     ///
@@ -51,7 +94,14 @@ impl CellLists {
     ) -> Result<Self, TooManyReferences> {
         let parts = useful_parts(primitives, cells);
         let ids = |part: Range<usize>| part.start as u32..part.end as u32;
-        Self::sorted(cells, parts, ids, order, (max_references, u64::MAX), placement)
+        let counted = counted(&parts, &|part| count(cells, ids(part), u64::MAX, placement));
+        let fill = |part: Range<usize>, cursors: &mut [u32], numbers: &[AtomicU32]| {
+            let put = |at: usize, id| numbers[at].store(id, Ordering::Relaxed);
+            fill(ids(part), order, placement, cursors, put);
+        };
+        filled(counted, parts, order == ListOrder::Reverse, max_references, &fill)
+            .map(|(starts, ids)| Self { starts, ids })
+            .map_err(TooManyReferences)
     }
 
     /// Builds the lists of `cells` cells for these primitives, each list in the order of `ids`.
@@ -64,9 +114,14 @@ impl CellLists {
         max_references: u64,
         placement: &impl Placement,
     ) -> Result<Self, TooManyReferences> {
-        let limits = (max_references, max_references);
-        let part = |part: Range<usize>| ids[part].iter().copied();
-        Self::sorted(cells, vec![0..ids.len(); 1], part, ListOrder::File, limits, placement)
+        let ids = ids.iter().copied();
+        let counted = count(cells, ids.clone(), max_references, placement);
+        let fill = |cursors: &mut [u32], numbers: &mut [u32]| {
+            fill(ids, ListOrder::File, placement, cursors, |at, id| numbers[at] = id);
+        };
+        filled_whole(counted, max_references, fill)
+            .map(|(starts, ids)| Self { starts, ids })
+            .map_err(TooManyReferences)
     }
 
     /// From starts, one more than there are cells, and ids.
@@ -80,48 +135,6 @@ impl CellLists {
 
     pub(crate) fn ids(&self) -> &[u32] {
         &self.ids
-    }
-
-    /// More than `max_references` are refused; counting of a part ends once there are more than
-    /// `stop_counting`.
-    fn sorted<I: DoubleEndedIterator<Item = u32>>(
-        cells: usize,
-        parts: Vec<Range<usize>>,
-        ids_of: impl Fn(Range<usize>) -> I + Sync,
-        order: ListOrder,
-        (max_references, stop_counting): (u64, u64),
-        placement: &impl Placement,
-    ) -> Result<Self, TooManyReferences> {
-        let count = |part: Range<usize>| {
-            let (mut counts, mut total) = (vec![0u32; cells + 1], 0u64);
-            for id in ids_of(part) {
-                placement.cells_of(id, |cell| {
-                    counts[cell] = counts[cell].wrapping_add(1);
-                    total += 1;
-                });
-                if total > stop_counting {
-                    break;
-                }
-            }
-            (counts, total)
-        };
-        let counted = counted(&parts, &count);
-        let fill = |part: Range<usize>, cursors: &mut [u32], ids: &[AtomicU32]| {
-            let mut place = |id: u32| {
-                placement.cells_of(id, |cell| {
-                    cursors[cell] -= 1;
-                    ids[cursors[cell] as usize].store(id, Ordering::Relaxed);
-                });
-            };
-            // from the back: the last id placed comes first
-            match order {
-                ListOrder::File => ids_of(part).rev().for_each(&mut place),
-                ListOrder::Reverse => ids_of(part).for_each(&mut place),
-            }
-        };
-        filled(counted, parts, order == ListOrder::Reverse, max_references, &fill)
-            .map(|(starts, ids)| Self { starts, ids })
-            .map_err(TooManyReferences)
     }
 
     /// Asks `replacement` for every list that is not empty; where it answers, the list becomes

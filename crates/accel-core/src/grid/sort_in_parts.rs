@@ -38,6 +38,26 @@ pub(super) fn counted(
     }
 }
 
+/// As [`filled`], of one part.
+#[inline(always)]
+pub(super) fn filled_whole(
+    (mut cursors, total): Counts,
+    most: u64,
+    fill: impl FnOnce(&mut [u32], &mut [u32]),
+) -> Result<(Vec<u32>, Vec<u32>), u64> {
+    if total > most.min(u64::from(u32::MAX)) {
+        return Err(total);
+    }
+    let mut sum = 0;
+    for n in &mut cursors {
+        sum += *n;
+        *n = sum;
+    }
+    let mut numbers = vec![0; total as usize];
+    fill(&mut cursors, &mut numbers);
+    Ok((cursors, numbers))
+}
+
 /// Writes the numbers of a part.
 type Fill<'a> = dyn Fn(Range<usize>, &mut [u32], &[AtomicU32]) + Sync + 'a;
 
@@ -47,12 +67,19 @@ type Fill<'a> = dyn Fn(Range<usize>, &mut [u32], &[AtomicU32]) + Sync + 'a;
 /// # Errors
 /// How many numbers there are, if these are more than `most`.
 pub(super) fn filled(
-    counted: Vec<Counts>,
+    mut counted: Vec<Counts>,
     mut parts: Vec<Range<usize>>,
     is_reversed: bool,
     most: u64,
     fill: &Fill<'_>,
 ) -> Result<(Vec<u32>, Vec<u32>), u64> {
+    if counted.len() == 1
+        && let (Some(only), Some(part)) = (counted.pop(), parts.pop())
+    {
+        return filled_whole(only, most, |cursors, numbers| {
+            fill(part, cursors, shared(numbers));
+        });
+    }
     let total = counted.iter().fold(0u64, |sum, (_, n)| sum.saturating_add(*n));
     if total > most.min(u64::from(u32::MAX)) {
         return Err(total);
@@ -66,27 +93,14 @@ pub(super) fn filled(
     turn_into_ends(&mut cursors);
     let mut numbers = vec![0; total as usize];
     let shared = shared(&mut numbers);
-    match cursors.as_mut_slice() {
-        [only] => parts.into_iter().for_each(|part| fill(part, &mut *only, shared)),
-        all => {
-            let all = all.par_iter_mut().zip(parts);
-            all.for_each(|(cursors, part)| fill(part, cursors, shared));
-        }
-    }
+    let all = cursors.par_iter_mut().zip(parts);
+    all.for_each(|(cursors, part)| fill(part, cursors, shared));
     Ok((cursors.into_iter().next().unwrap_or_default(), numbers))
 }
 
 /// Turns the counts of each part into where its ids end in the one array: cell after cell, in each
 /// cell part after part.
 fn turn_into_ends(counts: &mut [Vec<u32>]) {
-    if let [only] = counts {
-        let mut sum = 0;
-        for n in only {
-            sum += *n;
-            *n = sum;
-        }
-        return;
-    }
     // as many stretches of cells as parts, each with the counts of all parts
     let cells = counts.first().map_or(0, Vec::len);
     let length = cells.div_ceil(counts.len().max(1)).max(1);
