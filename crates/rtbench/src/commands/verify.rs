@@ -1,5 +1,8 @@
 //! `rtbench verify`: the hard cases against every structure.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+
 use crate::args::{Color, VerifyArgs};
 use crate::context::Context;
 use crate::error::Error;
@@ -40,8 +43,10 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
         rays: args.rays as usize,
         seed: args.seed,
     };
+    // before the files are there: a signal would leave them empty
+    let signal = interrupt::flag().map_err(Error::Signals)?;
     let _created = create([&args.export_csv, &args.export_json])?;
-    let report = checked(context, args, &plan)?;
+    let report = checked(context, args, &plan, signal)?;
     let colors = context.terminal.colors(color);
     write_table(context.out, &report.table(), colors)?;
     for example in report.examples() {
@@ -71,8 +76,8 @@ fn checked(
     context: &mut Context<'_>,
     args: &VerifyArgs,
     plan: &CheckPlan<'_>,
+    signal: Arc<AtomicUsize>,
 ) -> Result<Report, Error> {
-    let signal = interrupt::flag().map_err(Error::Signals)?;
     let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
     let start = context.clock.now();
     let progress = Progress::new(context.shows_progress(), plan.all_rounds(), None);
