@@ -33,6 +33,12 @@ impl MemoryLimit {
         if self == Self::NONE { self } else { Self(self.0.saturating_sub(bytes)) }
     }
 
+    /// Half of it.
+    #[must_use]
+    pub(crate) fn halved(self) -> Self {
+        if self == Self::NONE { self } else { Self(self.0 / 2) }
+    }
+
     /// How many things of so many bytes each fit.
     pub fn count(self, bytes_each: u64) -> u64 {
         if self == Self::NONE { u64::MAX } else { self.0 / bytes_each.max(1) }

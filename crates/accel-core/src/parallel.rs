@@ -62,6 +62,32 @@ pub(crate) fn collect<T: Copy + Send>(n: usize, f: impl Fn(usize) -> T + Sync) -
     })
 }
 
+/// What `f` makes of each item, in their order, where that takes long for each.
+pub(crate) fn map<I: Sync, T: Send>(items: &[I], f: &(dyn Fn(&I) -> T + Sync)) -> Vec<T> {
+    match rayon::current_num_threads() {
+        0 | 1 => items.iter().map(f).collect(),
+        _ => items.par_iter().map(f).collect(),
+    }
+}
+
+/// Sorts numbers of which none is there twice.
+pub(crate) fn sort<T: Ord + Send>(numbers: &mut [T]) {
+    match parts(numbers.len()) {
+        1 => numbers.sort_unstable(),
+        _ => numbers.par_sort_unstable(),
+    }
+}
+
+/// Calls `f` with each item.
+pub(crate) fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync) {
+    match parts(items.len()) {
+        1 => items.iter_mut().for_each(f),
+        parts => items
+            .par_chunks_mut(items.len().div_ceil(parts))
+            .for_each(|part| part.iter_mut().for_each(&f)),
+    }
+}
+
 /// A vector of which `write` writes each part, which begins at the place given, wholly. Compiled once for all that write.
 fn collect_in_parts<T: Copy + Send>(
     n: usize,

@@ -20,6 +20,12 @@ impl Room {
         Self { limits, parts }
     }
 
+    /// Half of everything.
+    pub(crate) fn halved(&self) -> Self {
+        let limits = Limits { memory: self.limits.memory.halved(), ..self.limits };
+        Self { limits, parts: self.parts.map(|(part, most)| (part, most / 2)) }
+    }
+
     /// Refuses so many cells and references.
     #[inline(always)]
     pub(crate) fn check(&self, needed: [u64; 2]) -> Result<(), BuildError> {

@@ -7,7 +7,9 @@ use std::ops::{Deref, Range};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::grid::sort_in_parts::{Counts, counted, filled, filled_whole, useful_parts};
+use crate::grid::sort_in_parts::{
+    Counts, counted, filled, filled_whole, turn_into_ends, useful_parts,
+};
 
 /// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other lists.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -44,7 +46,23 @@ fn count(
     most: u64,
     placement: &impl Placement,
 ) -> Counts {
-    let (mut counts, mut total) = (vec![0u32; cells + 1], 0u64);
+    let mut counts = Vec::new();
+    let total = count_in(&mut counts, cells, ids, most, placement);
+    (counts, total)
+}
+
+/// The same into counts that are used again.
+#[inline(always)]
+fn count_in(
+    counts: &mut Vec<u32>,
+    cells: usize,
+    ids: impl Iterator<Item = u32>,
+    most: u64,
+    placement: &impl Placement,
+) -> u64 {
+    counts.clear();
+    counts.resize(cells + 1, 0);
+    let mut total = 0u64;
     for id in ids {
         placement.cells_of(id, |cell| {
             counts[cell] = counts[cell].wrapping_add(1);
@@ -54,7 +72,7 @@ fn count(
             break;
         }
     }
-    (counts, total)
+    total
 }
 
 /// Puts these ids to their places: each cursor goes down from the end of a list.
@@ -122,6 +140,23 @@ impl CellLists {
         filled_whole(counted, max_references, fill)
             .map(|(starts, ids)| Self { starts, ids })
             .map_err(TooManyReferences)
+    }
+
+    /// The lists of [`CellLists::build`] in the memory of those before, by one thread, where there are no more
+    /// references than may be.
+    pub(crate) fn rebuild(
+        &mut self,
+        cells: usize,
+        primitives: usize,
+        order: ListOrder,
+        placement: &impl Placement,
+    ) {
+        let all = 0..primitives as u32;
+        let total = count_in(&mut self.starts, cells, all.clone(), u64::MAX, placement);
+        turn_into_ends(&mut self.starts);
+        self.ids.resize(total as usize, 0);
+        let ids = &mut self.ids;
+        fill(all, order, placement, &mut self.starts, |at, id| ids[at] = id);
     }
 
     /// From starts, one more than there are cells, and ids.
@@ -357,6 +392,18 @@ mod tests {
         let only = |lists: CellLists| (lists.stretches(8).len(), lists.stretches(8)[0].clone());
         assert_eq!(only(build(ListOrder::File, 99).unwrap()), (1, 0..5));
         assert_eq!(only(CellLists::default()), (1, 0..0));
+    }
+
+    #[test]
+    fn lists_are_built_again_where_others_were() {
+        let mut lists = build(ListOrder::File, 99).unwrap();
+        for (cells, primitives) in [(5, 2), (7, 9), (5, 0)] {
+            for order in [ListOrder::Reverse, ListOrder::File] {
+                lists.rebuild(cells, primitives, order, &TwoEach);
+                let new = CellLists::build(cells, primitives, order, 99, &TwoEach).unwrap();
+                assert_eq!(lists, new);
+            }
+        }
     }
 
     #[test]

@@ -48,14 +48,20 @@ pub(super) fn filled_whole(
     if total > most.min(u64::from(u32::MAX)) {
         return Err(total);
     }
-    let mut sum = 0;
-    for n in &mut cursors {
-        sum += *n;
-        *n = sum;
-    }
+    turn_into_ends(&mut cursors);
     let mut numbers = vec![0; total as usize];
     fill(&mut cursors, &mut numbers);
     Ok((cursors, numbers))
+}
+
+/// Turns the counts of lists into where each ends.
+#[inline(always)]
+pub(super) fn turn_into_ends(counts: &mut [u32]) {
+    let mut sum = 0;
+    for n in counts {
+        sum += *n;
+        *n = sum;
+    }
 }
 
 /// Writes the numbers of a part.
@@ -90,7 +96,7 @@ pub(super) fn filled(
         cursors.reverse();
         parts.reverse();
     }
-    turn_into_ends(&mut cursors);
+    turn_parts_into_ends(&mut cursors);
     let mut numbers = vec![0; total as usize];
     let shared = shared(&mut numbers);
     let all = cursors.par_iter_mut().zip(parts);
@@ -100,7 +106,7 @@ pub(super) fn filled(
 
 /// Turns the counts of each part into where its ids end in the one array: cell after cell, in each
 /// cell part after part.
-fn turn_into_ends(counts: &mut [Vec<u32>]) {
+fn turn_parts_into_ends(counts: &mut [Vec<u32>]) {
     // as many stretches of cells as parts, each with the counts of all parts
     let cells = counts.first().map_or(0, Vec::len);
     let length = cells.div_ceil(counts.len().max(1)).max(1);

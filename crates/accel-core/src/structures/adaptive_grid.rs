@@ -14,14 +14,14 @@
 //! primitives, resolutions rounded as `HISTORICAL_ROUNDING` says, and an axis thinner than 0.01
 //! becomes 0.01.
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::HashSet;
 
 use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::{NestedGrids, NoMailbox, Rules};
+use crate::grid::nested_grids::{LooseGrids, NestedGrids, NoMailbox, Rules};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::params::ParamSpec;
@@ -104,6 +104,8 @@ struct Crowd<S: Scalar> {
     bounds: Aabb<S>,
     /// 0 for the grid of a cluster.
     level: u64,
+    /// Its cells, where they are known already.
+    frame: Option<GridFrame<S>>,
 }
 
 /// What all grids of a build share.
@@ -259,61 +261,79 @@ impl<S: Scalar> AdaptiveGrid<S> {
 
 impl<S: Scalar> Maker<'_, S> {
     fn crowd(&self, ids: Vec<u32>) -> Crowd<S> {
-        let bounds = self.around(&ids).expanded(self.padding);
-        Crowd { ids, bounds, level: 0 }
+        let boxes = ids.iter().map(|&i| self.boxes[i as usize]);
+        let bounds = boxes.fold(Aabb::empty(), Aabb::union).expanded(self.padding);
+        Crowd { ids, bounds, level: 0, frame: None }
     }
 
-    fn around(&self, ids: &[u32]) -> Aabb<S> {
-        ids.iter().fold(Aabb::empty(), |b, &i| b.union(self.boxes[i as usize]))
-    }
-
-    /// Makes the grids of all clusters, then those within their voxels, level by level: a grid's
-    /// number is its position in the queue.
+    /// Makes the grids of all clusters, then those within their voxels, level by level.
     fn make(&self, crowds: Vec<Crowd<S>>) -> Result<NestedGrids<S>, BuildError> {
         let mut grids = NestedGrids::new();
-        let mut queue = VecDeque::from(crowds);
-        let mut queued = queue.len() as u32;
-        while let Some(crowd) = queue.pop_front() {
-            let boxes: Vec<_> = crowd.ids.iter().map(|&i| self.boxes[i as usize]).collect();
-            let frame = self.frame(&crowd, &boxes)?;
-            // a grid of one cell has not helped, another one below it would not either
-            let may_divide = crowd.level < self.levels && frame.cells() > 1;
-            grids.push_divided(frame, (&crowd.ids, &boxes), &self.rules, |cell, list| {
-                if !may_divide || list.len() < self.split {
-                    return None;
-                }
-                let ids: Vec<u32> = list.iter().map(|&i| crowd.ids[i as usize]).collect();
-                let bounds = self.within(&ids, cell);
-                let inner = Crowd { ids, bounds, level: crowd.level + 1 };
-                if self.is_hopeless(&inner) {
-                    return None;
-                }
-                queue.push_back(inner);
-                queued += 1;
-                Some(queued - 1)
+        let mut level = crowds;
+        while !level.is_empty() {
+            let (first, mut below) = (grids.len() + level.len(), Vec::new());
+            let push = |grids: &mut _, crowd: &_| self.push(grids, crowd);
+            grids.push_all(&level, &self.rules, &push, &mut |inner| {
+                below.push(inner);
+                (first + below.len() - 1) as u32
             })?;
+            level = below;
         }
         Ok(grids)
     }
 
-    fn frame(&self, crowd: &Crowd<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, BuildError> {
-        let room = &self.rules.room;
-        if self.historical {
-            let wanted = HISTORICAL_ROUNDING[usize::from(crowd.level > 0)];
-            return historical_frame(crowd.bounds, boxes.len(), wanted, room);
-        }
-        Ok(useful_frame(crowd.bounds, boxes, self.density, self.padding, room))
+    /// Adds the grid of a crowd, with the crowds in its voxels.
+    fn push(
+        &self,
+        grids: &mut LooseGrids<S, Crowd<S>>,
+        crowd: &Crowd<S>,
+    ) -> Result<(), BuildError> {
+        let boxes: Vec<_> = crowd.ids.iter().map(|&i| self.boxes[i as usize]).collect();
+        let frame = self.frame(crowd, &boxes)?;
+        // a grid of one cell has not helped, another one below it would not either
+        let may_divide = crowd.level < self.levels && frame.cells() > 1;
+        grids.push_divided(frame, (&crowd.ids, &boxes), &self.rules, &|cell, list| {
+            if !may_divide || list.len() < self.split {
+                return None;
+            }
+            self.crowd_in(cell, list.iter().map(|&i| crowd.ids[i as usize]), crowd.level + 1)
+        })
     }
 
-    /// True when a grid of one cell is all that would come of it; asked of today's grids only.
-    fn is_hopeless(&self, crowd: &Crowd<S>) -> bool {
-        let boxes: Vec<_> = crowd.ids.iter().map(|&i| self.boxes[i as usize]).collect();
-        !self.historical && self.frame(crowd, &boxes).is_ok_and(|frame| frame.cells() == 1)
+    /// The crowd in a voxel; `None` if a grid of one cell is all that would come of it, which is asked of today's
+    /// grids only.
+    fn crowd_in(
+        &self,
+        cell: Aabb<S>,
+        ids: impl Iterator<Item = u32> + Clone,
+        level: u64,
+    ) -> Option<Crowd<S>> {
+        let boxes = ids.clone().map(|i| self.boxes[i as usize]);
+        let bounds = self.within(boxes.clone(), cell);
+        let frame = (!self.historical).then(|| self.useful_frame(bounds, boxes));
+        let is_hopeless = frame.is_some_and(|frame| frame.cells() == 1);
+        (!is_hopeless).then(|| Crowd { ids: ids.collect(), bounds, level, frame })
+    }
+
+    fn frame(&self, crowd: &Crowd<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, BuildError> {
+        if self.historical {
+            let wanted = HISTORICAL_ROUNDING[usize::from(crowd.level > 0)];
+            return historical_frame(crowd.bounds, boxes.len(), wanted, &self.rules.room);
+        }
+        Ok(crowd.frame.unwrap_or_else(|| self.useful_frame(crowd.bounds, boxes.iter().copied())))
+    }
+
+    fn useful_frame(
+        &self,
+        bounds: Aabb<S>,
+        boxes: impl Iterator<Item = Aabb<S>> + Clone,
+    ) -> GridFrame<S> {
+        useful_frame(bounds, boxes, self.density, self.padding, &self.rules.room)
     }
 
     /// The part of a voxel that its primitives fill; in 1999, all that they fill.
-    fn within(&self, ids: &[u32], cell: Aabb<S>) -> Aabb<S> {
-        let all = self.around(ids);
+    fn within(&self, boxes: impl Iterator<Item = Aabb<S>>, cell: Aabb<S>) -> Aabb<S> {
+        let all = boxes.fold(Aabb::empty(), Aabb::union);
         if self.historical {
             return all;
         }

@@ -34,6 +34,7 @@ use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
 use crate::memory::Limits;
+use crate::parallel::collect;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
@@ -178,7 +179,10 @@ struct Groups<'a, S: Scalar, P: PrimSet<S>> {
 
 impl<S: Scalar, P: PrimSet<S>> Groups<'_, S, P> {
     fn volumes<V: Volume<S>>(&self) -> Vec<V> {
-        self.ids.chunks(self.size).map(|ids| V::around(ids, &self.boxes)).collect()
+        collect(self.ids.len().div_ceil(self.size), |group| {
+            let end = self.ids.len().min((group + 1) * self.size);
+            V::around(&self.ids[group * self.size..end], &self.boxes)
+        })
     }
 }
 

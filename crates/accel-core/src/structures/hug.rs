@@ -20,11 +20,12 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::{Mailbox, NestedGrids, Rules, Visited, references_in};
+use crate::grid::nested_grids::{LooseGrids, Mailbox, NestedGrids, Rules, Visited, references_in};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
+use crate::parallel::collect;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
 use crate::params::specs;
@@ -179,12 +180,11 @@ pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
     historical: bool,
 ) -> Result<Boxes<S>, u32> {
     let padded = BoundsOf::new(prims, BoundsRule::Padded)?;
-    let ids = 0..prims.len() as u32;
     if !historical {
-        let of = ids.map(|id| padded.of(id)).collect();
+        let of = collect(prims.len(), |id| padded.of(id as u32));
         return Ok(Boxes { of, scene: padded.scene(), padding: padded.padding() });
     }
-    let of: Vec<_> = ids.map(|id| at_least(prims.bounds(id))).collect();
+    let of = collect(prims.len(), |id| at_least(prims.bounds(id as u32)));
     let scene = of.iter().fold(Aabb::empty(), |all, b| all.union(*b));
     Ok(Boxes { of, scene, padding: S::ZERO })
 }
@@ -318,18 +318,21 @@ fn fill<S: Scalar>(
         let parent = smallest_around(&tree, plans, &plan.bounds, plan.class);
         inner[parent as usize].push(number);
     }
-    let mut grids = NestedGrids::new();
-    for ((plan, ids), inner) in plans.iter().zip(&primitives).zip(&inner) {
+    let numbers: Vec<usize> = (0..plans.len()).collect();
+    let push = |grids: &mut LooseGrids<S, u32>, &number: &usize| {
+        let (plan, ids, inner) = (&plans[number], &primitives[number], &inner[number]);
         let id_boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
         let inner_boxes: Vec<_> = inner.iter().map(|&g| bounds[g as usize]).collect();
         let frame = if historical {
             historical_frame(plan.bounds, plan.own, HISTORICAL_ROUNDING, &rules.room)?
         } else {
-            let all: Vec<_> = id_boxes.iter().chain(&inner_boxes).copied().collect();
-            useful_frame(plan.bounds, &all, settings.density, padding, &rules.room)
+            let all = id_boxes.iter().chain(&inner_boxes).copied();
+            useful_frame(plan.bounds, all, settings.density, padding, &rules.room)
         };
-        grids.push(frame, (ids, &id_boxes), (inner, &inner_boxes), &rules)?;
-    }
+        grids.push(frame, (ids, &id_boxes), (inner, &inner_boxes), &rules)
+    };
+    let mut grids = NestedGrids::new();
+    grids.push_all(&numbers, &rules, &push, &mut |inner| inner)?;
     Ok(grids)
 }
 
@@ -353,14 +356,15 @@ pub(super) fn historical_frame<S: Scalar>(
 /// one cell where most boxes would be in most cells anyway.
 pub(super) fn useful_frame<S: Scalar>(
     bounds: Aabb<S>,
-    boxes: &[Aabb<S>],
+    boxes: impl Iterator<Item = Aabb<S>> + Clone,
     density: f64,
     padding: S,
     room: &Room,
 ) -> GridFrame<S> {
+    let n = boxes.clone().count();
     let input = ResolutionInput {
         bounds,
-        primitives: boxes.len(),
+        primitives: n,
         density,
         mean_longest_side: 0.0,
         max_cells: room.most_cells(),
@@ -369,8 +373,8 @@ pub(super) fn useful_frame<S: Scalar>(
     let mut cells = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);
     loop {
         let frame = GridFrame::new(bounds, cells);
-        let references = references_in(&frame, boxes);
-        let n = boxes.len() as u64;
+        let references = references_in(&frame, boxes.clone());
+        let n = n as u64;
         if frame.cells() == 1
             || 2 * references <= n * frame.cells() as u64
                 && references <= n * REFERENCES_PER_PRIMITIVE

@@ -25,6 +25,7 @@ use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::nested_grids::{REFERENCES, VOXELS};
 use crate::grid::voxel_traversal::inverse_direction;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::parallel::collect;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
 use crate::params::specs;
@@ -140,12 +141,11 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         };
         let bounds = BoundsOf::new(prims, rule)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-        let ids: Vec<u32> = (0..prims.len() as u32).collect();
         let parts = [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)];
         let room = Room::new(settings.limits(), parts);
         let (lazy, max_depth) = (settings.is_lazy, settings.max_depth);
         let mut division = Division {
-            boxes: ids.iter().map(|&id| bounds.of(id).expanded(pad)).collect(),
+            boxes: collect(prims.len(), |id| bounds.of(id as u32).expanded(pad)),
             rule: settings.rule,
             densities: [settings.top_density, settings.density],
             threshold: settings.threshold,
@@ -159,7 +159,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             budget: Budget::new(room),
         };
         let mut root =
-            division.root(&ids, bounds.scene()).map_err(|over| room.refused(over.needed))?;
+            division.root(bounds.scene(), room).map_err(|over| room.refused(over.needed))?;
         if settings.has_joined_lists {
             root.join_lists();
         }

@@ -36,10 +36,16 @@ fn any_number_of_threads_builds_the_same() {
     let bounds = (glam::DVec3::ZERO, glam::DVec3::ONE);
     let rays: Vec<Ray<f32>> =
         rays_for(bounds, &mut Random::new(11)).into_iter().step_by(13).collect();
-    for entry in REGISTRY.iter().filter(|entry| !entry.info.sampled) {
+    for entry in REGISTRY {
         let settings = match entry.info.name {
             "uniform-grid" => &["", "density=20", "boxes=historical order=reverse"][..],
             "two-level-grid" => &["", "density=2 leaf-density=0.5"],
+            "recursive-grid" => &["", "threshold=2 boxes=historical", "build=lazy lazy-levels=2"],
+            "hug" => &["", "size-classes=8 gap=0.002", "size-classes=2 boxes=historical"],
+            "adaptive-grid" => &["", "m=0.01 split=2 orphan-grid=on", "boxes=historical"],
+            "kay-kajiya" => &["", "leaf-size=3 branching=4", "leaf-size=5 branching=8"],
+            "bounding-volumes" => &["group=5", "volume=slabs group=64", "volume=sphere group=40"],
+            _ if entry.info.sampled => continue,
             _ => &[""],
         };
         for setting in settings {
@@ -49,6 +55,42 @@ fn any_number_of_threads_builds_the_same() {
                 assert!(one == other, "{} {setting}: {threads} threads differ", entry.info.name);
             }
         }
+    }
+}
+
+/// What is refused, with which words, and what is left out for a limit depend on what was made before.
+#[test]
+fn limits_hold_back_the_same_for_any_number_of_threads() {
+    let set = many_triangles(13_000);
+    let prims = PrimsRef::Watertight(&set);
+    for name in ["recursive-grid", "hug", "adaptive-grid", "kay-kajiya"] {
+        let entry = find(name).unwrap();
+        let built = |threads, limit: &str, most: u64| {
+            let most = most.to_string();
+            let params = entry.params([(limit, most.as_str())]).unwrap();
+            on(threads, || match entry.build(prims, &params) {
+                Ok(tracer) => format!("{:?}", tracer.stats()),
+                Err(refused) => refused.to_string(),
+            })
+        };
+        let whole = entry.build(prims, &entry.defaults()).unwrap().stats();
+        let limits =
+            [("max-cells", whole.cells + whole.inner_cells), ("max-references", whole.references)];
+        let mut kinds = [0; 2];
+        for (limit, needed) in limits {
+            if !entry.info.params.iter().any(|param| param.name == limit) {
+                continue;
+            }
+            for percent in [10, 40, 60, 90, 100, 103, 150, 250] {
+                let most = needed * percent / 100;
+                let one = built(1, limit, most);
+                kinds[usize::from(one.contains("limit"))] += 1;
+                for threads in [2, 5] {
+                    assert_eq!(built(threads, limit, most), one, "{name} {limit}={most}");
+                }
+            }
+        }
+        assert!(kinds[0] > 0 && kinds[1] > 0, "{name}: {kinds:?}");
     }
 }
 

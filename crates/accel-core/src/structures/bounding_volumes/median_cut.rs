@@ -1,6 +1,7 @@
 //! Neighbouring primitives: sets of them, halved at the median of their centres.
 
 use crate::geometry::scalar::{Scalar, Vector};
+use crate::parallel::{collect, forks, is_worth_a_fork};
 use crate::primitives::PrimSet;
 
 /// The centres of the boxes of all primitives.
@@ -14,12 +15,12 @@ impl<S: Scalar> Centres<S> {
             let b = prims.bounds(id);
             (b.min * half + b.max * half).to_array()
         };
-        Self((0..prims.len() as u32).map(centre).collect())
+        Self(collect(prims.len(), |id| centre(id as u32)))
     }
 
     /// Brings the `lower` ids with the lowest centres to the front, on the axis on which the
     /// centres spread most; equal centres are taken in the order of ids.
-    pub(crate) fn cut(&self, ids: &mut [u32], lower: usize) {
+    fn cut(&self, ids: &mut [u32], lower: usize) {
         if lower >= ids.len() {
             return;
         }
@@ -33,17 +34,28 @@ impl<S: Scalar> Centres<S> {
     /// Puts neighbours next to each other: every `size` ids in a row are a group, the last one
     /// what is left. Ids are halved, by whole groups, until a group remains.
     pub(super) fn group(&self, ids: &mut [u32], size: usize) {
-        let mut waiting = vec![ids];
-        while let Some(part) = waiting.pop() {
-            let groups = part.len().div_ceil(size);
-            if groups < 2 {
-                continue;
-            }
-            let lower = groups.div_ceil(2) * size;
-            self.cut(part, lower);
-            let (left, right) = part.split_at_mut(lower);
-            waiting.push(right);
-            waiting.push(left);
+        self.cut_again(ids, &|n| {
+            let groups = n.div_ceil(size);
+            (groups > 1).then(|| groups.div_ceil(2) * size)
+        });
+    }
+
+    /// Cuts ids, then both parts, again and again, where `lower` says how many of so many come to the front; on
+    /// all threads.
+    pub(crate) fn cut_again(
+        &self,
+        ids: &mut [u32],
+        lower: &(dyn Fn(usize) -> Option<usize> + Sync),
+    ) {
+        let Some(middle) = lower(ids.len()) else { return };
+        self.cut(ids, middle);
+        let pays = is_worth_a_fork(ids.len());
+        let (front, back) = ids.split_at_mut(middle);
+        if pays && forks() > 0 {
+            rayon::join(|| self.cut_again(front, lower), || self.cut_again(back, lower));
+        } else {
+            self.cut_again(front, lower);
+            self.cut_again(back, lower);
         }
     }
 

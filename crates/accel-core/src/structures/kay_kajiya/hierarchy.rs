@@ -1,9 +1,12 @@
 //! The hierarchy: built from the top by median cuts, traversed nearest entry first.
 
+use std::ops::Range;
+
 use super::config::KayKajiyaConfig;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsOf;
+use crate::parallel::{collect, for_each};
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor};
@@ -44,26 +47,29 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
         settings: &Settings<KayKajiyaConfig>,
     ) -> Result<Self, BuildError> {
         let mut ids: Vec<u32> = (0..boxes.prims().len() as u32).collect();
-        let contents = cut_to_leaves(&mut ids, &Centres::of(boxes.prims()), settings)?;
-        let nodes =
-            contents.into_iter().map(|content| Node { volume: Slabs::empty(), content }).collect();
-        let mut this = Self { nodes, ids };
-        this.bound(boxes);
+        let (contents, levels) = contents(ids.len(), settings)?;
+        Centres::of(boxes.prims()).cut_again(&mut ids, &|n| halved(n, settings.leaf_size));
+        let node = |number: usize| Node { volume: Slabs::empty(), content: contents[number] };
+        let mut this = Self { nodes: collect(contents.len(), node), ids };
+        this.bound(&levels, boxes);
         Ok(this)
     }
 
-    /// Makes the volumes, children before parents.
-    fn bound<P: PrimSet<S>>(&mut self, boxes: &BoundsOf<S, P>) {
-        for number in (0..self.nodes.len()).rev() {
-            let volume = match self.nodes[number].content {
-                Content::Inner { first, count } => self.nodes[range(first, count)]
+    /// Makes the volumes, children before parents, those of a level on all threads.
+    fn bound<P: PrimSet<S>>(&mut self, levels: &[Range<usize>], boxes: &BoundsOf<S, P>) {
+        for level in levels.iter().rev() {
+            let (above, below) = self.nodes.split_at_mut(level.end);
+            for_each(&mut above[level.start..], |node| {
+                node.volume = match node.content {
+                    Content::Inner { first, count } => below
+                        [range(first - level.end as u32, count)]
                     .iter()
                     .fold(Slabs::empty(), |all, child| all.union(&child.volume)),
-                Content::Leaf { first, count } => {
-                    Slabs::around(&self.ids[range(first, count)], boxes)
-                }
-            };
-            self.nodes[number].volume = volume;
+                    Content::Leaf { first, count } => {
+                        Slabs::around(&self.ids[range(first, count)], boxes)
+                    }
+                };
+            });
         }
     }
 
@@ -145,59 +151,58 @@ fn range(first: u32, count: u32) -> std::ops::Range<usize> {
     first as usize..(first + count) as usize
 }
 
-/// Orders the ids and says what each node holds, parents before children. Every cut halves, so no
-/// leaf lies deeper than the logarithm of the number of primitives, whatever they look like.
-fn cut_to_leaves<S: Scalar>(
-    ids: &mut [u32],
-    centres: &Centres<S>,
+/// What each node over so many ids holds, parents before children, and where the levels of nodes stand. Every cut
+/// halves, so no leaf lies deeper than the logarithm of the number of primitives, whatever they look like.
+fn contents(
+    ids: usize,
     settings: &Settings<KayKajiyaConfig>,
-) -> Result<Vec<Content>, BuildError> {
-    let leaf_size = settings.leaf_size;
-    let branching = settings.branching;
-    let mut contents = vec![Content::Leaf { first: 0, count: ids.len() as u32 }];
-    let mut next = 0;
-    while let Some(&Content::Leaf { first, count }) = contents.get(next) {
-        if count as usize > leaf_size {
-            let part = &mut ids[range(first, count)];
-            let children = cut(part, leaf_size, branching, centres);
-            let inner =
+) -> Result<(Vec<Content>, Vec<Range<usize>>), BuildError> {
+    let mut contents = vec![Content::Leaf { first: 0, count: ids as u32 }];
+    let (mut levels, mut level) = (Vec::new(), 0..1);
+    while !level.is_empty() {
+        // nodes of a level differ by a few ids at most
+        let mut known: Vec<(u32, Vec<usize>)> = Vec::new();
+        for number in level.clone() {
+            let Content::Leaf { mut first, count } = contents[number] else { continue };
+            if halved(count as usize, settings.leaf_size).is_none() {
+                continue;
+            }
+            let place = known.iter().position(|(n, _)| *n == count).unwrap_or_else(|| {
+                known.push((count, parts(count as usize, settings)));
+                known.len() - 1
+            });
+            let children = &known[place].1;
+            let nodes = contents.len() + children.len();
+            check_cells(nodes, settings.limits(), settings.max_cells)?;
+            contents[number] =
                 Content::Inner { first: contents.len() as u32, count: children.len() as u32 };
-            check_cells(contents.len() + children.len(), settings.limits(), settings.max_cells)?;
-            contents[next] = inner;
-            let mut first = first;
-            for count in children {
+            for &count in children {
+                let count = count as u32;
                 contents.push(Content::Leaf { first, count });
                 first += count;
             }
         }
-        next += 1;
+        let below = level.end..contents.len();
+        levels.push(std::mem::replace(&mut level, below));
     }
-    Ok(contents)
+    Ok((contents, levels))
 }
 
-/// Cuts ids into up to `branching` parts by halving those that are too large for a leaf; returns
-/// their sizes.
-fn cut<S: Scalar>(
-    ids: &mut [u32],
-    leaf_size: usize,
-    branching: usize,
-    centres: &Centres<S>,
-) -> Vec<u32> {
+/// The lower half of so many ids, where they are too many for a leaf.
+fn halved(ids: usize, leaf_size: usize) -> Option<usize> {
+    (ids > leaf_size).then(|| ids.div_ceil(2))
+}
+
+/// The children of a node over so many ids: up to so many as it may have, by halving those that are too large
+/// for a leaf.
+fn parts(ids: usize, settings: &Settings<KayKajiyaConfig>) -> Vec<usize> {
     let mut parts = vec![ids];
-    while parts.len() < branching && parts.iter().any(|part| part.len() > leaf_size) {
-        let mut halves = Vec::with_capacity(2 * parts.len());
-        for part in parts {
-            if part.len() <= leaf_size {
-                halves.push(part);
-                continue;
-            }
-            let lower = part.len().div_ceil(2);
-            centres.cut(part, lower);
-            let (left, right) = part.split_at_mut(lower);
-            halves.push(left);
-            halves.push(right);
-        }
-        parts = halves;
+    while parts.len() < settings.branching && parts.iter().any(|&n| n > settings.leaf_size) {
+        let halves = parts.into_iter().flat_map(|n| {
+            let lower = halved(n, settings.leaf_size);
+            [lower.unwrap_or(n), lower.map_or(0, |lower| n - lower)]
+        });
+        parts = halves.filter(|&n| n > 0).collect();
     }
-    parts.iter().map(|part| part.len() as u32).collect()
+    parts
 }

@@ -1,6 +1,7 @@
 //! What the grids of a recursive grid may take of cells and references together; shared by the threads that
 //! build.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::room::Room;
@@ -12,16 +13,43 @@ pub(super) struct OverLimit {
 }
 
 /// A room and what is taken of it.
+///
+/// What grids are refused, and how many voxels the last ones get, depends on what was taken before them. So
+/// that a build by several threads does not depend on their order, it goes on only as long as nothing is
+/// refused in any order ([`Budget::in_any_order`]).
 #[derive(Debug)]
 pub(super) struct Budget {
     room: Room,
+    /// Half the room, where grids come in any order: what is given back stays taken.
+    half: Option<Room>,
     /// Cells and references.
     taken: Mutex<[u64; 2]>,
+    /// What was given back, where it stays taken.
+    given_back: [AtomicU64; 2],
 }
 
 impl Budget {
+    /// For grids that come one after the other.
     pub(super) fn new(room: Room) -> Self {
-        Self { room, taken: Mutex::default() }
+        Self { room, half: None, taken: Mutex::default(), given_back: Default::default() }
+    }
+
+    /// For grids that come in any order. All together have half the room and each, alone, the other half: what is
+    /// not over the limit here would get what it asks for in whatever order, so it gets that here.
+    pub(super) fn in_any_order(room: Room) -> Self {
+        Self { half: Some(room.halved()), ..Self::new(room) }
+    }
+
+    /// Whether grids may come in any order.
+    pub(super) fn is_in_any_order(&self) -> bool {
+        self.half.is_some()
+    }
+
+    /// From here on grids come one after the other.
+    pub(super) fn in_order(&mut self) {
+        self.half = None;
+        let back = std::mem::take(&mut self.given_back).map(AtomicU64::into_inner);
+        self.give_back(back);
     }
 
     fn taken(&self) -> MutexGuard<'_, [u64; 2]> {
@@ -30,12 +58,18 @@ impl Budget {
 
     /// How many more cells there may be.
     pub(super) fn cells_left(&self) -> u64 {
+        if self.half.is_some() {
+            return self.room.most_cells();
+        }
         let [cells, references] = *self.taken();
         self.room.cells_beside(references).saturating_sub(cells)
     }
 
     /// How many more references.
     pub(super) fn references_left(&self) -> u64 {
+        if let Some(half) = self.half {
+            return half.references_beside(0);
+        }
         let [cells, references] = *self.taken();
         self.room.references_beside(cells).saturating_sub(references)
     }
@@ -49,7 +83,7 @@ impl Budget {
     pub(super) fn take(&self, more: [u64; 2]) -> Result<(), OverLimit> {
         let mut taken = self.taken();
         let needed = sum(*taken, more);
-        if self.room.check(needed).is_err() {
+        if self.half.unwrap_or(self.room).check(needed).is_err() {
             return Err(OverLimit { needed });
         }
         *taken = needed;
@@ -58,6 +92,12 @@ impl Budget {
 
     /// Gives so many back.
     pub(super) fn give_back(&self, fewer: [u64; 2]) {
+        if self.half.is_some() {
+            for (sum, fewer) in self.given_back.iter().zip(fewer) {
+                sum.fetch_add(fewer, Ordering::Relaxed);
+            }
+            return;
+        }
         let mut taken = self.taken();
         *taken = [0, 1].map(|k| taken[k].saturating_sub(fewer[k]));
     }

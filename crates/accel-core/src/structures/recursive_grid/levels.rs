@@ -3,13 +3,18 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
+use rayon::prelude::*;
+
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::block_lists::{DenseRows, block_lists};
 use crate::grid::box_placement::BoxPlacement;
-use crate::grid::cell_lists::CellLists;
+use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::GridFrame;
+use crate::parallel::{forks, is_worth_a_fork};
 use crate::query::cells::{Cell, CellVisitor};
+use crate::room::Room;
 use crate::structures::recursive_grid::budget::{Budget, OverLimit};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
@@ -212,12 +217,30 @@ impl<S: Scalar> Division<S> {
         S::EPSILON * scene.magnitude() * S::from_f64(NARROWEST_VOXEL_ULPS)
     }
 
-    /// The outermost grid; coarser than asked for where that would multiply references too much.
-    pub(super) fn root(&self, ids: &[u32], bounds: Aabb<S>) -> Result<Grid<S>, OverLimit> {
+    /// The outermost grid, over all primitives; coarser than asked for where that would multiply references too
+    /// much. Several threads make the grids that one makes.
+    pub(super) fn root(&mut self, bounds: Aabb<S>, room: Room) -> Result<Grid<S>, OverLimit> {
+        if forks() > 0 && is_worth_a_fork(self.boxes.len()) {
+            self.budget = Budget::in_any_order(room);
+            if let Ok(root) = self.outermost(bounds) {
+                self.budget.in_order();
+                return Ok(root);
+            }
+        }
+        self.budget = Budget::new(room);
+        self.outermost(bounds)
+    }
+
+    fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, OverLimit> {
         let mut density = self.densities[0];
         loop {
-            let n = self.resolution(ids.len(), bounds, density);
-            if let Some(root) = self.grid_of(ids, GridFrame::new(bounds, n), 1)? {
+            let primitives = self.boxes.len();
+            let frame = GridFrame::new(bounds, self.resolution(primitives, bounds, density));
+            let rows = DenseRows::new(frame.resolution());
+            let made = self.grid_of(primitives, frame, 1, |most, placement| {
+                block_lists(&rows, primitives, ListOrder::File, most, placement)
+            })?;
+            if let Some(root) = made {
                 return Ok(root);
             }
             // ends: a grid of one voxel does not multiply anything
@@ -237,33 +260,50 @@ impl<S: Scalar> Division<S> {
         if n == [1; 3] {
             return Ok(None);
         }
-        self.grid_of(ids, GridFrame::new(bounds.expanded(self.padding), n), depth)
+        let frame = GridFrame::new(bounds.expanded(self.padding), n);
+        self.grid_of(ids.len(), frame, depth, |most, placement| {
+            CellLists::build_of(frame.cells(), ids, most, placement)
+        })
     }
 
+    /// A grid over so many primitives, whose lists `lists` makes with at most so many references.
     fn grid_of(
         &self,
-        ids: &[u32],
+        primitives: usize,
         frame: GridFrame<S>,
         depth: u32,
+        lists: impl FnOnce(u64, &BoxPlacement<'_, S>) -> Result<CellLists, TooManyReferences>,
     ) -> Result<Option<Grid<S>>, OverLimit> {
         let cells = frame.cells() as u64;
         self.budget.take([cells, 0])?;
-        let allowed = self.max_growth * ids.len() as f64;
+        let allowed = self.max_growth * primitives as f64;
         let left = self.budget.references_left();
         let placement = BoxPlacement { frame, boxes: &self.boxes, by_division: self.by_division };
-        let lists =
-            match CellLists::build_of(frame.cells(), ids, left.min(allowed as u64), &placement) {
-                Ok(lists) => lists,
-                Err(needed) => {
-                    let refused = self.budget.exceeded_by([0, needed.0]);
-                    self.budget.give_back([cells, 0]);
-                    return if needed.0 as f64 > allowed { Ok(None) } else { Err(refused) };
-                }
-            };
+        let lists = match lists(left.min(allowed as u64), &placement) {
+            Ok(lists) => lists,
+            Err(needed) => {
+                let refused = self.budget.exceeded_by([0, needed.0]);
+                self.budget.give_back([cells, 0]);
+                return if needed.0 as f64 > allowed { Ok(None) } else { Err(refused) };
+            }
+        };
         self.budget.take([0, lists.references() as u64])?;
         let mut children = Vec::new();
         let lists = if depth < self.max_depth {
-            lists.replaced(|cell, list| self.child(&mut children, &frame, cell, list, depth))?
+            let mut made = self.children_at_once(&lists, &frame, depth)?.map(Vec::into_iter);
+            lists.replaced(|cell, list| {
+                if list.len() <= self.threshold {
+                    return Ok(None);
+                }
+                let child = match &mut made {
+                    Some(made) => made.next().flatten(),
+                    None => self.child(&frame, cell, list, depth)?,
+                };
+                Ok(child.map(|child| {
+                    children.push(child);
+                    CHILD | (children.len() - 1) as u32
+                }))
+            })?
         } else {
             lists
         };
@@ -271,31 +311,39 @@ impl<S: Scalar> Division<S> {
         Ok(Some(Grid { frame, lists: lists.into(), children }))
     }
 
-    /// Divides a voxel of a grid of this depth, now or later, and returns the entry that stands
-    /// for it; `None` if it stays as it is.
+    /// The children of a grid of this depth that are made with it, on all threads; `None` where that does not pay.
+    fn children_at_once(
+        &self,
+        lists: &CellLists,
+        frame: &GridFrame<S>,
+        depth: u32,
+    ) -> Result<Option<Vec<Option<Child<S>>>>, OverLimit> {
+        let pays = depth < self.eager_depth && is_worth_a_fork(lists.references()) && forks() > 0;
+        if !(pays && self.budget.is_in_any_order()) {
+            return Ok(None);
+        }
+        let is_crowded = |&cell: &usize| lists.list(cell).len() > self.threshold;
+        let crowded: Vec<usize> = (0..frame.cells()).filter(is_crowded).collect();
+        let child = |&cell: &usize| self.child(frame, cell, lists.list(cell), depth);
+        crowded.par_iter().map(child).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Divides a crowded voxel of a grid of this depth, now or later; `None` if it stays as it is.
     fn child(
         &self,
-        children: &mut Vec<Child<S>>,
         frame: &GridFrame<S>,
         cell: usize,
         list: &[u32],
         depth: u32,
-    ) -> Result<Option<u32>, OverLimit> {
-        if list.len() <= self.threshold {
-            return Ok(None);
+    ) -> Result<Option<Child<S>>, OverLimit> {
+        if depth >= self.eager_depth {
+            return Ok(Some(Child::later(list)));
         }
-        let child = if depth < self.eager_depth {
-            let Some(grid) = self.grid(list, frame.cell_bounds(cell), depth + 1)? else {
-                return Ok(None);
-            };
-            self.budget.give_back([0, list.len() as u64]);
-            Child::built(grid)
-        } else {
-            Child::later(list)
+        let Some(grid) = self.grid(list, frame.cell_bounds(cell), depth + 1)? else {
+            return Ok(None);
         };
-        let entry = CHILD | children.len() as u32;
-        children.push(child);
-        Ok(Some(entry))
+        self.budget.give_back([0, list.len() as u64]);
+        Ok(Some(Child::built(grid)))
     }
 
     /// Voxels per axis for `n` references in `bounds`.

@@ -15,6 +15,7 @@ use obvhs::ploc::morton::morton_encode_u64;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
+use crate::parallel::{collect, sort};
 
 /// When two clusters may be merged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,17 +58,13 @@ pub fn surface<S: Scalar>(b: &Aabb<S>) -> f64 {
 /// The clusters, each ascending, in the order of their lowest members. Single boxes are clusters
 /// of one.
 pub fn agglomerate<S: Scalar>(boxes: &[Aabb<S>], rule: &MergeRule) -> Vec<Vec<u32>> {
-    let mut clusters: Vec<Cluster> = boxes
-        .iter()
-        .zip(0..)
-        .map(|(b, i)| Cluster {
-            lo: b.min.to_array().map(S::to_f64),
-            hi: b.max.to_array().map(S::to_f64),
-            half: 0.5 * surface(b),
-            head: i,
-            tail: i,
-        })
-        .collect();
+    let mut clusters = collect(boxes.len(), |i| Cluster {
+        lo: boxes[i].min.to_array().map(S::to_f64),
+        hi: boxes[i].max.to_array().map(S::to_f64),
+        half: 0.5 * surface(&boxes[i]),
+        head: i as u32,
+        tail: i as u32,
+    });
     // chains of members; the end of a chain points at itself
     let mut next: Vec<u32> = (0..boxes.len() as u32).collect();
     if clusters.len() > rule.exact_up_to {
@@ -172,11 +169,9 @@ fn exact(clusters: &mut Vec<Cluster>, next: &mut [u32], rule: &MergeRule) {
 /// (one in a thousand) merge or the exact method can take over.
 fn local(clusters: &mut Vec<Cluster>, next: &mut [u32], rule: &MergeRule) {
     sort_by_morton_code(clusters);
-    let mut partner = Vec::new();
     loop {
         let n = clusters.len();
-        partner.clear();
-        partner.extend((0..n).map(|i| {
+        let partner = collect(n, |i| {
             // the order of pairs is total, so the very best pair is always mutual; among equal
             // ones, i ^ j lets all copies of a box pair up at once
             let mut best = (f64::INFINITY, usize::MAX, usize::MAX);
@@ -191,7 +186,7 @@ fn local(clusters: &mut Vec<Cluster>, next: &mut [u32], rule: &MergeRule) {
                 }
             }
             found
-        }));
+        });
         let mut kept = Vec::with_capacity(n);
         for i in 0..n {
             match partner[i] {
@@ -209,7 +204,7 @@ fn local(clusters: &mut Vec<Cluster>, next: &mut [u32], rule: &MergeRule) {
     }
 }
 
-fn sort_by_morton_code(clusters: &mut [Cluster]) {
+fn sort_by_morton_code(clusters: &mut Vec<Cluster>) {
     let mut lo = [f64::INFINITY; 3];
     let mut hi = [f64::NEG_INFINITY; 3];
     let centre = |c: &Cluster, k: usize| 0.5 * c.lo[k] + 0.5 * c.hi[k];
@@ -224,7 +219,9 @@ fn sort_by_morton_code(clusters: &mut [Cluster]) {
         let place = |k: usize| ((centre(c, k) - lo[k]) / extent * f64::from(1 << 20)) as u32;
         morton_encode_u64(place(0), place(1), place(2))
     };
-    clusters.sort_by_cached_key(|c| (code(c), c.head));
+    let mut keys = collect(clusters.len(), |i| (code(&clusters[i]), i as u32));
+    sort(&mut keys);
+    *clusters = collect(keys.len(), |k| clusters[keys[k].1 as usize]);
 }
 
 #[cfg(test)]

@@ -4,14 +4,60 @@
 //! New Solution for Ray-Tracing Complex Scenes", Eurographics 1995, who cluster objects of like
 //! size by their distance. Deviation: a component is flooded box by box, and flooded boxes leave
 //! the search tree at once, so that 10,000 copies of one box cost one query, not 10,000 squared.
+//! Several threads flood parts of space, and then the boxes at their borders.
+
+use std::cmp::Ordering;
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::Scalar;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::parallel::{forks, is_worth_a_fork};
 use crate::tree::clustering::box_tree::{BoxTree, Nearness};
 
-/// The components, each ascending, in the order of their lowest members.
+/// The components, each ascending, in the order of their lowest members; on all threads.
 pub fn components<S: Scalar>(boxes: &[Aabb<S>], near: &Nearness<S>) -> Vec<Vec<u32>> {
-    let mut tree = BoxTree::new(boxes);
+    let ids = (0..boxes.len() as u32).collect();
+    let mut all = in_halves(boxes, near, ids, forks());
+    for members in &mut all {
+        members.sort_unstable();
+    }
+    all.sort_unstable_by_key(|members| members[0]);
+    all
+}
+
+/// The components of these boxes, in any order: those of two halves at once, `forks` times one below the other, and
+/// then those that boxes near the other half connect.
+fn in_halves<S: Scalar>(
+    boxes: &[Aabb<S>],
+    near: &Nearness<S>,
+    mut ids: Vec<u32>,
+    forks: u32,
+) -> Vec<Vec<u32>> {
+    if forks == 0 || !is_worth_a_fork(ids.len()) {
+        return flooded(boxes, near, &ids);
+    }
+    let around = |ids: &[u32]| ids.iter().fold(Aabb::empty(), |b, &i| boxes[i as usize].union(b));
+    let size = around(&ids).size().to_array();
+    let axis = (1..3).fold(0, |widest, k| if size[k] > size[widest] { k } else { widest });
+    let low = |i: u32| boxes[i as usize].min.to_array()[axis];
+    let middle = ids.len() / 2;
+    ids.select_nth_unstable_by(middle, |&a, &b| {
+        low(a).partial_cmp(&low(b)).unwrap_or(Ordering::Equal).then(a.cmp(&b))
+    });
+    let upper = ids.split_off(middle);
+    let (below, above) = (around(&ids), around(&upper));
+    let is_near = |other: Aabb<S>| move |&i: &u32| near.holds(&boxes[i as usize], &other);
+    let border: Vec<u32> = ids.iter().copied().filter(is_near(above)).collect();
+    let border = [border, upper.iter().copied().filter(is_near(below)).collect()].concat();
+    let half = |ids| in_halves(boxes, near, ids, forks - 1);
+    let (mut parts, upper) = rayon::join(|| half(ids), || half(upper));
+    parts.extend(upper);
+    connected(boxes.len(), parts, flooded(boxes, near, &border))
+}
+
+/// The components of these boxes, in the order of their lowest places in `ids`.
+fn flooded<S: Scalar>(boxes: &[Aabb<S>], near: &Nearness<S>, ids: &[u32]) -> Vec<Vec<u32>> {
+    let boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
+    let mut tree = BoxTree::new(&boxes);
     let mut seen = vec![false; boxes.len()];
     let mut all = Vec::new();
     for seed in 0..boxes.len() {
@@ -33,9 +79,40 @@ pub fn components<S: Scalar>(boxes: &[Aabb<S>], near: &Nearness<S>) -> Vec<Vec<u
                 }
             }
         }
-        members.sort_unstable();
+        members.iter_mut().for_each(|i| *i = ids[*i as usize]);
         all.push(members);
     }
+    all
+}
+
+/// Components, with those put together that have members in one of `bridges`.
+fn connected(boxes: usize, components: Vec<Vec<u32>>, bridges: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    let mut component_of = vec![u32::MAX; boxes];
+    for (members, number) in components.iter().zip(0..) {
+        members.iter().for_each(|&i| component_of[i as usize] = number);
+    }
+    // of each component, one that it is part of; itself, where it is part of no other
+    let mut whole: Vec<u32> = (0..components.len() as u32).collect();
+    let find = |whole: &mut [u32], mut part: u32| {
+        while whole[part as usize] != part {
+            // halves the way of the next that asks
+            whole[part as usize] = whole[whole[part as usize] as usize];
+            part = whole[part as usize];
+        }
+        part
+    };
+    for bridge in bridges {
+        for ends in bridge.windows(2) {
+            let [a, b] = [0, 1].map(|k| find(&mut whole, component_of[ends[k] as usize]));
+            whole[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut all: Vec<Vec<u32>> = vec![Vec::new(); components.len()];
+    for (part, number) in components.into_iter().zip(0..) {
+        let whole = find(&mut whole, number) as usize;
+        if all[whole].is_empty() { all[whole] = part } else { all[whole].extend(part) }
+    }
+    all.retain(|members| !members.is_empty());
     all
 }
 
@@ -91,6 +168,31 @@ mod tests {
                 for closed in [true, false] {
                     let near = Nearness { gap, closed };
                     assert_eq!(components(&boxes, &near), oracle(&boxes, &near), "{n} {gap}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn any_number_of_threads_finds_the_same() {
+        let on = |threads, boxes: &[Aabb<f64>], near: &Nearness<f64>| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| components(boxes, near))
+        };
+        // rows of touching cubes through all parts, and heaps within and across them
+        let rows = (0..30_000u32).map(|i| {
+            let min =
+                DVec3::new(f64::from(i % 300), f64::from(i / 300 % 10), f64::from(i / 3000)) * 1.5;
+            let long = if i % 7 == 0 { 1.6 } else { 1.0 };
+            Aabb { min, max: min + DVec3::new(long, 1.0, 1.0) }
+        });
+        for boxes in [random_boxes(30_000, 0.02), random_boxes(20_000, 0.05), rows.collect()] {
+            for gap in [-0.02, 0.0, 0.003] {
+                let near = Nearness { gap, closed: gap == 0.0 };
+                let one = on(1, &boxes, &near);
+                assert!(one.len() > 1 || gap > 0.0 || boxes.len() == 20_000, "{gap}");
+                for threads in [2, 7] {
+                    assert!(on(threads, &boxes, &near) == one, "{threads} threads, gap {gap}");
                 }
             }
         }

@@ -90,10 +90,7 @@ impl Keys {
             code(cell.map(|x| x as u32)) << number_bits | number as u64
         };
         let mut keys: Vec<u64> = parallel::collect(boxes.len(), key);
-        match rayon::current_num_threads() {
-            1 => keys.sort_unstable(),
-            _ => keys.par_sort_unstable(),
-        }
+        parallel::sort(&mut keys);
         Self { keys, number_bits }
     }
 
