@@ -24,7 +24,7 @@ pub(crate) fn parts(primitives: usize) -> usize {
 pub(crate) fn forks() -> u32 {
     match rayon::current_num_threads() {
         0 | 1 => 0,
-        threads => threads.next_power_of_two().ilog2() + 2,
+        threads => threads.next_power_of_two().ilog2() + 4,
     }
 }
 
@@ -86,6 +86,31 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync) {
             .par_chunks_mut(items.len().div_ceil(parts))
             .for_each(|part| part.iter_mut().for_each(&f)),
     }
+}
+
+/// What `moved` makes of the values of each piece, with what it needs to know of that, one piece after the other.
+pub(crate) fn concat<T: Copy + Send + Sync, M: Copy + Send + Sync>(
+    pieces: &[(&[T], M)],
+    moved: &(dyn Fn(T, M) -> T + Sync),
+) -> Vec<T> {
+    const LONGEST: usize = 1 << 14;
+    let n = pieces.iter().map(|(values, _)| values.len()).sum();
+    let mut all = Vec::with_capacity(n);
+    let mut rest = &mut all.spare_capacity_mut()[..n];
+    let mut jobs = Vec::new();
+    for &(values, by) in pieces {
+        for values in values.chunks(LONGEST) {
+            let (slots, behind) = rest.split_at_mut(values.len());
+            jobs.push((slots, values, by));
+            rest = behind;
+        }
+    }
+    jobs.into_par_iter().for_each(|(slots, values, by)| {
+        slots.iter_mut().zip(values).for_each(|(slot, &value)| _ = slot.write(moved(value, by)));
+    });
+    // SAFETY: the jobs' slots are all of the first `n`, and each has been written
+    unsafe { all.set_len(n) };
+    all
 }
 
 /// A vector of which `write` writes each part, which begins at the place given, wholly. Compiled once for all that write.

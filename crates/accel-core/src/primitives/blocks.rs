@@ -106,6 +106,9 @@ pub(crate) fn ids_of_list<S: Scalar>(blocks: &[TriangleBlock<S>], into: &mut Vec
     }
 }
 
+/// The triangles of a list are asked for so many lists before it is written.
+const AHEAD: usize = 4;
+
 /// Writes the blocks of the lists, of which there are as many.
 fn write<S: Scalar, P: PrimSet<S>>(
     prims: &P,
@@ -113,13 +116,16 @@ fn write<S: Scalar, P: PrimSet<S>>(
     into: &mut [MaybeUninit<TriangleBlock<S>>],
 ) {
     if lists.len() < 512 {
-        let mut written = 0;
-        let blocks = lists.iter().flat_map(|list| parts::<S>(list));
-        for (slot, (part, more)) in into.iter_mut().zip(blocks) {
-            fill(prims, part, more, slot.write(TriangleBlock::empty()));
-            written += 1;
+        let (blocks, mut written) = (into.len(), 0);
+        let (mut slots, mut soon) = (into.iter_mut(), lists.iter().skip(AHEAD));
+        for list in lists {
+            soon.next().into_iter().copied().flatten().for_each(|&id| prims.prefetch(id));
+            for ((part, more), slot) in parts::<S>(list).zip(&mut slots) {
+                fill(prims, part, more, slot.write(TriangleBlock::empty()));
+                written += 1;
+            }
         }
-        assert_eq!(written, into.len());
+        assert_eq!(written, blocks);
         return;
     }
     let (before, after) = lists.split_at(lists.len() / 2);

@@ -83,6 +83,9 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn corners_in_block(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         if self.is_watertight() { self.corners(id) } else { None }
     }
+    /// Asks for the memory of a primitive that is looked at soon.
+    #[inline(always)]
+    fn prefetch(&self, _id: u32) {}
     /// Whether lists of its primitives may be kept as blocks of triangles; false where no test is
     /// compiled for them.
     const HAS_BLOCKS: bool = false;

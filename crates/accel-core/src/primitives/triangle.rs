@@ -16,6 +16,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::memory::prefetch;
 use crate::primitives::block_tests;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::shear::Shear;
@@ -270,6 +271,12 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     }
     fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
         balls_around(&self.triangles[id as usize], 0.0, balls);
+    }
+    #[inline(always)]
+    fn prefetch(&self, id: u32) {
+        let [first, _, last] = &self.triangles[id as usize];
+        prefetch(first);
+        prefetch(last);
     }
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         Some(self.triangles[id as usize].map(Vec3::<S>::from_array))

@@ -11,9 +11,9 @@
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
+use crate::memory::prefetch;
 use crate::params::ParamSpec;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
-use crate::query::lists::prefetch;
 use crate::query::sink::Sink;
 use crate::update::ChangedLists;
 

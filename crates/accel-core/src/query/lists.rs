@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
+use crate::memory::prefetch;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
 use crate::update::MovedIds;
@@ -115,19 +116,4 @@ impl<S: Scalar> Lists<S> {
             Self::Blocks(blocks) => size_of_val(blocks.as_slice()),
         }
     }
-}
-
-/// Asks for all cache lines of a value.
-#[inline(always)]
-pub(super) fn prefetch<T>(value: &T) {
-    #[cfg(target_arch = "x86_64")]
-    for offset in (0..size_of::<T>()).step_by(64) {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a hint, which reads nothing
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(value).cast::<i8>().wrapping_add(offset))
-        };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = value;
 }

@@ -14,7 +14,7 @@ pub(crate) trait Division<S: Scalar>: Sync {
     /// How cells are kept.
     type Cells: CellStore<Cut = Self::Cut>;
     /// How a cell is cut.
-    type Cut: Copy + Sync;
+    type Cut: Copy + Send + Sync;
     /// What the cuts on the way to a cell brought.
     type Descent: Copy + Sync;
     /// Memory that is used again for each cell.
@@ -51,7 +51,7 @@ pub(crate) trait Division<S: Scalar>: Sync {
 /// The cells of a tree.
 pub(crate) trait CellStore: Send {
     /// How a cell is cut.
-    type Cut;
+    type Cut: Send;
 
     /// A first cell without anything yet.
     fn begun() -> Self;
@@ -65,8 +65,18 @@ pub(crate) trait CellStore: Send {
     /// Makes a cell a leaf that lists these.
     fn leaf(&mut self, cell: usize, ids: &[u32]);
 
-    /// Puts the cells below a child of the first cell, which is cut, behind all others.
-    fn append(&mut self, child: usize, below: Self);
+    /// Puts stores together, on all threads.
+    fn joined(steps: &[Step<Self>]) -> Self
+    where
+        Self: Sized;
+}
+
+/// What is done next to a store that has one cell at first.
+pub(crate) enum Step<C: CellStore> {
+    /// This cell is cut.
+    Divide(usize, C::Cut),
+    /// This cell becomes the first one of another store, whose others stand behind all before.
+    Below(usize, C),
 }
 
 /// A cell that is to be divided.
@@ -82,12 +92,48 @@ pub(crate) struct Cell<S: Scalar, D> {
 pub(crate) fn cells<S: Scalar, D: Division<S>>(
     division: &D,
     root: Cell<S, D::Descent>,
-    ids: impl Fn() -> Vec<u32>,
+    ids: Vec<u32>,
 ) -> Result<D::Cells, BuildError> {
-    match forks().div_ceil(D::CHILDREN.ilog2()) {
-        0 => alone(division, root, ids()),
-        // which limit is broken, and by how much, is what one thread finds
-        forks => forked(division, root, ids(), forks).or_else(|_| alone(division, root, ids())),
+    let forks = forks().div_ceil(D::CHILDREN.ilog2());
+    if forks == 0 || !is_worth_a_fork(ids.len()) {
+        return alone(division, root, ids);
+    }
+    // which limit is broken, and by how much, is what one thread finds
+    let begun = ids.clone();
+    forked(division, root, begun, forks)
+        .and_then(|tree| {
+            let (mut steps, mut counts) = (Vec::new(), [1, 0]);
+            tree.steps(0, D::CHILDREN, &mut steps, &mut counts);
+            division.room().check(counts)?;
+            Ok(D::Cells::joined(&steps))
+        })
+        .or_else(|_| alone(division, root, ids))
+}
+
+/// Cells that several threads built.
+enum Forked<C: CellStore> {
+    Cut(C::Cut, Vec<Self>),
+    Built(C),
+}
+
+impl<C: CellStore> Forked<C> {
+    /// What makes these cells, the first of them `cell`, of those of `steps`; `counts` cells and references.
+    fn steps(self, cell: usize, children: usize, steps: &mut Vec<Step<C>>, counts: &mut [u64; 2]) {
+        match self {
+            Self::Cut(cut, below) => {
+                steps.push(Step::Divide(cell, cut));
+                let first = counts[0] as usize;
+                counts[0] += children as u64;
+                for (child, below) in below.into_iter().enumerate() {
+                    below.steps(first + child, children, steps, counts);
+                }
+            }
+            Self::Built(cells) => {
+                let [more, references] = cells.counts().map(|n| n as u64);
+                *counts = [counts[0] + more - 1, counts[1] + references];
+                steps.push(Step::Below(cell, cells));
+            }
+        }
     }
 }
 
@@ -109,12 +155,12 @@ fn forked<S: Scalar, D: Division<S>>(
     cell: Cell<S, D::Descent>,
     ids: Vec<u32>,
     forks: u32,
-) -> Result<D::Cells, BuildError> {
-    if forks == 0 || !is_worth_a_fork(ids.len()) {
-        return alone(division, cell, ids);
-    }
-    let decided = division.cut(&mut division.scratch(), &ids, &cell);
-    let Some((cut, descent)) = decided else { return alone(division, cell, ids) };
+) -> Result<Forked<D::Cells>, BuildError> {
+    let cut = match forks > 0 && is_worth_a_fork(ids.len()) {
+        true => division.cut(&mut division.scratch(), &ids, &cell),
+        false => None,
+    };
+    let Some((cut, descent)) = cut else { return alone(division, cell, ids).map(Forked::Built) };
     let below = |child: usize| {
         let reaches = |id: &u32| division.reaches(*id, &cut, child);
         let mut own: Vec<u32> = ids.iter().copied().filter(reaches).collect();
@@ -124,15 +170,8 @@ fn forked<S: Scalar, D: Division<S>>(
         let bounds = D::child(&cell.bounds, &cut, child);
         forked(division, Cell { bounds, depth: cell.depth + 1, descent }, own, forks - 1)
     };
-    let all: Vec<Result<D::Cells, BuildError>> =
-        (0..D::CHILDREN).into_par_iter().map(below).collect();
-    let mut cells = D::Cells::begun();
-    cells.divide(0, cut);
-    for (child, below) in all.into_iter().enumerate() {
-        cells.append(child, below?);
-    }
-    division.room().check(cells.counts().map(|n| n as u64))?;
-    Ok(cells)
+    let below: Result<Vec<_>, BuildError> = (0..D::CHILDREN).into_par_iter().map(below).collect();
+    Ok(Forked::Cut(cut, below?))
 }
 
 struct Builder<'a, S: Scalar, D: Division<S>> {

@@ -3,13 +3,14 @@
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
+use crate::parallel::concat;
 use crate::params::config::Settings;
 use crate::room::Room;
 use crate::structure::BuildError;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
 use crate::structures::kd_tree::config::KdTreeConfig;
 use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
-use crate::tree::build::{self, Cell, CellStore, Division};
+use crate::tree::build::{self, Cell, CellStore, Division, Step};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.
@@ -32,7 +33,7 @@ pub(super) fn cells<S: Scalar>(
         ),
     };
     let root = Cell { bounds, depth: 0, descent: 0 };
-    build::cells(&rules, root, || (0..boxes.len() as u32).collect())
+    build::cells(&rules, root, (0..boxes.len() as u32).collect())
 }
 
 /// A node, and the start of a list.
@@ -122,16 +123,38 @@ impl<S: Scalar> CellStore for Cells<S> {
         self.starts.push(self.ids.len() as u32);
     }
 
-    fn append(&mut self, side: usize, below: Self) {
-        // how far the cells below the side move
-        let (by, leaves, ids) =
-            (self.nodes.len() - 1, self.starts.len() - 1, self.ids.len() as u32);
-        let moved = |node: &Node<S>| node.moved(by, leaves);
-        if let Some(first) = below.nodes.first() {
-            self.nodes[1 + side] = moved(first);
+    fn joined(steps: &[Step<Self>]) -> Self {
+        let moved = |node: Node<S>, by: [usize; 2]| node.moved(by[0], by[1]);
+        let leaf = [Node::leaf(0); 2];
+        let mut nodes = vec![(&leaf[..1], [0; 2])];
+        let (mut starts, mut ids) = (vec![(&[0][..], 0)], Vec::new());
+        // the nodes that stand for children, and where the next nodes, leaves and references stand
+        let (mut firsts, mut next, mut leaves, mut references) = (Vec::new(), 1, 0, 0);
+        for step in steps {
+            match step {
+                Step::Divide(cell, cut) => {
+                    firsts.push((*cell, Node::inner(cut.axis, cut.plane, next)));
+                    nodes.push((&leaf, [0; 2]));
+                    next += 2;
+                }
+                Step::Below(cell, below) => {
+                    let by = [next - 1, leaves];
+                    firsts.push((*cell, moved(below.nodes[0], by)));
+                    nodes.push((&below.nodes[1..], by));
+                    starts.push((&below.starts[1..], references));
+                    ids.push((&below.ids[..], ()));
+                    next += below.nodes.len() - 1;
+                    leaves += below.starts.len() - 1;
+                    references += below.ids.len() as u32;
+                }
+            }
         }
-        self.nodes.extend(below.nodes.iter().skip(1).map(moved));
-        self.starts.extend(below.starts.iter().skip(1).map(|start| start + ids));
-        self.ids.extend_from_slice(&below.ids);
+        let mut cells = Self {
+            nodes: concat(&nodes, &moved),
+            starts: concat(&starts, &|start, by| start + by),
+            ids: concat(&ids, &|id, ()| id),
+        };
+        firsts.into_iter().for_each(|(cell, node)| cells.nodes[cell] = node);
+        cells
     }
 }

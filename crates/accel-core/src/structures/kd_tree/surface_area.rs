@@ -8,6 +8,7 @@ use std::cmp::Ordering;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
+use crate::parallel::map_parts;
 use crate::structures::kd_tree::config::KdTreeConfig;
 
 /// A plane that cuts a cell.
@@ -94,21 +95,45 @@ impl<S: Scalar> Heuristic<S> {
     }
 }
 
+/// Where boxes begin and end on an axis of a cell.
+struct Ends<S> {
+    /// How many, bin by bin.
+    begin: [usize; BINS],
+    end: [usize; BINS],
+    lowest: S,
+    highest: S,
+}
+
+impl<S: Scalar> Ends<S> {
+    /// Those of both.
+    fn and(mut self, other: Self) -> Self {
+        let both = self.begin.iter_mut().chain(&mut self.end);
+        both.zip(other.begin.into_iter().chain(other.end)).for_each(|(n, more)| *n += more);
+        self.lowest = other.lowest.lesser(self.lowest);
+        self.highest = other.highest.greater(self.highest);
+        self
+    }
+}
+
 /// Tries the borders of equal bins, and the planes beyond which there is nothing.
 fn bins<S: Scalar>(boxes: &[Aabb<S>], ids: &[u32], trial: &mut Trial<S>) {
     let (axis, lo, hi) = (trial.axis, trial.lo, trial.hi);
     let scale = S::from_i32(BINS as i32) / (hi - lo);
     let bin = |x: S| ((x - lo) * scale).to_i32().clamp(0, BINS as i32 - 1) as usize;
-    let (mut begin, mut end) = ([0usize; BINS], [0usize; BINS]);
-    let (mut lowest, mut highest) = (hi, lo);
-    for &id in ids {
-        let b = &boxes[id as usize];
-        let (a, z) = (b.min.to_array()[axis], b.max.to_array()[axis]);
-        begin[bin(a)] += 1;
-        end[bin(z)] += 1;
-        lowest = a.lesser(lowest);
-        highest = z.greater(highest);
-    }
+    let none = || Ends { begin: [0; BINS], end: [0; BINS], lowest: hi, highest: lo };
+    let ends = map_parts(ids.len(), |part| {
+        let mut ends = none();
+        for &id in &ids[part.start as usize..part.end as usize] {
+            let b = &boxes[id as usize];
+            let (a, z) = (b.min.to_array()[axis], b.max.to_array()[axis]);
+            ends.begin[bin(a)] += 1;
+            ends.end[bin(z)] += 1;
+            ends.lowest = a.lesser(ends.lowest);
+            ends.highest = z.greater(ends.highest);
+        }
+        ends
+    });
+    let Ends { begin, end, lowest, highest } = ends.into_iter().fold(none(), Ends::and);
     trial.plane(lowest, 0, ids.len());
     trial.plane(highest, ids.len(), 0);
     let (mut below, mut above) = (0, ids.len());

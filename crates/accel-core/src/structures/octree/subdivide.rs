@@ -3,12 +3,13 @@
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
+use crate::parallel::concat;
 use crate::params::config::Settings;
 use crate::room::Room;
 use crate::structure::BuildError;
 use crate::structures::octree::cells::{Cells, LEAF};
 use crate::structures::octree::config::OctreeConfig;
-use crate::tree::build::{self, Cell, CellStore, Division};
+use crate::tree::build::{self, Cell, CellStore, Division, Step};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.
@@ -27,13 +28,11 @@ pub(super) fn cells<S: Scalar>(
         ),
     };
     let root = Cell { bounds, depth: 0, descent: Descent { useless: 0, growth: 1.0 } };
-    build::cells(&rules, root, || {
-        let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
-        if settings.order.is_reversed {
-            ids.reverse();
-        }
-        ids
-    })
+    let mut ids: Vec<u32> = (0..boxes.len() as u32).collect();
+    if settings.order.is_reversed {
+        ids.reverse();
+    }
+    build::cells(&rules, root, ids)
 }
 
 /// A link, and the planes of an eighth of a divided cell or the start of a list.
@@ -85,17 +84,40 @@ impl<S: Scalar> CellStore for Cells<S> {
         self.starts.push(self.ids.len() as u32);
     }
 
-    fn append(&mut self, octant: usize, below: Self) {
-        let (inner, leaves) = (self.planes.len() as u32, self.starts.len() as u32 - 1);
-        let moved = |link: &u32| if link & LEAF != 0 { link + leaves } else { link + inner };
-        if let Some(first) = below.links.first() {
-            self.links[1 + octant] = moved(first);
+    fn joined(steps: &[Step<Self>]) -> Self {
+        let moved = |link: u32, by: [u32; 2]| link + by[usize::from(link & LEAF != 0)];
+        let mut all: [Vec<(&[u32], _)>; 2] = [vec![(&[LEAF], [0; 2])], Vec::new()];
+        let [links, ids] = &mut all;
+        let (mut planes, mut starts) = (Vec::new(), vec![(&[0][..], 0)]);
+        let (mut firsts, mut by, mut references) = (Vec::new(), [0; 2], 0);
+        for step in steps {
+            match step {
+                Step::Divide(cell, cut) => {
+                    firsts.push((*cell, by[0]));
+                    links.push((&[LEAF; 8], [0; 2]));
+                    planes.push((std::slice::from_ref(cut), ()));
+                    by[0] += 1;
+                }
+                Step::Below(cell, below) => {
+                    firsts.push((*cell, moved(below.links[0], by)));
+                    links.push((&below.links[1..], by));
+                    planes.push((&below.planes, ()));
+                    starts.push((&below.starts[1..], references));
+                    ids.push((&below.ids, [0; 2]));
+                    let [inner, leaves] = [below.planes.len(), below.starts.len() - 1];
+                    by = [by[0] + inner as u32, by[1] + leaves as u32];
+                    references += below.ids.len() as u32;
+                }
+            }
         }
-        self.links.extend(below.links.iter().skip(1).map(moved));
-        self.planes.extend_from_slice(&below.planes);
-        let ids = self.ids.len() as u32;
-        self.starts.extend(below.starts.iter().skip(1).map(|start| start + ids));
-        self.ids.extend_from_slice(&below.ids);
+        let mut cells = Self {
+            links: concat(links, &moved),
+            planes: concat(&planes, &|planes, ()| planes),
+            starts: concat(&starts, &|start, by| start + by),
+            ids: concat(ids, &|id, _| id),
+        };
+        firsts.into_iter().for_each(|(cell, link)| cells.links[cell] = link);
+        cells
     }
 }
 
