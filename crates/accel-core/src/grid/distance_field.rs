@@ -11,6 +11,9 @@
 //! looked at by itself, as octants need it.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU16, Ordering::Relaxed};
+
+use crate::parallel::{collect, forks, map, ranges};
 
 /// How distances between voxels are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,42 +74,78 @@ impl Metric {
 
 /// For every voxel (x fastest) its distance to the nearest occupied one, at most 255; 0 in
 /// occupied ones. With an octant only voxels ahead count: bit k of it set means that ahead is
-/// downwards on axis k.
+/// downwards on axis k. Lines are gone through on all threads.
 pub fn distances(occupied: &[bool], n: [u32; 3], metric: Metric, octant: Option<usize>) -> Vec<u8> {
-    let mut field: Vec<u16> =
-        occupied.iter().map(|&o| if o { 0 } else { metric.along(CAP) }).collect();
+    // each is read and written by the one thread that goes through its line
+    let measure = |&o: &bool| AtomicU16::new(if o { 0 } else { metric.along(CAP) });
+    let field: Vec<AtomicU16> = occupied.iter().map(measure).collect();
     let n = n.map(|n| n as usize);
-    let longest = n.iter().copied().max().unwrap_or(0);
-    let (mut line, mut queue) = (vec![0; longest], VecDeque::with_capacity(longest));
     let mut stride = 1;
     for (k, &length) in n.iter().enumerate() {
-        let (up, down) = match octant {
-            None => (true, true),
-            Some(octant) => (octant >> k & 1 == 0, octant >> k & 1 == 1),
+        let sides = match octant {
+            None => [true, true],
+            Some(octant) => [octant >> k & 1 == 0, octant >> k & 1 == 1],
         };
-        let lines = (0..field.len()).step_by(stride * length);
-        for first in lines.flat_map(|block| block..block + stride) {
-            let line = &mut line[..length];
-            for (i, value) in line.iter_mut().enumerate() {
-                *value = field[first + i * stride];
+        let lines = field.len() / length.max(1);
+        // some for each thread, as they take their time
+        let parts = ranges(lines, if forks() == 0 { 1 } else { 1 << forks() });
+        map(&parts, &|part| {
+            let (mut values, mut queue) = (vec![0; length], VecDeque::with_capacity(length));
+            for line in part.clone() {
+                let first = line / stride * stride * length + line % stride;
+                let voxels = Line { field: &field[first..], length, stride };
+                voxels.measure(metric, sides, &mut values, &mut queue);
             }
-            let best = |i: usize| first + i * stride;
-            if up {
-                let at = |i: usize| line[i];
-                least_ahead(length, metric, at, &mut queue, |i, m| field[best(i)] = m);
-            }
-            if down {
-                let last = length - 1;
-                let at = |i: usize| line[last - i];
-                least_ahead(length, metric, at, &mut queue, |i, m| {
-                    let place = best(last - i);
-                    field[place] = field[place].min(m);
-                });
-            }
-        }
+        });
         stride *= length;
     }
-    field.into_iter().map(|measure| metric.kept(measure)).collect()
+    collect(field.len(), |i| metric.kept(field[i].load(Relaxed)))
+}
+
+/// Voxels along an axis.
+struct Line<'a> {
+    /// Begins with the first.
+    field: &'a [AtomicU16],
+    length: usize,
+    stride: usize,
+}
+
+impl Line<'_> {
+    fn at(&self, i: usize) -> &AtomicU16 {
+        &self.field[i * self.stride]
+    }
+
+    /// Makes each voxel's value the least measure of a way to one ahead: upwards, downwards, or on both sides.
+    #[inline(always)]
+    fn measure(
+        &self,
+        metric: Metric,
+        [up, down]: [bool; 2],
+        values: &mut [u16],
+        queue: &mut VecDeque<Candidate>,
+    ) {
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = self.at(i).load(Relaxed);
+        }
+        let (length, values) = (self.length, &*values);
+        if up {
+            let say = |i: usize, m| self.at(i).store(m, Relaxed);
+            least_ahead(length, metric, |i| values[i], queue, say);
+        }
+        if down {
+            let last = length - 1;
+            least_ahead(
+                length,
+                metric,
+                |i| values[last - i],
+                queue,
+                |i, m| {
+                    let least = self.at(last - i);
+                    least.store(least.load(Relaxed).min(m), Relaxed);
+                },
+            );
+        }
+    }
 }
 
 /// A voxel of a line whose value may be the least for voxels before it.

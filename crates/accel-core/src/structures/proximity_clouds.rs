@@ -17,6 +17,7 @@ use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::distance_field::{Metric, distances};
 use crate::grid::regular_grid::{CellStorage, GridConfig, stored};
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
+use crate::parallel::collect;
 use crate::params::config::{Config, Settings};
 use crate::params::specs;
 use crate::params::{ParamSpec, Params};
@@ -110,7 +111,7 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
         let cells = frame.cells() as u128;
         // a start, the distances, and while they are found: whether it is occupied, a measure
         settings.fits(cells * (4 + clouds as u128 + 3) + 4 * u128::from(lists.references()))?;
-        let occupied: Vec<bool> = (0..frame.cells()).map(|i| !lists.at(i).is_empty()).collect();
+        let occupied = collect(frame.cells(), |i| !lists.at(i).is_empty());
         let mut all = vec![0; occupied.len() * clouds];
         for octant in 0..clouds {
             let signs = (clouds == 8).then_some(octant);

@@ -94,13 +94,13 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
     root: Cell<S, D::Descent>,
     ids: Vec<u32>,
 ) -> Result<D::Cells, BuildError> {
-    let forks = forks().div_ceil(D::CHILDREN.ilog2());
-    if forks == 0 || !is_worth_a_fork(ids.len()) {
+    if forks() == 0 || !is_worth_a_fork(ids.len()) {
         return alone(division, root, ids);
     }
+    let large = ids.len() >> forks();
     // which limit is broken, and by how much, is what one thread finds
     let begun = ids.clone();
-    forked(division, root, begun, forks)
+    forked(division, root, begun, large)
         .and_then(|tree| {
             let (mut steps, mut counts) = (Vec::new(), [1, 0]);
             tree.steps(0, D::CHILDREN, &mut steps, &mut counts);
@@ -149,14 +149,14 @@ fn alone<S: Scalar, D: Division<S>>(
     Ok(builder.cells)
 }
 
-/// The same with all children at once, `forks` times one below the other.
+/// The same with the children at once of cells with more than `large` references, if that pays.
 fn forked<S: Scalar, D: Division<S>>(
     division: &D,
     cell: Cell<S, D::Descent>,
     ids: Vec<u32>,
-    forks: u32,
+    large: usize,
 ) -> Result<Forked<D::Cells>, BuildError> {
-    let cut = match forks > 0 && is_worth_a_fork(ids.len()) {
+    let cut = match ids.len() > large && is_worth_a_fork(ids.len()) {
         true => division.cut(&mut division.scratch(), &ids, &cell),
         false => None,
     };
@@ -168,7 +168,7 @@ fn forked<S: Scalar, D: Division<S>>(
             own.reverse();
         }
         let bounds = D::child(&cell.bounds, &cut, child);
-        forked(division, Cell { bounds, depth: cell.depth + 1, descent }, own, forks - 1)
+        forked(division, Cell { bounds, depth: cell.depth + 1, descent }, own, large)
     };
     let below: Result<Vec<_>, BuildError> = (0..D::CHILDREN).into_par_iter().map(below).collect();
     Ok(Forked::Cut(cut, below?))
