@@ -5,12 +5,15 @@
 //! roots, from the leaves up. Deviations: a leaf costs what its blocks of triangles cost, not its
 //! triangles; children have no order, since traversal sorts them.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use wide::f32x8;
 
 use crate::geometry::lanes::Eight;
+use crate::parallel::forks;
 use crate::primitives::TriangleBlock;
 use crate::structures::obvhs::builder::limit_levels;
 use crate::structures::obvhs::items::Groups;
@@ -30,15 +33,50 @@ pub(super) struct Costs {
     pub(super) longest_leaf: u32,
 }
 
-/// How the least cost of an inner node's subtree is reached.
-#[derive(Debug, Clone, Copy, Default)]
-struct Choice {
-    /// Where at most `i + 1` roots are allowed: how many there are.
-    roots: [u8; WIDTH],
-    /// Where there are `i + 1` roots, two or more: those on the lower child's side.
-    lower: [u8; WIDTH],
-    /// Of a subtree that becomes a leaf, else 0.
-    leaf_primitives: u32,
+/// How the least cost of an inner node's subtree is reached, in 49 bits.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Choice(u64);
+
+impl Choice {
+    /// Of roots and of sides 3 bits each.
+    const BITS: usize = 3;
+    const SIDES: usize = Self::BITS * WIDTH;
+    const LEAF: u64 = 1 << (2 * Self::SIDES);
+
+    /// Whether the subtree becomes a leaf; where at most `i + 1` roots are allowed, how many there are less one; where
+    /// there are `i + 1`, two or more, those on the lower child's side.
+    #[inline(always)]
+    fn of(is_leaf: bool, roots: [u8; WIDTH], lower: [u8; WIDTH]) -> Self {
+        let leaf = if is_leaf { Self::LEAF } else { 0 };
+        Self(leaf | Self::packed(lower) << Self::SIDES | Self::packed(roots))
+    }
+
+    /// Bytes below 8 as 3 bits each: those of two, then four, then all side by side.
+    #[inline(always)]
+    fn packed(bytes: [u8; WIDTH]) -> u64 {
+        let bits = u64::from_le_bytes(bytes);
+        let bits = (bits | bits >> 5) & 0x003f_003f_003f_003f;
+        let bits = (bits | bits >> 10) & 0x0fff_0000_0fff;
+        (bits | bits >> 20) & 0x00ff_ffff
+    }
+
+    fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    fn number(self, shift: usize) -> usize {
+        (self.0 >> shift) as usize & (WIDTH - 1)
+    }
+
+    /// How many roots there are where at most so many are allowed.
+    fn roots(self, allowed: usize) -> usize {
+        self.number(Self::BITS * (allowed - 1)) + 1
+    }
+
+    /// How many of so many roots are on the lower child's side.
+    fn lower(self, roots: usize) -> usize {
+        self.number(Self::SIDES + Self::BITS * (roots - 1))
+    }
 }
 
 /// What is known of a subtree once all below it has been looked at.
@@ -124,27 +162,13 @@ impl<'a> Collapse<'a> {
         Self { bvh, groups, choices }
     }
 
-    /// The choices, and the tree's levels. What is not finished is on two stacks, so that each node is read once.
+    /// The choices, and the tree's levels.
     fn choices(bvh: &Bvh2, groups: &Groups, costs: Costs) -> (Vec<Choice>, u32) {
-        let mut choices = vec![Choice::default(); bvh.nodes.len() / 2 + 1];
-        let mut done: Vec<Subtree> = Vec::new();
-        // nodes, and whether what is below them is done
-        let mut waiting = vec![(0u32, false)];
-        while let Some((at, is_below_done)) = waiting.pop() {
-            let node = &bvh.nodes[at as usize];
-            if node.is_leaf() {
-                let primitives = primitives_of(bvh, groups, node);
-                let cost = [node.aabb().half_area() * blocks(primitives) as f32; WIDTH];
-                done.push(Subtree { cost, primitives, levels: 1 });
-            } else if !is_below_done {
-                waiting.push((at, true));
-                waiting.extend([(node.first_index + 1, false), (node.first_index, false)]);
-            } else if let (Some(upper), Some(lower)) = (done.pop(), done.pop()) {
-                let choice = &mut choices[pair_of(node)];
-                done.push(joined(&lower, &upper, node.aabb().half_area(), costs, choice));
-            }
-        }
-        (choices, done.first().map_or(0, |root| root.levels))
+        let choices = (0..bvh.nodes.len() / 2 + 1).map(|_| AtomicU64::new(0)).collect();
+        let planner = Planner { bvh, groups, costs, choices };
+        let root = planner.subtree(0, forks());
+        let choices = planner.choices.into_iter().map(|bits| Choice(bits.into_inner())).collect();
+        (choices, root.map_or(0, |root| root.levels))
     }
 
     /// The box of a subtree.
@@ -155,7 +179,7 @@ impl<'a> Collapse<'a> {
     /// Whether a subtree becomes a leaf.
     pub(super) fn is_leaf(&self, node: u32) -> bool {
         let node = &self.bvh.nodes[node as usize];
-        node.is_leaf() || self.choices[pair_of(node)].leaf_primitives > 0
+        node.is_leaf() || self.choices[pair_of(node)].is_leaf()
     }
 
     /// The subtrees that become the children of a node that is no leaf.
@@ -175,7 +199,7 @@ impl<'a> Collapse<'a> {
             };
             let roots = match choice {
                 _ if is_root => WIDTH,
-                Some(choice) => usize::from(choice.roots[allowed - 1]),
+                Some(choice) => choice.roots(allowed),
                 None => 1,
             };
             is_root = false;
@@ -184,7 +208,7 @@ impl<'a> Collapse<'a> {
                 n += 1;
                 continue;
             };
-            let lower = usize::from(choice.lower[roots - 1]);
+            let lower = choice.lower(roots);
             waiting[left] = (node.first_index + 1, roots - lower);
             waiting[left + 1] = (node.first_index, lower);
             left += 2;
@@ -237,14 +261,61 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// The subtree of an inner node whose box has this half area, from those of its children.
-fn joined(
-    lower: &Subtree,
-    upper: &Subtree,
-    area: f32,
+/// Finds the choices.
+struct Planner<'a> {
+    bvh: &'a Bvh2,
+    groups: &'a Groups,
     costs: Costs,
-    choice: &mut Choice,
-) -> Subtree {
+    /// By pairs of children, each written by the one thread that looks at their parent.
+    choices: Vec<AtomicU64>,
+}
+
+impl Planner<'_> {
+    /// A subtree once all below it has been looked at: both sides at once, `forks` times one below the other.
+    fn subtree(&self, at: u32, forks: u32) -> Option<Subtree> {
+        let node = &self.bvh.nodes[at as usize];
+        if forks == 0 || node.is_leaf() {
+            return self.alone(at);
+        }
+        let (lower, upper) = rayon::join(
+            || self.subtree(node.first_index, forks - 1),
+            || self.subtree(node.first_index + 1, forks - 1),
+        );
+        Some(self.joined(node, &lower?, &upper?))
+    }
+
+    /// The same by this thread. What is not finished is on two stacks, so that each node is read once.
+    fn alone(&self, root: u32) -> Option<Subtree> {
+        let mut done: Vec<Subtree> = Vec::new();
+        // nodes, and whether what is below them is done
+        let mut waiting = vec![(root, false)];
+        while let Some((at, is_below_done)) = waiting.pop() {
+            let node = &self.bvh.nodes[at as usize];
+            if node.is_leaf() {
+                let primitives = primitives_of(self.bvh, self.groups, node);
+                let cost = [node.aabb().half_area() * blocks(primitives) as f32; WIDTH];
+                done.push(Subtree { cost, primitives, levels: 1 });
+            } else if !is_below_done {
+                waiting.push((at, true));
+                waiting.extend([(node.first_index + 1, false), (node.first_index, false)]);
+            } else if let (Some(upper), Some(lower)) = (done.pop(), done.pop()) {
+                done.push(self.joined(node, &lower, &upper));
+            }
+        }
+        done.pop()
+    }
+
+    #[inline(always)]
+    fn joined(&self, node: &Bvh2Node, lower: &Subtree, upper: &Subtree) -> Subtree {
+        let (subtree, choice) = joined(lower, upper, node.aabb().half_area(), self.costs);
+        self.choices[pair_of(node)].store(choice.0, Relaxed);
+        subtree
+    }
+}
+
+/// The subtree of an inner node whose box has this half area, from those of its children.
+#[inline(always)]
+fn joined(lower: &Subtree, upper: &Subtree, area: f32, costs: Costs) -> (Subtree, Choice) {
     let primitives = lower.primitives + upper.primitives;
     // so many roots of the lower child's: the others are the upper one's, so many lanes further on
     let mut shifted = [f32::INFINITY; 2 * WIDTH];
@@ -259,21 +330,21 @@ fn joined(
         sides = f32x8::splat(of_lower as f32).where_set(is_less, sides);
     }
     let mut cost = best.to_array();
-    choice.lower = sides.to_array().map(|side| side as u8);
+    let lower_roots = sides.to_array().map(|side| side as u8);
     let as_leaf = area * blocks(primitives) as f32;
     let as_node = cost[WIDTH - 1] + area * costs.node;
     let is_leaf = primitives <= costs.longest_leaf && as_leaf <= as_node;
-    choice.leaf_primitives = if is_leaf { primitives } else { 0 };
     cost[0] = if is_leaf { as_leaf } else { as_node };
-    choice.roots[0] = 1;
+    let mut roots = [0; WIDTH];
     for i in 1..WIDTH {
-        choice.roots[i] = i as u8 + 1;
+        roots[i] = i as u8;
         if cost[i] >= cost[i - 1] {
             cost[i] = cost[i - 1];
-            choice.roots[i] = choice.roots[i - 1];
+            roots[i] = roots[i - 1];
         }
     }
-    Subtree { cost, primitives, levels: 1 + lower.levels.max(upper.levels) }
+    let levels = 1 + lower.levels.max(upper.levels);
+    (Subtree { cost, primitives, levels }, Choice::of(is_leaf, roots, lower_roots))
 }
 
 #[cfg(test)]
@@ -308,22 +379,21 @@ mod tests {
             let (lower, upper) = (subtree(), subtree());
             let costs = Costs { node: 1.0, longest_leaf: 10 };
             let area = (random.unit() * 8.0) as f32;
-            let mut choice = Choice::default();
-            let all = joined(&lower, &upper, area, costs, &mut choice);
+            let (all, choice) = joined(&lower, &upper, area, costs);
             assert_eq!((all.primitives, all.levels), (2 * (1 + round % 7), 2 + round % 3));
             let as_node = shared(&lower, &upper, WIDTH).0 + area;
             let as_leaf = area * blocks(all.primitives) as f32;
             let is_leaf = all.primitives <= 10 && as_leaf <= as_node;
-            assert_eq!(choice.leaf_primitives, if is_leaf { all.primitives } else { 0 });
+            assert_eq!(choice.is_leaf(), is_leaf);
             let mut least = (if is_leaf { as_leaf } else { as_node }, 1);
-            assert_eq!((all.cost[0], choice.roots[0]), least);
+            assert_eq!((all.cost[0], choice.roots(1)), least);
             for roots in 2..=WIDTH {
                 let (cost, of_lower) = shared(&lower, &upper, roots);
-                assert_eq!(choice.lower[roots - 1], of_lower);
+                assert_eq!(choice.lower(roots), usize::from(of_lower));
                 if cost < least.0 {
-                    least = (cost, roots as u8);
+                    least = (cost, roots);
                 }
-                assert_eq!((all.cost[roots - 1], choice.roots[roots - 1]), least, "{roots}");
+                assert_eq!((all.cost[roots - 1], choice.roots(roots)), least, "{roots}");
             }
             leaves += u32::from(is_leaf);
             divided += u32::from(least.1 > 1);

@@ -12,8 +12,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 
 use super::boxes::{Around, Item};
-use super::cut::Bins;
-use super::sets::{Nodes, Set, Sizes};
+use super::sets::{Set, Sizes};
 use crate::parallel;
 
 /// So few boxes are not divided: they mostly share a block.
@@ -36,11 +35,10 @@ fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
     if items.is_empty() {
         return (Bvh2::default(), Vec::new());
     }
-    let mut nodes = Nodes::with_root(2 * items.len());
-    let around = Around::of(&items);
+    let around = Around::of_all(&items);
     let set = Set { items: &mut items, first: 0, around, level, node: 0 };
     let sizes = Sizes { few: FEW.min(longest_leaf) as usize, many: MANY };
-    set.build(&mut nodes, &mut { Bins::NONE }, sizes, parallel::forks());
+    let nodes = set.tree(sizes);
     let primitive_indices = items.iter().map(Item::number).collect();
     (Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() }, nodes.upper)
 }
@@ -73,7 +71,7 @@ pub(super) fn insert_anew(bvh: &mut Bvh2, upper: Vec<u32>) {
 pub(super) mod tests {
     use obvhs::bvh2::node::Bvh2Node;
 
-    use super::super::cut::Cut;
+    use super::super::cut::{Bins, Cut};
     use super::super::sets::MOST_CUTS;
     use super::*;
     use crate::structures::obvhs::builder::tests::{fault, nested, scattered};

@@ -1,9 +1,12 @@
 //! Boxes that a tree is built over, four lanes each.
 
+use std::ops::Range;
+
 use obvhs::aabb::Aabb;
 use wide::{f32x4, i32x4};
 
 use crate::geometry::lanes::{Four, Lanes};
+use crate::parallel::map_parts;
 
 /// A box and its number, which stands in the fourth lane of `low`.
 #[derive(Debug, Clone, Copy)]
@@ -112,6 +115,17 @@ impl Around {
     pub(super) fn of(items: &[Item]) -> Self {
         let mut around = Self::NONE;
         items.iter().for_each(|item| around.add(item));
+        around
+    }
+
+    /// The same of many, on all threads.
+    pub(super) fn of_all(items: &[Item]) -> Self {
+        let of_part = |part: Range<u32>| Self::of(&items[part.start as usize..part.end as usize]);
+        let mut around = Self::NONE;
+        for part in map_parts(items.len(), of_part) {
+            around.items.add(&part.items);
+            around.centres.add(&part.centres);
+        }
         around
     }
 }

@@ -5,6 +5,7 @@ use wide::{f32x4, i32x4};
 
 use super::boxes::{Around, Bounds, Item};
 use crate::geometry::lanes::Four;
+use crate::parallel::{map_parts, parts};
 use crate::structures::wide_bvh::collapse::blocks;
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
@@ -45,6 +46,26 @@ impl Bins {
     pub(super) const NONE: Self =
         Self { bounds: [[Bounds::NONE; MOST_BINS]; 3], numbers: [[0; MOST_BINS]; 3] };
 
+    /// The same as [`Bins::fill`], on all threads.
+    #[cold]
+    #[inline(never)]
+    fn fill_in_parts(&mut self, count: usize, binning: &Binning, items: &[Item]) {
+        let parts = map_parts(items.len(), |part| {
+            let mut bins = Self::NONE;
+            bins.fill(count, binning, &items[part.start as usize..part.end as usize]);
+            bins
+        });
+        *self = Self::NONE;
+        for part in parts {
+            for axis in 0..3 {
+                let bounds = self.bounds[axis].iter_mut().zip(&part.bounds[axis]);
+                bounds.for_each(|(bounds, more)| bounds.add(more));
+                let numbers = self.numbers[axis].iter_mut().zip(&part.numbers[axis]);
+                numbers.for_each(|(number, more)| *number += more);
+            }
+        }
+    }
+
     /// Counts the items into so many bins.
     #[inline(always)]
     fn fill(&mut self, count: usize, binning: &Binning, items: &[Item]) {
@@ -74,7 +95,10 @@ impl Cut {
     pub(super) fn of(items: &[Item], centres: &Bounds, bins: &mut Bins) -> Option<Self> {
         let count = (FEWEST_BINS + items.len() / BOXES_A_BIN).min(MOST_BINS);
         let binning = Binning::of(centres, count);
-        bins.fill(count, &binning, items);
+        match parts(items.len()) {
+            1 => bins.fill(count, &binning, items),
+            _ => bins.fill_in_parts(count, &binning, items),
+        }
         let blocks = |items: u32| blocks(items) as f32;
         let (mut least, mut best) = (f32::INFINITY, None);
         for axis in 0..3 {

@@ -49,12 +49,11 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     drop(keys);
     let mut heads: Vec<Item> = Vec::with_capacity(clusters.len());
     heads.extend(clusters.iter().zip(0..).map(|(cluster, number)| cluster.head(number)));
-    let mut nodes = Nodes::with_root(items.len() / 2);
     let around = Around::of(&heads);
     let set = Set { items: &mut heads, first: 0, around, level: 1 + LEVELS, node: 0 };
     let sizes = Sizes { few: 1, many: MANY_CLUSTERS };
-    set.build(&mut nodes, &mut { Bins::NONE }, sizes, parallel::forks());
-    within(&mut nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
+    let nodes = set.tree(sizes);
+    let nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
     let primitive_indices = items.iter().map(Item::number).collect();
     let mut bvh = Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() };
     insert_anew(&mut bvh, nodes.upper);
@@ -183,9 +182,16 @@ fn clusters(runs: Vec<Range<usize>>, items: &mut [Item]) -> Vec<Cluster> {
 }
 
 /// Makes a tree of each cluster at the leaf that stands for it, so `few` boxes being a leaf.
-fn within(nodes: &mut Nodes, heads: &[Item], clusters: &[Cluster], items: &mut [Item], few: usize) {
+fn within(
+    mut nodes: Nodes,
+    heads: &[Item],
+    clusters: &[Cluster],
+    items: &mut [Item],
+    few: usize,
+) -> Nodes {
     let sizes = Sizes { few, many: MANY };
-    let parts = parallel::parts(items.len());
+    let items_in_all = items.len();
+    let parts = parallel::parts(items_in_all);
     let mut slices: Vec<&mut [Item]> = Vec::with_capacity(clusters.len());
     let mut others = items;
     for cluster in clusters {
@@ -204,8 +210,9 @@ fn within(nodes: &mut Nodes, heads: &[Item], clusters: &[Cluster], items: &mut [
         .collect();
     if parts == 1 {
         let mut bins = Bins::NONE;
-        sets.into_iter().for_each(|set| set.build(nodes, &mut bins, sizes, 0));
-        return;
+        nodes.all.reserve(items_in_all / 2);
+        sets.into_iter().for_each(|set| set.build(&mut nodes, &mut bins, sizes));
+        return nodes;
     }
     let size = sets.len().div_ceil(parts);
     let mut sets = sets.into_iter();
@@ -214,16 +221,13 @@ fn within(nodes: &mut Nodes, heads: &[Item], clusters: &[Cluster], items: &mut [
         let (mut nodes, mut bins) = (Nodes::with_root(0), Bins::NONE);
         let root = |set: Set<'_>| {
             let place = set.node;
-            Set { node: 0, ..set }.build(&mut nodes, &mut bins, sizes, 0);
+            Set { node: 0, ..set }.build(&mut nodes, &mut bins, sizes);
             (place, nodes.all[0])
         };
         let roots: Vec<(usize, Bvh2Node)> = sets.into_iter().map(root).collect();
         (roots, nodes)
     });
-    let built: Vec<_> = built.collect();
-    for (roots, below) in built {
-        nodes.graft(&roots, below);
-    }
+    nodes.grafted(built.collect())
 }
 
 #[cfg(test)]

@@ -25,22 +25,49 @@ impl Nodes {
         Self { all, upper: Vec::new() }
     }
 
-    /// Puts roots where nodes are, and what is below them behind all nodes. `below` begins with a root that is none of
-    /// these, or the only one.
-    pub(super) fn graft(&mut self, roots: &[(usize, Bvh2Node)], below: Self) {
-        // the first pair of the others is at 1
-        let shift = self.all.len() as u32 - 1;
-        let moved = |mut node: Bvh2Node| {
+    /// These nodes with others behind them, on all threads. Of each of those, which begin with a root that is none of them
+    /// or the only one, the roots come to places of all nodes.
+    pub(super) fn grafted(self, others: Vec<(Vec<(usize, Bvh2Node)>, Self)>) -> Self {
+        let moved = |mut node: Bvh2Node, by: u32| {
             if !node.is_leaf() {
-                node.first_index += shift;
+                node.first_index += by;
             }
             node
         };
-        for &(place, root) in roots {
-            self.all[place] = moved(root);
+        let (mut upper, mut roots) = (self.upper, Vec::new());
+        let (mut pieces, mut next) = (vec![(&self.all[..], 0)], self.all.len());
+        for (own_roots, below) in &others {
+            // the first pair of the others is at 1
+            let shift = next as u32 - 1;
+            roots.extend(own_roots.iter().map(|&(place, root)| (place, moved(root, shift))));
+            upper.extend(below.upper.iter().map(|place| place + shift));
+            pieces.push((&below.all[1..], shift));
+            next += below.all.len() - 1;
         }
-        self.all.extend(below.all.into_iter().skip(1).map(moved));
-        self.upper.extend(below.upper.into_iter().map(|place| place + shift));
+        let mut all = parallel::concat(&pieces, &moved);
+        roots.into_iter().for_each(|(place, root)| all[place] = root);
+        Self { all, upper }
+    }
+}
+
+/// Nodes that one thread made, and those that others made below some of them.
+struct Forked {
+    nodes: Nodes,
+    below: Vec<(usize, Self)>,
+}
+
+impl Forked {
+    /// What is to be grafted so that the root is at `place`, and all others behind the first `next` nodes.
+    fn grafts(
+        self,
+        place: usize,
+        next: &mut usize,
+        grafts: &mut Vec<(Vec<(usize, Bvh2Node)>, Nodes)>,
+    ) {
+        let shift = *next - 1;
+        *next += self.nodes.all.len() - 1;
+        grafts.push((vec![(place, self.nodes.all[0])], self.nodes));
+        self.below.into_iter().for_each(|(at, below)| below.grafts(at + shift, next, grafts));
     }
 }
 
@@ -65,36 +92,48 @@ pub(super) struct Set<'a> {
 }
 
 impl Set<'_> {
+    /// The tree of these items, the set being the root; on all threads.
+    pub(super) fn tree(self, sizes: Sizes) -> Nodes {
+        let Forked { nodes, below } = self.forked(sizes, parallel::forks());
+        let (mut grafts, mut next) = (Vec::new(), nodes.all.len());
+        below.into_iter().for_each(|(at, below)| below.grafts(at, &mut next, &mut grafts));
+        if grafts.is_empty() { nodes } else { nodes.grafted(grafts) }
+    }
+
+    /// Both sides at once, `forks` times one below the other.
+    fn forked(self, sizes: Sizes, forks: u32) -> Forked {
+        let n = self.items.len();
+        let (mut nodes, mut bins) = (Nodes::with_root(n), Bins::NONE);
+        let root = Set { node: 0, ..self };
+        if forks == 0 || !parallel::is_worth_a_fork(n) {
+            root.build(&mut nodes, &mut bins, sizes);
+            return Forked { nodes, below: Vec::new() };
+        }
+        let Some(sides) = root.divided(&mut nodes, sizes, &mut bins) else {
+            return Forked { nodes, below: Vec::new() };
+        };
+        let places = [0, 1].map(|k| sides[k].node);
+        let [a, b] = sides;
+        let (a, b) = rayon::join(|| a.forked(sizes, forks - 1), || b.forked(sizes, forks - 1));
+        Forked { nodes, below: vec![(places[0], a), (places[1], b)] }
+    }
+
     /// Makes the node and all below it.
-    pub(super) fn build(self, nodes: &mut Nodes, bins: &mut Bins, sizes: Sizes, forks: u32) {
+    pub(super) fn build(self, nodes: &mut Nodes, bins: &mut Bins, sizes: Sizes) {
         let mut waiting = vec![self];
         while let Some(set) = waiting.pop() {
-            let n = set.items.len();
-            let Some(sides) = set.divided(nodes, sizes.few, bins) else { continue };
-            let many = sides.iter().filter(|set| set.items.len() > sizes.many);
-            nodes.upper.extend(many.map(|set| set.node as u32));
-            let [a, b] = sides;
-            if forks > 0 && parallel::is_worth_a_fork(n) {
-                let places = [a.node, b.node];
-                let apart = |set: Set<'_>| {
-                    let (mut nodes, mut bins) = (Nodes::with_root(set.items.len()), Bins::NONE);
-                    Set { node: 0, ..set }.build(&mut nodes, &mut bins, sizes, forks - 1);
-                    nodes
-                };
-                let (a, b) = rayon::join(|| apart(a), || apart(b));
-                nodes.graft(&[(places[0], a.all[0])], a);
-                nodes.graft(&[(places[1], b.all[0])], b);
-            } else {
+            if let Some([a, b]) = set.divided(nodes, sizes, bins) {
                 waiting.extend([b, a]);
             }
         }
     }
 
     /// Makes the node, and gives both sides of the cut that costs least; none of a leaf.
-    fn divided(self, nodes: &mut Nodes, few: usize, bins: &mut Bins) -> Option<[Self; 2]> {
+    #[inline(always)]
+    fn divided(self, nodes: &mut Nodes, sizes: Sizes, bins: &mut Bins) -> Option<[Self; 2]> {
         let Self { items, first, around, level, node } = self;
         let (bounds, n, pair) = (around.items.aabb(), items.len(), nodes.all.len());
-        if n <= few {
+        if n <= sizes.few {
             nodes.all[node] = Bvh2Node::new(bounds, n as u32, first as u32);
             return None;
         }
@@ -110,9 +149,12 @@ impl Set<'_> {
         };
         let (lower_items, upper_items) = items.split_at_mut(middle);
         let level = level + 1;
-        Some([
+        let sides = [
             Set { items: lower_items, first, around: lower, level, node: pair },
             Set { items: upper_items, first: first + middle, around: upper, level, node: pair + 1 },
-        ])
+        ];
+        let many = sides.iter().filter(|set| set.items.len() > sizes.many);
+        nodes.upper.extend(many.map(|set| set.node as u32));
+        Some(sides)
     }
 }
