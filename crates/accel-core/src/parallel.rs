@@ -78,6 +78,14 @@ pub(crate) fn sort<T: Ord + Send>(numbers: &mut [T]) {
     }
 }
 
+/// Calls `f` with each item, of which there is one for each of some [`parts`].
+pub(crate) fn for_each_part<T: Send>(items: &mut [T], f: &(dyn Fn(&mut T) + Sync)) {
+    match items {
+        [only] => f(only),
+        items => items.par_iter_mut().for_each(f),
+    }
+}
+
 /// Calls `f` with each item.
 pub(crate) fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync) {
     match parts(items.len()) {

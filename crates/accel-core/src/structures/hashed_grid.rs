@@ -8,7 +8,7 @@
 //! (D. Knuth, "The Art of Computer Programming", volume 3, section 6.4) and a reduction to the
 //! table's size by a product, so that any size serves. Keys are 64 bits: a virtual grid of 2048^3
 //! voxels has more cells than a u32. No random seed: the same scene gives the same table.
-//! A look-up probes at most as far as the farthest key of the build, even in a full table.
+//! A look-up probes at most as far as the farthest key of the build, even in a full table. Keys are taken in their order.
 
 use crate::config;
 use crate::geometry::scalar::Scalar;
@@ -16,6 +16,7 @@ use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::Gained;
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::parallel::{for_each_part, parts, ranges, sort};
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
@@ -79,6 +80,11 @@ pub type HashedGrid<S> = RegularGrid<S, HashedCells>;
 
 /// 2^64 divided by the golden ratio: spreads equal strides evenly (Knuth 6.4).
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// Up to so many cells a reference, and so many more, lists are made cell by cell, which takes no more memory than the
+/// slots do; beyond that in a table that grows. The same table comes of both.
+const CELLS_A_REFERENCE: u64 = 4;
+const FEW_CELLS: u64 = 1 << 16;
 
 /// No cell has this index: there are at most 2^60.
 const VACANT: u64 = u64::MAX;
@@ -154,11 +160,31 @@ impl Table {
     /// The same entries in a table of another size.
     fn resized(&self, capacity: usize) -> Self {
         let mut table = Self::new(capacity.max(self.occupied), self.multiplier);
-        for old in self.slots.iter().filter(|s| s.key != VACANT) {
+        for old in self.occupied_slots() {
             let at = table.slot(old.key);
             table.slots[at] = *old;
         }
         table
+    }
+
+    /// The table of these keys, taken in turn, with the lengths of their lists, which stand in the order of slots.
+    fn of(cells: &[(u64, u32)], load_factor: f64, multiplier: u64) -> Self {
+        let capacity = (cells.len() as f64 / load_factor).ceil() as usize;
+        let mut table = Self::new(capacity.max(cells.len()), multiplier);
+        for &(key, len) in cells {
+            let at = table.slot(key);
+            table.slots[at].len = len;
+        }
+        let mut sum = 0;
+        for slot in &mut table.slots {
+            slot.start = sum;
+            sum += slot.len;
+        }
+        table
+    }
+
+    fn occupied_slots(&self) -> impl Iterator<Item = &Slot> {
+        self.slots.iter().filter(|slot| slot.key != VACANT)
     }
 }
 
@@ -181,25 +207,37 @@ impl HashedCells {
             return Err(TooManyReferences(total));
         }
         let frame = contents.frame;
+        let built = |cells: &[(u64, u32)]| {
+            let table = Table::of(cells, load_factor, multiplier);
+            let most_keys = table.occupied.midpoint(table.slots.len());
+            Self { table, ids: vec![0; total as usize], most_keys }
+        };
+        if frame.cells() as u64 <= CELLS_A_REFERENCE * total + FEW_CELLS {
+            let lists = contents.dense_lists()?;
+            let cells = lists.lists().zip(0..).filter(|(list, _)| !list.is_empty());
+            let cells: Vec<_> = cells.map(|(list, key)| (key, list.len() as u32)).collect();
+            let mut hashed = built(&cells);
+            hashed.fill(&|key| lists.list(key as usize));
+            return Ok(hashed);
+        }
+        let mut counts = Table::new(1024, multiplier);
         let primitives = 0..contents.primitives as u32;
-        let mut table = Table::new(1024, multiplier);
         for id in primitives.clone() {
             contents.cells_of(id, |c| {
-                if table.occupied * 2 >= table.slots.len() {
-                    table = table.resized(table.slots.len() * 2);
+                if counts.occupied * 2 >= counts.slots.len() {
+                    counts = counts.resized(counts.slots.len() * 2);
                 }
-                let at = table.slot(frame.index(c) as u64);
-                table.slots[at].len += 1;
+                let at = counts.slot(frame.index(c) as u64);
+                counts.slots[at].len += 1;
             });
         }
-        let mut table = table.resized((table.occupied as f64 / load_factor).ceil() as usize);
-        // `start` is the end of a list at first; filling from the back turns it into its start
-        let mut sum = 0;
-        for slot in &mut table.slots {
-            sum += slot.len;
-            slot.start = sum;
-        }
-        let mut ids = vec![0; total as usize];
+        let mut cells: Vec<_> = counts.occupied_slots().map(|slot| (slot.key, slot.len)).collect();
+        drop(counts);
+        sort(&mut cells);
+        let mut hashed = built(&cells);
+        // filling from the back turns the ends of lists into their starts
+        let Self { table, ids, .. } = &mut hashed;
+        table.slots.iter_mut().for_each(|slot| slot.start += slot.len);
         let mut place = |id: u32| {
             contents.cells_of(id, |c| {
                 let at = table.slot(frame.index(c) as u64);
@@ -211,8 +249,31 @@ impl HashedCells {
             ListOrder::File => primitives.rev().for_each(&mut place),
             ListOrder::Reverse => primitives.for_each(&mut place),
         }
-        let most_keys = table.occupied.midpoint(table.slots.len());
-        Ok(Self { table, ids, most_keys })
+        Ok(hashed)
+    }
+
+    /// Copies the list of each key to where its slot says, on all threads.
+    fn fill<'a>(&mut self, list: &(dyn Fn(u64) -> &'a [u32] + Sync)) {
+        let slots = &self.table.slots;
+        let parts = ranges(slots.len(), parts(slots.len()));
+        let mut rest = self.ids.as_mut_slice();
+        let mut jobs: Vec<_> = parts
+            .into_iter()
+            .map(|part| {
+                let n = slots[part.clone()].iter().map(|slot| slot.len as usize).sum();
+                let (own, behind) = std::mem::take(&mut rest).split_at_mut(n);
+                rest = behind;
+                (part, own)
+            })
+            .collect();
+        for_each_part(&mut jobs, &|(part, ids)| {
+            let mut next = 0;
+            for slot in slots[part.clone()].iter().filter(|slot| slot.key != VACANT) {
+                let end = next + slot.len as usize;
+                ids[next..end].copy_from_slice(list(slot.key));
+                next = end;
+            }
+        });
     }
 
     /// The most slots that a look-up may inspect.
@@ -302,25 +363,33 @@ mod tests {
     fn a_constant_hash_and_a_full_table_hold_the_same_lists() {
         // HARD_CASES Gr7
         let set = mixed_scene::<f64>(60, 7, [1.0; 3]);
-        let settings: Settings<GridConfig<TableConfig>> =
-            Settings::of(&INFO.defaults().set("density", 4).unwrap());
-        let contents = contents_of(&set, settings.limits(), &settings).unwrap();
-        let frame = contents.frame;
-        let dense = contents.lists(frame.cells(), |c| frame.index(c)).unwrap();
-        for (load, multiplier) in [(0.5, GOLDEN), (1.0, GOLDEN), (1.0, 0), (0.3, 0)] {
-            let hashed = HashedCells::with_hash(&contents, load, multiplier).unwrap();
-            let occupied = dense.cells() - dense.empty_cells();
-            assert_eq!(hashed.table.occupied, occupied);
-            assert!(hashed.probe_bound() <= occupied);
-            if load == 1.0 {
-                assert_eq!(hashed.table.slots.len(), occupied);
-            }
-            let n = frame.resolution().map(|n| n as i32);
-            for i in 0..n[0] * n[1] * n[2] {
-                let c = [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])];
-                assert_eq!(hashed.list(&frame.cell(c)), dense.list(frame.index(c)), "{c:?}");
+        let mut sparse = 0;
+        for (name, value) in [("density", "4"), ("resolution", "48x48x48")] {
+            let settings: Settings<GridConfig<TableConfig>> =
+                Settings::of(&INFO.defaults().set(name, value).unwrap());
+            let contents = contents_of(&set, settings.limits(), &settings).unwrap();
+            let frame = contents.frame;
+            let dense = contents.lists(frame.cells(), |c| frame.index(c)).unwrap();
+            let dense_up_to = CELLS_A_REFERENCE * dense.references() as u64 + FEW_CELLS;
+            sparse += u32::from(frame.cells() as u64 > dense_up_to);
+            for (load, multiplier) in [(0.5, GOLDEN), (1.0, GOLDEN), (1.0, 0), (0.3, 0)] {
+                let hashed = HashedCells::with_hash(&contents, load, multiplier).unwrap();
+                let occupied = dense.cells() - dense.empty_cells();
+                assert_eq!(hashed.table.occupied, occupied);
+                assert!(hashed.probe_bound() <= occupied);
+                if load == 1.0 {
+                    assert_eq!(hashed.table.slots.len(), occupied);
+                }
+                let n = frame.resolution().map(|n| n as i32);
+                for i in 0..n[0] * n[1] * n[2] {
+                    let c = [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])];
+                    assert_eq!(hashed.list(&frame.cell(c)), dense.list(frame.index(c)), "{c:?}");
+                }
             }
         }
+        assert_eq!(sparse, 1, "both ways are taken");
+        let settings: Settings<GridConfig<TableConfig>> = Settings::of(&INFO.defaults());
+        let contents = contents_of(&set, settings.limits(), &settings).unwrap();
         let usual = HashedCells::with_hash(&contents, 0.5, GOLDEN).unwrap();
         assert!(usual.probe_bound() <= 64, "{}", usual.probe_bound());
     }
