@@ -5,6 +5,7 @@
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -127,6 +128,11 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         Self { grids, starts, ids, inner, before, peak: 0, lists }
     }
 
+    /// Cells and ids of these alone.
+    fn lengths(&self) -> [u64; 2] {
+        [self.starts.len(), self.ids.len()].map(|n| n as u64)
+    }
+
     /// How much is used by all, where a grid of so many cells is added.
     fn used_with(&self, cells: usize, rules: &Rules) -> Result<Used, BuildError> {
         let Self { starts, ids, inner, before, .. } = self;
@@ -162,7 +168,7 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         frame: GridFrame<S>,
         (ids, boxes): (&[u32], &[Aabb<S>]),
         rules: &Rules,
-        divide: &(dyn Fn(Aabb<S>, &[u32]) -> Option<I> + Sync),
+        divide: impl Fn(Aabb<S>, &[u32]) -> Option<I> + Sync,
     ) -> Result<(), BuildError>
     where
         I: Send,
@@ -216,7 +222,7 @@ impl<S: Scalar> LooseGrids<S, u32> {
     }
 }
 
-/// So many grids are made by one thread before they stand among the others.
+/// So many grids at most are made by one thread before they stand among the others.
 const AT_A_TIME: usize = 64;
 
 impl<S: Scalar> NestedGrids<S> {
@@ -239,20 +245,35 @@ impl<S: Scalar> NestedGrids<S> {
         &mut self,
         items: &[T],
         rules: &Rules,
-        push: &(dyn Fn(&mut LooseGrids<S, I>, &T) -> Result<(), BuildError> + Sync),
+        push: impl Fn(&mut LooseGrids<S, I>, &T) -> Result<(), BuildError> + Sync,
         number: &mut dyn FnMut(I) -> u32,
     ) -> Result<(), BuildError> {
-        let made = |items: &[T], before| {
-            let mut grids = LooseGrids::beside(before);
-            items.iter().try_for_each(|item| push(&mut grids, item)).map(|()| grids)
-        };
-        let parts: Vec<&[T]> = items.chunks(AT_A_TIME).collect();
-        for parts in parts.chunks(1 << forks()) {
-            let before = self.used();
-            for (part, grids) in parts.iter().zip(map(parts, &|part| made(part, before))) {
+        let parts_at_once = 1 << forks();
+        let size = items.len().div_ceil(parts_at_once).clamp(1, AT_A_TIME);
+        let parts: Vec<&[T]> = items.chunks(size).collect();
+        for parts in parts.chunks(parts_at_once) {
+            let (before, all) = (self.used(), Mutex::new([0; 2]));
+            // what is made at once takes no more room, but for a grid a thread, than all have
+            let made_at_once = |part: &&[T]| -> Result<LooseGrids<S, I>, BuildError> {
+                let mut grids = LooseGrids::beside(before);
+                for item in *part {
+                    let [cells, ids] = grids.lengths();
+                    push(&mut grids, item)?;
+                    let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+                    let [more_cells, more_ids] = grids.lengths();
+                    *all = [all[0] + more_cells - cells, all[1] + more_ids - ids];
+                    rules.room.check([before.cells + all[0], before.ids + all[1]])?;
+                }
+                Ok(grids)
+            };
+            for (part, grids) in parts.iter().zip(map(parts, &made_at_once)) {
                 let fits = grids.ok().filter(|grids| self.has_room_for(grids, rules));
                 // what is refused is said as one thread would say it
-                let grids = fits.map_or_else(|| made(part, self.used()), Ok)?;
+                let one_by_one = || {
+                    let mut grids = LooseGrids::beside(self.used());
+                    part.iter().try_for_each(|item| push(&mut grids, item)).map(|()| grids)
+                };
+                let grids = fits.map_or_else(one_by_one, Ok)?;
                 self.append(grids, number);
             }
         }

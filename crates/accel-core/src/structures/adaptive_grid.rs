@@ -273,7 +273,7 @@ impl<S: Scalar> Maker<'_, S> {
         while !level.is_empty() {
             let (first, mut below) = (grids.len() + level.len(), Vec::new());
             let push = |grids: &mut _, crowd: &_| self.push(grids, crowd);
-            grids.push_all(&level, &self.rules, &push, &mut |inner| {
+            grids.push_all(&level, &self.rules, push, &mut |inner| {
                 below.push(inner);
                 (first + below.len() - 1) as u32
             })?;
@@ -292,7 +292,7 @@ impl<S: Scalar> Maker<'_, S> {
         let frame = self.frame(crowd, &boxes)?;
         // a grid of one cell has not helped, another one below it would not either
         let may_divide = crowd.level < self.levels && frame.cells() > 1;
-        grids.push_divided(frame, (&crowd.ids, &boxes), &self.rules, &|cell, list| {
+        grids.push_divided(frame, (&crowd.ids, &boxes), &self.rules, |cell, list| {
             if !may_divide || list.len() < self.split {
                 return None;
             }

@@ -332,7 +332,7 @@ fn fill<S: Scalar>(
         grids.push(frame, (ids, &id_boxes), (inner, &inner_boxes), &rules)
     };
     let mut grids = NestedGrids::new();
-    grids.push_all(&numbers, &rules, &push, &mut |inner| inner)?;
+    grids.push_all(&numbers, &rules, push, &mut |inner| inner)?;
     Ok(grids)
 }
 
