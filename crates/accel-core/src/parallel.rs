@@ -154,4 +154,30 @@ mod tests {
             }
         }
     }
+    #[test]
+    fn any_number_of_threads_does_the_same_in_the_same_order() {
+        let numbers: Vec<u32> = (0..50_001).map(|i| i * 7919 % 50_021).collect();
+        let mut sorted = numbers.clone();
+        sorted.sort_unstable();
+        // pieces of all lengths, some of none, some longer than a thread copies at once
+        let ends = [0, 0, 3, 4000, 4000, 40_000, 50_001];
+        let pieces = ends.windows(2).zip(0..).map(|(at, by)| (&numbers[at[0]..at[1]], by));
+        let pieces: Vec<(&[u32], u32)> = pieces.collect();
+        let joined = pieces.iter().flat_map(|(piece, by)| piece.iter().map(move |n| n + by));
+        let joined: Vec<u32> = joined.collect();
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let mut own = numbers.clone();
+                sort(&mut own);
+                assert!(own == sorted);
+                for_each(&mut own, |n| *n += 1);
+                assert!(own.iter().zip(&sorted).all(|(n, before)| *n == before + 1));
+                for_each_part(&mut own[..3], &|n| *n = 0);
+                assert_eq!(own[..4], [0, 0, 0, sorted[3] + 1]);
+                assert!(map(&numbers, &|n| n + 1).iter().zip(&numbers).all(|(n, m)| *n == m + 1));
+                assert!(concat(&pieces, &|n, by| n + by) == joined);
+            });
+        }
+    }
 }

@@ -3,40 +3,18 @@
 //! All cells of all grids stand in one array, their ids in two more. The traversal is a recursion over
 //! nested grids, as deep as the builder nests them (each builder has a limit).
 
+pub(crate) mod build;
+
 use std::collections::HashSet;
 use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::grid::block_lists::{BlockPlacement, DenseRows, block_lists};
-use crate::grid::box_placement::BoxPlacement;
-use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::memory::Counted;
-use crate::parallel::{forks, is_worth_a_fork, map};
 use crate::query::cells::{Cell, CellKind, CellVisitor};
 use crate::query::sink::Sink;
-use crate::room::Room;
-use crate::structure::BuildError;
-
-/// Limits and conventions of a build.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Rules {
-    /// Order of ids in a cell.
-    pub order: ListOrder,
-    /// Cells by division, as in 1999.
-    pub by_division: bool,
-    /// For the cells of all grids, and the references in them.
-    pub room: Room,
-}
-
-/// Voxels of nested grids: where the ids and the grids of each begin.
-pub(crate) static VOXELS: Counted = Counted::cells("number of voxels", 8);
-/// Ids in them.
-pub(crate) static REFERENCES: Counted = Counted::references("references in voxels");
 
 #[derive(Debug, Clone, Copy)]
 struct Grid<S: Scalar> {
@@ -60,171 +38,6 @@ pub(crate) struct NestedGrids<S: Scalar> {
     inner: Vec<u32>,
 }
 
-/// References that boxes would have in a grid; counted without visiting cells.
-pub(crate) fn references_in<S: Scalar>(
-    frame: &GridFrame<S>,
-    boxes: impl Iterator<Item = Aabb<S>>,
-) -> u64 {
-    boxes.map(|b| cells_in(frame.range(&b))).sum()
-}
-
-/// Cells of a block.
-fn cells_in((first, last): ([i32; 3], [i32; 3])) -> u64 {
-    (0..3).map(|k| (last[k] - first[k] + 1) as u64).product()
-}
-
-/// Grids over fewer primitives than this are made in memory that is used again.
-const FEW: usize = 512;
-
-/// The lists of a grid's cells, by position in `boxes`, where there are `cells` in all grids and `used`
-/// references before; in place of others, if that pays.
-fn lists<S: Scalar>(
-    frame: GridFrame<S>,
-    boxes: &[Aabb<S>],
-    [cells, used]: [u64; 2],
-    rules: &Rules,
-    mut before: CellLists,
-) -> Result<CellLists, BuildError> {
-    let room = rules.room.references_beside(cells).saturating_sub(used);
-    let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
-    let refused = |TooManyReferences(n)| rules.room.refused([cells, n + used]);
-    if boxes.len() < FEW {
-        let total = (0..boxes.len() as u32).map(|i| cells_in(placement.block(i))).sum();
-        if total > room {
-            return Err(refused(TooManyReferences(total)));
-        }
-        before.rebuild(frame.cells(), boxes.len(), rules.order, &placement);
-        return Ok(before);
-    }
-    let rows = DenseRows::new(frame.resolution());
-    block_lists(&rows, boxes.len(), rules.order, room, &placement).map_err(refused)
-}
-
-/// How much there is in all grids.
-#[derive(Debug, Clone, Copy, Default)]
-struct Used {
-    cells: u64,
-    ids: u64,
-    inner: u64,
-}
-
-/// Grids that are not among the others yet, so many of which were there before; `I` says what grids are in their
-/// cells.
-pub(crate) struct LooseGrids<S: Scalar, I> {
-    grids: Vec<Grid<S>>,
-    starts: Vec<CellStart>,
-    ids: Vec<u32>,
-    inner: Vec<I>,
-    before: Used,
-    /// The most references, while a grid was made.
-    peak: u64,
-    /// Lists whose memory is used again.
-    lists: CellLists,
-}
-
-impl<S: Scalar, I> LooseGrids<S, I> {
-    fn beside(before: Used) -> Self {
-        let (grids, starts, ids, inner, lists) = Default::default();
-        Self { grids, starts, ids, inner, before, peak: 0, lists }
-    }
-
-    /// Cells and ids of these alone.
-    fn lengths(&self) -> [u64; 2] {
-        [self.starts.len(), self.ids.len()].map(|n| n as u64)
-    }
-
-    /// How much is used by all, where a grid of so many cells is added.
-    fn used_with(&self, cells: usize, rules: &Rules) -> Result<Used, BuildError> {
-        let Self { starts, ids, inner, before, .. } = self;
-        let used = Used {
-            cells: before.cells + (starts.len() + cells) as u64,
-            ids: before.ids + ids.len() as u64,
-            inner: before.inner + inner.len() as u64,
-        };
-        rules.room.check([used.cells, used.ids])?;
-        Ok(used)
-    }
-
-    /// Adds a grid that has so many more references while it is made; `cell` adds what is in each cell.
-    fn push_cells(
-        &mut self,
-        frame: GridFrame<S>,
-        references: usize,
-        mut cell: impl FnMut(usize, &mut Vec<u32>, &mut Vec<I>),
-    ) {
-        self.peak = self.peak.max((self.ids.len() + references) as u64);
-        self.grids.push(Grid { frame, first_cell: self.starts.len() as u32 });
-        for number in 0..frame.cells() {
-            cell(number, &mut self.ids, &mut self.inner);
-            let [ids, grids] = [self.ids.len(), self.inner.len()].map(|n| n as u32);
-            self.starts.push(CellStart { ids, grids });
-        }
-    }
-
-    /// Adds a grid of which every cell may become an inner grid in place of its list: `divide` is asked with the
-    /// cell's box and its list (positions in `boxes`), and answers with the inner grid.
-    pub(crate) fn push_divided(
-        &mut self,
-        frame: GridFrame<S>,
-        (ids, boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules,
-        divide: impl Fn(Aabb<S>, &[u32]) -> Option<I> + Sync,
-    ) -> Result<(), BuildError>
-    where
-        I: Send,
-    {
-        let used = self.used_with(frame.cells(), rules)?;
-        let memory = std::mem::take(&mut self.lists);
-        let lists = lists(frame, boxes, [used.cells, used.ids], rules, memory)?;
-        let grid_in = |cell: &usize| divide(frame.cell_bounds(*cell), lists.list(*cell));
-        let pays = is_worth_a_fork(lists.references()) && forks() > 0;
-        let mut inner_grids = pays.then(|| {
-            let all: Vec<usize> = (0..frame.cells()).collect();
-            map(&all, &grid_in).into_iter()
-        });
-        self.push_cells(frame, lists.references(), |cell, own, inner| {
-            let grid = match &mut inner_grids {
-                Some(all) => all.next().flatten(),
-                None => grid_in(&cell),
-            };
-            match grid {
-                Some(grid) => inner.push(grid),
-                None => own.extend(lists.list(cell).iter().map(|&i| ids[i as usize])),
-            }
-        });
-        self.lists = lists;
-        Ok(())
-    }
-}
-
-impl<S: Scalar> LooseGrids<S, u32> {
-    /// Adds a grid with the primitives `ids` and the grids `inner`, each with its box at the same position; inner
-    /// grids may be added later.
-    pub(crate) fn push(
-        &mut self,
-        frame: GridFrame<S>,
-        (ids, id_boxes): (&[u32], &[Aabb<S>]),
-        (inner, inner_boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules,
-    ) -> Result<(), BuildError> {
-        let used = self.used_with(frame.cells(), rules)?;
-        let memory = CellLists::default;
-        let id_lists = lists(frame, id_boxes, [used.cells, used.ids], rules, memory())?;
-        let inner_lists = match inner {
-            [] => memory(),
-            _ => lists(frame, inner_boxes, [used.cells, used.inner], rules, memory())?,
-        };
-        self.push_cells(frame, id_lists.references(), |cell, own, grids| {
-            own.extend(id_lists.list(cell).iter().map(|&i| ids[i as usize]));
-            grids.extend(inner_lists.list(cell).iter().map(|&i| inner[i as usize]));
-        });
-        Ok(())
-    }
-}
-
-/// So many grids at most are made by one thread before they stand among the others.
-const AT_A_TIME: usize = 64;
-
 impl<S: Scalar> NestedGrids<S> {
     pub(crate) fn new() -> Self {
         let starts = vec![CellStart { ids: 0, grids: 0 }];
@@ -234,74 +47,6 @@ impl<S: Scalar> NestedGrids<S> {
     /// The references of all cells.
     pub(crate) fn lists(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).filter_map(|at| self.ids.get(at[0].ids as usize..at[1].ids as usize))
-    }
-
-    /// Adds the grid that `push` makes of each item, in their order, on all threads; `number` gives the grids in its
-    /// cells their numbers. The number of a grid is its place.
-    ///
-    /// # Errors
-    /// The first that `push` has.
-    pub(crate) fn push_all<T: Sync, I: Send>(
-        &mut self,
-        items: &[T],
-        rules: &Rules,
-        push: impl Fn(&mut LooseGrids<S, I>, &T) -> Result<(), BuildError> + Sync,
-        number: &mut dyn FnMut(I) -> u32,
-    ) -> Result<(), BuildError> {
-        let parts_at_once = 1 << forks();
-        let size = items.len().div_ceil(parts_at_once).clamp(1, AT_A_TIME);
-        let parts: Vec<&[T]> = items.chunks(size).collect();
-        for parts in parts.chunks(parts_at_once) {
-            let (before, all) = (self.used(), Mutex::new([0; 2]));
-            // what is made at once takes no more room, but for a grid a thread, than all have
-            let made_at_once = |part: &&[T]| -> Result<LooseGrids<S, I>, BuildError> {
-                let mut grids = LooseGrids::beside(before);
-                for item in *part {
-                    let [cells, ids] = grids.lengths();
-                    push(&mut grids, item)?;
-                    let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
-                    let [more_cells, more_ids] = grids.lengths();
-                    *all = [all[0] + more_cells - cells, all[1] + more_ids - ids];
-                    rules.room.check([before.cells + all[0], before.ids + all[1]])?;
-                }
-                Ok(grids)
-            };
-            for (part, grids) in parts.iter().zip(map(parts, &made_at_once)) {
-                let fits = grids.ok().filter(|grids| self.has_room_for(grids, rules));
-                // what is refused is said as one thread would say it
-                let one_by_one = || {
-                    let mut grids = LooseGrids::beside(self.used());
-                    part.iter().try_for_each(|item| push(&mut grids, item)).map(|()| grids)
-                };
-                let grids = fits.map_or_else(one_by_one, Ok)?;
-                self.append(grids, number);
-            }
-        }
-        Ok(())
-    }
-
-    fn used(&self) -> Used {
-        let [cells, ids, inner] =
-            [self.starts.len() - 1, self.ids.len(), self.inner.len()].map(|n| n as u64);
-        Used { cells, ids, inner }
-    }
-
-    /// Whether these would have been made with what is used now before them.
-    fn has_room_for<I>(&self, grids: &LooseGrids<S, I>, rules: &Rules) -> bool {
-        let used = self.used();
-        let references = (used.ids + grids.peak).max(used.inner + grids.inner.len() as u64);
-        rules.room.check([used.cells + grids.starts.len() as u64, references]).is_ok()
-    }
-
-    fn append<I>(&mut self, grids: LooseGrids<S, I>, number: &mut dyn FnMut(I) -> u32) {
-        let [cells, ids, inner] =
-            [self.starts.len() - 1, self.ids.len(), self.inner.len()].map(|n| n as u32);
-        let moved = |grid: Grid<S>| Grid { first_cell: cells + grid.first_cell, ..grid };
-        self.grids.extend(grids.grids.into_iter().map(moved));
-        let moved = |at: CellStart| CellStart { ids: ids + at.ids, grids: inner + at.grids };
-        self.starts.extend(grids.starts.into_iter().map(moved));
-        self.ids.extend_from_slice(&grids.ids);
-        self.inner.extend(grids.inner.into_iter().map(number));
     }
 
     /// Number of grids so far.

@@ -22,7 +22,7 @@ use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
-use crate::grid::nested_grids::{REFERENCES, VOXELS};
+use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
 use crate::grid::voxel_traversal::inverse_direction;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::parallel::collect;

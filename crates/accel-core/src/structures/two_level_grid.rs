@@ -20,7 +20,7 @@ use std::ops::ControlFlow;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
-use crate::grid::nested_grids::{REFERENCES, VOXELS};
+use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
 use crate::grid::regular_grid::{CellStorage, GridConfig, contents_of, stored};
 use crate::grid::voxel_traversal::{CellDivision, GridFrame, VoxelTraversal, inverse_direction};
 use crate::params::config::{Config, Settings};

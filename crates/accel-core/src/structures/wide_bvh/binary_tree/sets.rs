@@ -103,7 +103,7 @@ impl Set<'_> {
     /// Both sides at once, `forks` times one below the other.
     fn forked(self, sizes: Sizes, forks: u32) -> Forked {
         let n = self.items.len();
-        let (mut nodes, mut bins) = (Nodes::with_root(n), Bins::NONE);
+        let (mut nodes, mut bins) = (Nodes::with_root(2 * n), Bins::NONE);
         let root = Set { node: 0, ..self };
         if forks == 0 || !parallel::is_worth_a_fork(n) {
             root.build(&mut nodes, &mut bins, sizes);
