@@ -106,3 +106,52 @@ impl Budget {
 fn sum(a: [u64; 2], b: [u64; 2]) -> [u64; 2] {
     [0, 1].map(|k| a[k].saturating_add(b[k]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
+    use crate::memory::{Limits, MemoryLimit};
+
+    fn room(cells: u64, references: u64) -> Room {
+        let limits = Limits { structure: "recursive-grid", memory: MemoryLimit::NONE };
+        Room::new(limits, [(&VOXELS, cells), (&REFERENCES, references)])
+    }
+
+    #[test]
+    fn what_is_given_back_is_free_again_in_order() {
+        let budget = Budget::new(room(100, 100));
+        budget.take([60, 90]).unwrap();
+        assert_eq!(budget.take([41, 0]).unwrap_err().needed, [101, 90]);
+        budget.give_back([50, 0]);
+        budget.take([90, 0]).unwrap();
+        assert_eq!((budget.cells_left(), budget.references_left()), (0, 10));
+    }
+
+    /// A grid of 45 references and one of 60, of which 40 are given back, fit in one order of two. In any order, neither
+    /// may be told whether the other came before.
+    #[test]
+    fn in_any_order_nothing_depends_on_what_came_before() {
+        let grids = [[10, 45, 0], [10, 60, 40]];
+        let fits = |order: [usize; 2]| {
+            let budget = Budget::new(room(100, 100));
+            order.into_iter().all(|i| {
+                let [cells, references, back] = grids[i];
+                let taken = budget.take([cells, references]);
+                budget.give_back([0, back]);
+                taken.is_ok()
+            })
+        };
+        assert_eq!([fits([0, 1]), fits([1, 0])], [false, true]);
+        let mut budget = Budget::in_any_order(room(100, 100));
+        assert_eq!((budget.cells_left(), budget.references_left()), (100, 50));
+        budget.take([10, 30]).unwrap();
+        budget.give_back([5, 30]);
+        // nor is anybody told of more or less room than before
+        assert_eq!((budget.cells_left(), budget.references_left()), (100, 50));
+        assert!(budget.take([0, 21]).is_err() && budget.take([41, 0]).is_err());
+        budget.take([40, 20]).unwrap();
+        budget.in_order();
+        assert_eq!((budget.cells_left(), budget.references_left()), (55, 80));
+    }
+}
