@@ -28,9 +28,9 @@ pub(crate) fn forks() -> u32 {
     }
 }
 
-/// Whether so many references are worth dividing among threads.
+/// Whether so many references are worth dividing among threads, of which there are several.
 pub(crate) fn is_worth_a_fork(references: usize) -> bool {
-    references >= 2 * LEAST_PRIMITIVES
+    parts(references) > 1
 }
 
 /// Cuts `0..primitives` into [`parts`] and gives what `f` makes of each, in their order.
@@ -154,6 +154,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn any_number_of_threads_does_the_same_in_the_same_order() {
         let numbers: Vec<u32> = (0..50_001).map(|i| i * 7919 % 50_021).collect();

@@ -2,6 +2,7 @@
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::parallel::collect;
 use crate::primitives::{PrimSet, PrimitiveKind};
 
 /// How the box of a primitive is made from its tight bounds.
@@ -92,6 +93,11 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
     /// historical rule.
     pub fn smallest_cell(&self) -> f64 {
         smallest_cell(self.padding)
+    }
+
+    /// The boxes of all primitives, by all threads.
+    pub(crate) fn all(&self) -> Vec<Aabb<S>> {
+        collect(self.prims.len(), |id| self.of(id as u32))
     }
 
     /// The box of primitive `id`.

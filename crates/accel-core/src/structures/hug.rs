@@ -181,7 +181,7 @@ pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
 ) -> Result<Boxes<S>, u32> {
     let padded = BoundsOf::new(prims, BoundsRule::Padded)?;
     if !historical {
-        let of = collect(prims.len(), |id| padded.of(id as u32));
+        let of = padded.all();
         return Ok(Boxes { of, scene: padded.scene(), padding: padded.padding() });
     }
     let of = collect(prims.len(), |id| at_least(prims.bounds(id as u32)));

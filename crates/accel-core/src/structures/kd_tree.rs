@@ -24,7 +24,6 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::parallel::collect;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
@@ -71,7 +70,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
         let boxes = BoundsOf::new(prims, BoundsRule::Padded)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let bounds = boxes.scene();
-        let all: Vec<Aabb<S>> = collect(prims.len(), |id| boxes.of(id as u32));
+        let all = boxes.all();
         Ok(Self { bounds, cells: subdivide::cells(&all, bounds, settings)? })
     }
 

@@ -32,7 +32,6 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::parallel::collect;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
@@ -117,7 +116,7 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         let boxes = BoundsOf::new(prims, rule)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
-        let all: Vec<Aabb<S>> = collect(prims.len(), |id| boxes.of(id as u32));
+        let all = boxes.all();
         let cells = subdivide::cells(&all, bounds, settings)?;
         // the parameters of two planes are off by 1.5 epsilon each: at this distance by 9 together,
         // of the 22 that the padding of boxes leaves them (`bounds_rule.rs`)

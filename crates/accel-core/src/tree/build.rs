@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
-use crate::parallel::{forks, is_worth_a_fork};
+use crate::parallel::{concat, forks, is_worth_a_fork};
 use crate::room::Room;
 use crate::structure::BuildError;
 
@@ -94,7 +94,7 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
     root: Cell<S, D::Descent>,
     ids: Vec<u32>,
 ) -> Result<D::Cells, BuildError> {
-    if forks() == 0 || !is_worth_a_fork(ids.len()) {
+    if !is_worth_a_fork(ids.len()) {
         return alone(division, root, ids);
     }
     let large = ids.len() >> forks();
@@ -114,6 +114,31 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
 enum Forked<C: CellStore> {
     Cut(C::Cut, Vec<Self>),
     Built(C),
+}
+
+impl<C: CellStore> Step<C> {
+    /// The store that is put behind all before.
+    fn below(&self) -> Option<&C> {
+        match self {
+            Self::Below(_, cells) => Some(cells),
+            Self::Divide(..) => None,
+        }
+    }
+}
+
+/// Where the lists of the leaves of all stores begin, and where the last ends, and their ids; of each store `lists` has the
+/// same.
+pub(crate) fn joined_lists<C: CellStore>(
+    steps: &[Step<C>],
+    lists: impl Fn(&C) -> [&[u32]; 2],
+) -> [Vec<u32>; 2] {
+    let (mut all_starts, mut all_ids, mut references) = (vec![(&[0][..], 0)], Vec::new(), 0);
+    for [starts, ids] in steps.iter().filter_map(Step::below).map(lists) {
+        all_starts.push((&starts[1..], references));
+        all_ids.push((ids, ()));
+        references += ids.len() as u32;
+    }
+    [concat(&all_starts, &|start, by| start + by), concat(&all_ids, &|id, ()| id)]
 }
 
 impl<C: CellStore> Forked<C> {

@@ -147,8 +147,7 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         let memory = std::mem::take(&mut self.lists);
         let lists = lists(frame, boxes, [used.cells, used.ids], rules, memory)?;
         let grid_in = |cell: &usize| divide(frame.cell_bounds(*cell), lists.list(*cell));
-        let pays = is_worth_a_fork(lists.references()) && forks() > 0;
-        let mut inner_grids = pays.then(|| {
+        let mut inner_grids = is_worth_a_fork(lists.references()).then(|| {
             let all: Vec<usize> = (0..frame.cells()).collect();
             map(&all, &grid_in).into_iter()
         });
@@ -178,11 +177,10 @@ impl<S: Scalar> LooseGrids<S, u32> {
         rules: &Rules,
     ) -> Result<(), BuildError> {
         let used = self.used_with(frame.cells(), rules)?;
-        let memory = CellLists::default;
-        let id_lists = lists(frame, id_boxes, [used.cells, used.ids], rules, memory())?;
+        let id_lists = lists(frame, id_boxes, [used.cells, used.ids], rules, CellLists::default())?;
         let inner_lists = match inner {
-            [] => memory(),
-            _ => lists(frame, inner_boxes, [used.cells, used.inner], rules, memory())?,
+            [] => CellLists::default(),
+            _ => lists(frame, inner_boxes, [used.cells, used.inner], rules, CellLists::default())?,
         };
         self.push_cells(frame, id_lists.references(), |cell, own, grids| {
             own.extend(id_lists.list(cell).iter().map(|&i| ids[i as usize]));

@@ -10,7 +10,7 @@ use crate::structure::BuildError;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
 use crate::structures::kd_tree::config::KdTreeConfig;
 use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
-use crate::tree::build::{self, Cell, CellStore, Division, Step};
+use crate::tree::build::{self, Cell, CellStore, Division, Step, joined_lists};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.
@@ -127,9 +127,8 @@ impl<S: Scalar> CellStore for Cells<S> {
         let moved = |node: Node<S>, by: [usize; 2]| node.moved(by[0], by[1]);
         let leaf = [Node::leaf(0); 2];
         let mut nodes = vec![(&leaf[..1], [0; 2])];
-        let (mut starts, mut ids) = (vec![(&[0][..], 0)], Vec::new());
-        // the nodes that stand for children, and where the next nodes, leaves and references stand
-        let (mut firsts, mut next, mut leaves, mut references) = (Vec::new(), 1, 0, 0);
+        // the nodes that stand for children, and where the next nodes and leaves stand
+        let (mut firsts, mut next, mut leaves) = (Vec::new(), 1, 0);
         for step in steps {
             match step {
                 Step::Divide(cell, cut) => {
@@ -141,20 +140,14 @@ impl<S: Scalar> CellStore for Cells<S> {
                     let by = [next - 1, leaves];
                     firsts.push((*cell, moved(below.nodes[0], by)));
                     nodes.push((&below.nodes[1..], by));
-                    starts.push((&below.starts[1..], references));
-                    ids.push((&below.ids[..], ()));
                     next += below.nodes.len() - 1;
                     leaves += below.starts.len() - 1;
-                    references += below.ids.len() as u32;
                 }
             }
         }
-        let mut cells = Self {
-            nodes: concat(&nodes, &moved),
-            starts: concat(&starts, &|start, by| start + by),
-            ids: concat(&ids, &|id, ()| id),
-        };
-        firsts.into_iter().for_each(|(cell, node)| cells.nodes[cell] = node);
-        cells
+        let mut nodes = concat(&nodes, &moved);
+        firsts.into_iter().for_each(|(cell, node)| nodes[cell] = node);
+        let [starts, ids] = joined_lists(steps, |cells| [&cells.starts, &cells.ids]);
+        Self { nodes, starts, ids }
     }
 }

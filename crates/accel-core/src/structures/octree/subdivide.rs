@@ -9,7 +9,7 @@ use crate::room::Room;
 use crate::structure::BuildError;
 use crate::structures::octree::cells::{Cells, LEAF};
 use crate::structures::octree::config::OctreeConfig;
-use crate::tree::build::{self, Cell, CellStore, Division, Step};
+use crate::tree::build::{self, Cell, CellStore, Division, Step, joined_lists};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.
@@ -86,38 +86,31 @@ impl<S: Scalar> CellStore for Cells<S> {
 
     fn joined(steps: &[Step<Self>]) -> Self {
         let moved = |link: u32, by: [u32; 2]| link + by[usize::from(link & LEAF != 0)];
-        let mut all: [Vec<(&[u32], _)>; 2] = [vec![(&[LEAF], [0; 2])], Vec::new()];
-        let [links, ids] = &mut all;
-        let (mut planes, mut starts) = (Vec::new(), vec![(&[0][..], 0)]);
-        let (mut firsts, mut by, mut references) = (Vec::new(), [0; 2], 0);
+        let leaf = [LEAF; 8];
+        let (mut links, mut planes) = (vec![(&leaf[..1], [0; 2])], Vec::new());
+        // the links that stand for children, and the numbers of the next inner cell and leaf
+        let (mut firsts, mut by) = (Vec::new(), [0; 2]);
         for step in steps {
             match step {
                 Step::Divide(cell, cut) => {
                     firsts.push((*cell, by[0]));
-                    links.push((&[LEAF; 8], [0; 2]));
+                    links.push((&leaf, [0; 2]));
                     planes.push((std::slice::from_ref(cut), ()));
                     by[0] += 1;
                 }
                 Step::Below(cell, below) => {
                     firsts.push((*cell, moved(below.links[0], by)));
                     links.push((&below.links[1..], by));
-                    planes.push((&below.planes, ()));
-                    starts.push((&below.starts[1..], references));
-                    ids.push((&below.ids, [0; 2]));
+                    planes.push((&below.planes[..], ()));
                     let [inner, leaves] = [below.planes.len(), below.starts.len() - 1];
                     by = [by[0] + inner as u32, by[1] + leaves as u32];
-                    references += below.ids.len() as u32;
                 }
             }
         }
-        let mut cells = Self {
-            links: concat(links, &moved),
-            planes: concat(&planes, &|planes, ()| planes),
-            starts: concat(&starts, &|start, by| start + by),
-            ids: concat(ids, &|id, _| id),
-        };
-        firsts.into_iter().for_each(|(cell, link)| cells.links[cell] = link);
-        cells
+        let mut links = concat(&links, &moved);
+        firsts.into_iter().for_each(|(cell, link)| links[cell] = link);
+        let [starts, ids] = joined_lists(steps, |cells| [&cells.starts, &cells.ids]);
+        Self { links, planes: concat(&planes, &|planes, ()| planes), starts, ids }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::parallel::{forks, is_worth_a_fork};
+use crate::parallel::is_worth_a_fork;
 use crate::query::cells::{Cell, CellVisitor};
 use crate::room::Room;
 use crate::structures::recursive_grid::budget::{Budget, OverLimit};
@@ -220,7 +220,7 @@ impl<S: Scalar> Division<S> {
     /// The outermost grid, over all primitives; coarser than asked for where that would multiply references too
     /// much. Several threads make the grids that one makes.
     pub(super) fn root(&mut self, bounds: Aabb<S>, room: Room) -> Result<Grid<S>, OverLimit> {
-        if forks() > 0 && is_worth_a_fork(self.boxes.len()) {
+        if is_worth_a_fork(self.boxes.len()) {
             self.budget = Budget::in_any_order(room);
             if let Ok(root) = self.outermost(bounds) {
                 self.budget.in_order();
@@ -318,7 +318,7 @@ impl<S: Scalar> Division<S> {
         frame: &GridFrame<S>,
         depth: u32,
     ) -> Result<Option<Vec<Option<Child<S>>>>, OverLimit> {
-        let pays = depth < self.eager_depth && is_worth_a_fork(lists.references()) && forks() > 0;
+        let pays = depth < self.eager_depth && is_worth_a_fork(lists.references());
         if !(pays && self.budget.is_in_any_order()) {
             return Ok(None);
         }
