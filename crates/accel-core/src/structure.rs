@@ -8,6 +8,7 @@ use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
+use crate::query::counters::WorkCounters;
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::update::Change;
@@ -81,6 +82,19 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
         _reach: S,
         _answers: BatchAnswers<'_, S>,
     ) {
+    }
+
+    /// [`Structure::answer_batch`], counting, where rays of a batch share steps; none where each has those of
+    /// [`Structure::traverse`].
+    #[inline(always)]
+    fn count_batch<P: PrimSet<S>>(
+        &self,
+        _prims: &P,
+        _rays: &[Ray<S>],
+        _reach: S,
+        _answers: BatchAnswers<'_, S>,
+    ) -> Option<WorkCounters> {
+        None
     }
 
     /// What was built; a pass over the structure, not part of the build.

@@ -11,7 +11,7 @@ use crate::geometry::far_ray::Parameters;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::counters::NoCounters;
+use crate::query::counters::Counters;
 use crate::query::sink::{AnyHit, ClosestHit, Sink};
 use crate::query::tracer::nearby::brought_near;
 use crate::structure::{BatchAnswers, Structure};
@@ -75,6 +75,8 @@ impl<S: Scalar, T: Traverse<S>> Drive<S, T> for RayByRay {
 /// The queries of a batch. Compiled into the loop over rays: a sink that is made elsewhere and moved in is
 /// waited for.
 pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
+    /// Whether work is counted: what counts is compiled for the target alone.
+    const COUNTING: bool;
     /// The query of a ray.
     type Sink<'q>: Sink<S>
     where
@@ -91,16 +93,18 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
         'r: 'q;
 }
 
-struct Closest<'r, 'a, S: Scalar, P> {
+struct Closest<'r, 'a, S: Scalar, P, C> {
     prims: &'r P,
     rays: &'r [Ray<S>],
     /// As many.
     hits: &'a mut [Hit<S>],
+    work: C,
 }
 
-impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Closest<'r, '_, S, P> {
+impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Closest<'r, '_, S, P, C> {
+    const COUNTING: bool = C::ENABLED;
     type Sink<'q>
-        = ClosestHit<'q, S, P, NoCounters>
+        = ClosestHit<'q, S, P, C>
     where
         'r: 'q;
 
@@ -122,6 +126,9 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Closest<'r, '_, S, P> {
     where
         'r: 'q,
     {
+        if let Some((sink, _)) = found {
+            self.work.add(sink.counters());
+        }
         let miss = Hit { t: self.rays[place].t_max, ..Hit::NONE };
         self.hits[place] = match found {
             Some((sink, parameters)) if sink.hit().is_hit() => {
@@ -133,16 +140,18 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Closest<'r, '_, S, P> {
 }
 
 /// Occlusion by opaque primitives.
-struct Occlusions<'r, 'a, S: Scalar, P> {
+struct Occlusions<'r, 'a, S: Scalar, P, C> {
     prims: &'r P,
     rays: &'r [Ray<S>],
     /// As many.
     blocked: &'a mut [bool],
+    work: C,
 }
 
-impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> {
+impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Occlusions<'r, '_, S, P, C> {
+    const COUNTING: bool = C::ENABLED;
     type Sink<'q>
-        = AnyHit<'q, S, P, NoCounters>
+        = AnyHit<'q, S, P, C>
     where
         'r: 'q;
 
@@ -164,30 +173,37 @@ impl<'r, S: Scalar, P: PrimSet<S>> Batch<'r, S, P> for Occlusions<'r, '_, S, P> 
     where
         'r: 'q,
     {
+        if let Some((sink, _)) = found {
+            self.work.add(sink.counters());
+        }
         self.blocked[place] = found.is_some_and(|(sink, _)| sink.is_blocked());
     }
 }
 
-/// Answers a batch. Compiled for triangles alone.
+/// Answers a batch; what it took. Compiled for triangles alone.
 #[inline(always)]
-pub(crate) fn answer<D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T>(
+pub(crate) fn answer<D: Drive<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
     structure: &T,
     prims: &P,
     rays: &[Ray<S>],
     reach: S,
     answers: BatchAnswers<'_, S>,
-) {
-    if P::HAS_BLOCKS {
-        let all = 0..rays.len();
-        match answers {
-            BatchAnswers::Closest(hits) => {
-                let batch = &mut Closest { prims, rays, hits };
-                drive::<D, _, _, _, _>(structure, prims, reach, batch, all);
-            }
-            BatchAnswers::Occlusion(blocked) => {
-                let batch = &mut Occlusions { prims, rays, blocked };
-                drive::<D, _, _, _, _>(structure, prims, reach, batch, all);
-            }
+) -> C {
+    let work = C::default();
+    if !P::HAS_BLOCKS {
+        return work;
+    }
+    let all = 0..rays.len();
+    match answers {
+        BatchAnswers::Closest(hits) => {
+            let mut batch = Closest { prims, rays, hits, work };
+            drive::<D, _, _, _, _>(structure, prims, reach, &mut batch, all);
+            batch.work
+        }
+        BatchAnswers::Occlusion(blocked) => {
+            let mut batch = Occlusions { prims, rays, blocked, work };
+            drive::<D, _, _, _, _>(structure, prims, reach, &mut batch, all);
+            batch.work
         }
     }
 }
@@ -215,7 +231,7 @@ pub(crate) fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r
     places: Range<usize>,
 ) {
     #[cfg(target_arch = "x86_64")]
-    if size_of::<S>() == size_of::<f32>() && has_avx512() {
+    if size_of::<S>() == size_of::<f32>() && !B::COUNTING && has_avx512() {
         // SAFETY: the processor has it
         unsafe { drive_by_avx512::<D, _, _, _, _>(structure, prims, reach, batch, places) };
         return;

@@ -28,6 +28,9 @@ pub trait Counters: Default + Copy + Send {
     /// A step in the hierarchy: an inner node, or a grid that was entered.
     #[inline(always)]
     fn inner_step(&mut self) {}
+    /// What another query reported.
+    #[inline(always)]
+    fn add(&mut self, _other: Self) {}
 }
 
 /// Counts nothing, costs nothing.
@@ -73,6 +76,10 @@ impl Counters for WorkCounters {
     #[inline(always)]
     fn inner_step(&mut self) {
         self.traversal_steps += 1;
+    }
+    #[inline(always)]
+    fn add(&mut self, other: Self) {
+        *self += other;
     }
 }
 

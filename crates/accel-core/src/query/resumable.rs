@@ -60,16 +60,16 @@ pub(crate) fn traverse<S: Scalar, T: Resumable<S>, K: Sink<S>>(
     sink: &mut K,
 ) {
     let state = structure.begin(ray, sink.t_max());
-    run(structure, state, sink);
+    let _ = run(structure, state, sink);
 }
 
-/// A ray that has begun.
+/// A ray that has begun; `Break` when the query is over before all is visited.
 #[inline(always)]
-pub(super) fn run<S: Scalar, T: Resumable<S>, K: Sink<S>>(
+pub(crate) fn run<S: Scalar, T: Resumable<S>, K: Sink<S>>(
     structure: &T,
     mut state: T::State,
     sink: &mut K,
-) {
+) -> ControlFlow<()> {
     let mut goes_on = !T::is_nowhere(&state);
     let mut room = T::Room::default();
     while goes_on {
@@ -77,15 +77,16 @@ pub(super) fn run<S: Scalar, T: Resumable<S>, K: Sink<S>>(
         while T::is_inner(&state) {
             // SAFETY: one room, one ray
             if !unsafe { structure.descend(&mut state, &mut room, sink) } {
-                return;
+                return ControlFlow::Continue(());
             }
         }
         let is_empty = T::is_empty(&state);
         sink.elementary_step(is_empty);
-        if !is_empty && structure.test(&state, sink).is_break() {
-            return;
+        if !is_empty {
+            structure.test(&state, sink)?;
         }
         // SAFETY: one room, one ray
         goes_on = unsafe { structure.leave(&mut state, &mut room, sink) };
     }
+    ControlFlow::Continue(())
 }

@@ -88,11 +88,38 @@ fn rays<S: Buildable>(random: &mut Random, faces: &[[DVec3; 3]], count: usize) -
     (0..count).map(|_| ray()).collect()
 }
 
+/// Every other ray in a company of eight that run as it does, or nearly.
+fn in_company<S: Buildable>(random: &mut Random, rays: Vec<Ray<S>>) -> Vec<Ray<S>> {
+    let mut all = Vec::new();
+    for (i, ray) in rays.into_iter().enumerate() {
+        if i % 16 < 8 {
+            all.push(ray);
+            continue;
+        }
+        let apart = power(random, -8.0, -1.0);
+        let place = (random.unit() * 8.0) as usize;
+        for other in 0..8 {
+            let mut near = |v: Vec3<S>, size: f64| {
+                let off = random.signed() * size;
+                Vec3::<S>::from_dvec3(v.to_dvec3() * (DVec3::ONE + off))
+            };
+            let moved = Ray {
+                origin: near(ray.origin, apart),
+                direction: near(ray.direction, apart),
+                ..ray
+            };
+            all.push(if other == place { ray } else { moved });
+        }
+    }
+    all
+}
+
 /// Rays by how they are answered: hits, and hits within 2^-16.
 fn agrees<S: Buildable>(rounds: u64) -> [usize; 2] {
     let rows = [
         ("wide-bvh", ""),
         ("wide-bvh", "query=batch"),
+        ("wide-bvh", "query=packets"),
         ("wide-bvh", "max-leaf=1"),
         ("obvhs-cwbvh", ""),
         ("obvhs-bvh2", ""),
@@ -104,7 +131,8 @@ fn agrees<S: Buildable>(rounds: u64) -> [usize; 2] {
         let narrow = |t: &[DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
         let set = TriangleSet::<S, Watertight>::new(faces.iter().map(narrow).collect(), |_| false);
         let set = set.unwrap();
-        let rays = rays::<S>(&mut random, &faces, 20_000);
+        let rays = rays::<S>(&mut random, &faces, 5_000);
+        let rays = in_company(&mut random, rays);
         let answers = |name: &str, settings: &str| {
             let entry = find(name).unwrap();
             let pairs = settings.split_whitespace().map(|s| s.split_once('=').unwrap());

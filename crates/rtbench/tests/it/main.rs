@@ -31,5 +31,6 @@ mod stand_in;
 mod sweep;
 mod verdicts;
 mod verify;
+mod verify_company;
 mod verify_oracles;
 mod verify_planted;

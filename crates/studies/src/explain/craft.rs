@@ -33,6 +33,17 @@ pub enum Kernel {
     Block,
 }
 
+/// How rays are asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// One at a time.
+    OneRay,
+    /// Many in one call.
+    Batch,
+    /// The same, and those that run alike share steps.
+    Packets,
+}
+
 /// What of a row is code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Craft {
@@ -41,7 +52,7 @@ pub struct Craft {
     /// How triangles are tested.
     pub kernel: Kernel,
     /// How rays are asked.
-    pub query: Query,
+    pub query: Asked,
 }
 
 impl Craft {
@@ -58,12 +69,16 @@ impl Craft {
             None => ALWAYS_BLOCKS.contains(&params.structure()),
         };
         // what can be asked for scalar tests answers batches by blocks alone
-        let is_batch =
-            params.get("query") == Some("batch") && (has_blocks || params.get("kernel").is_none());
+        let query = match params.get("query") {
+            _ if !has_blocks && params.get("kernel").is_some() => Asked::OneRay,
+            Some("batch") => Asked::Batch,
+            Some("packets") => Asked::Packets,
+            _ => Asked::OneRay,
+        };
         Self {
             adapter,
             kernel: if has_blocks && !has_mailbox(params) { Kernel::Block } else { Kernel::Scalar },
-            query: if is_batch { Query::Batch } else { Query::OneRay },
+            query,
         }
     }
 
@@ -76,7 +91,12 @@ impl Craft {
             same => same,
         };
         let kernel = if only_triangles { self.kernel } else { Kernel::Scalar };
-        Self { adapter, kernel, query: row.query }
+        let query = match (row.query, self.query) {
+            (Query::OneRay, _) => Asked::OneRay,
+            (Query::Batch, Asked::Packets) => Asked::Packets,
+            (Query::Batch, _) => Asked::Batch,
+        };
+        Self { adapter, kernel, query }
     }
 
     /// The column of tables, and what CSV files call it.
@@ -84,10 +104,12 @@ impl Craft {
         match (self.adapter, self.kernel, self.query) {
             (Adapter::Direct, ..) => "direct",
             (Adapter::AsShipped, ..) => "as shipped",
-            (_, Kernel::Scalar, Query::OneRay) => "scalar",
-            (_, Kernel::Block, Query::OneRay) => "block",
-            (_, Kernel::Scalar, Query::Batch) => "scalar, batch",
-            (_, Kernel::Block, Query::Batch) => "block, batch",
+            (_, Kernel::Scalar, Asked::OneRay) => "scalar",
+            (_, Kernel::Block, Asked::OneRay) => "block",
+            (_, Kernel::Scalar, Asked::Batch) => "scalar, batch",
+            (_, Kernel::Block, Asked::Batch) => "block, batch",
+            (_, Kernel::Scalar, Asked::Packets) => "scalar, packets",
+            (_, Kernel::Block, Asked::Packets) => "block, packets",
         }
     }
 }
@@ -99,6 +121,17 @@ impl Adapter {
             Self::Direct => "direct",
             Self::AsShipped => "as-shipped",
             Self::Robust => "robust",
+        }
+    }
+}
+
+impl Asked {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OneRay => Query::OneRay.name(),
+            Self::Batch => Query::Batch.name(),
+            Self::Packets => "packets",
         }
     }
 }
@@ -198,7 +231,7 @@ mod tests {
     fn a_structure_has_the_crafts_of_its_settings() {
         assert_eq!(crafts("uniform-grid"), ["block", "scalar", "block, batch"]);
         assert_eq!(crafts("kd-tree:max-leaf=4"), ["scalar", "block"]);
-        assert_eq!(crafts("wide-bvh"), ["block", "block, batch"]);
+        assert_eq!(crafts("wide-bvh"), ["block", "block, batch", "block, packets"]);
         assert_eq!(crafts("irregular-grid:query=batch"), ["block, batch", "block"]);
         assert_eq!(crafts("brute-force"), ["scalar"]);
         assert_eq!(crafts("recursive-grid"), ["scalar", "block"]);

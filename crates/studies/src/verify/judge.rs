@@ -9,6 +9,7 @@ use accel_core::registry::Buildable;
 use accel_core::structure::{Batches, BuildError};
 use accel_core::{Hit, MISS, Ray, Scalar};
 
+use super::company::Company;
 use super::digest::Digest;
 use super::metamorphic::{MetamorphicPair, Same};
 pub use super::mismatch::Mismatch;
@@ -43,6 +44,8 @@ struct Answers<S: Scalar> {
     /// The closest hits of the same rays, each asked alone; nothing where batches are asked so
     /// anyway.
     alone: Vec<Hit<S>>,
+    /// The same rays, each among others that run nearly as it does.
+    in_company: Vec<(Hit<S>, bool)>,
 }
 
 impl<S: Scalar> Answers<S> {
@@ -59,11 +62,20 @@ impl<S: Scalar> Answers<S> {
         tracer.count_closest_hits(&some, &mut counted);
         tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
         let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
-        let mut alone = Vec::new();
+        let (mut alone, mut in_company) = (Vec::new(), Vec::new());
         if tracer.batches() == Batches::Together {
             alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
+            in_company = Self::in_company(tracer, &Company::of(&some));
         }
-        Self { closest, counted, blocked, counted_blocked, alone }
+        Self { closest, counted, blocked, counted_blocked, alone, in_company }
+    }
+
+    /// Of the rays that company is kept.
+    fn in_company(tracer: &dyn Tracer<S>, company: &Company<S>) -> Vec<(Hit<S>, bool)> {
+        let hits = closest(tracer, &company.rays);
+        let mut blocked: Vec<bool> = hits.iter().map(|hit| !hit.is_hit()).collect();
+        tracer.occlusions(&company.rays, &mut blocked);
+        company.places.iter().filter_map(|&i| Some((*hits.get(i)?, *blocked.get(i)?))).collect()
     }
 
     /// By brute force over the primitives near each ray alone.
@@ -80,6 +92,7 @@ impl<S: Scalar> Answers<S> {
             counted: closest.iter().copied().step_by(COUNTED).collect(),
             counted_blocked: blocked.iter().copied().step_by(COUNTED).collect(),
             alone: Vec::new(),
+            in_company: Vec::new(),
             closest,
             blocked,
         }
@@ -234,6 +247,14 @@ impl<'a, S: Buildable> Judge<'a, S> {
             && !is_same(hit, alone)
         {
             return Some(format!("said {}, when asked alone {}", told(hit), told(alone)));
+        }
+        if let Some((company, is_blocked)) = answers.in_company.get(ray / COUNTED) {
+            if !is_same(hit, company) {
+                return Some(format!("said {}, in company {}", told(hit), told(company)));
+            }
+            if *is_blocked != blocked {
+                return Some(format!("blocked: said {is_blocked} in company, not {blocked}"));
+            }
         }
         let said = *answers.counted_blocked.get(ray / COUNTED)?;
         (said != blocked).then(|| format!("blocked: said {said} when counting, not {blocked}"))

@@ -10,6 +10,7 @@
 pub mod cases;
 pub mod check;
 pub mod closed_form;
+mod company;
 pub mod digest;
 pub mod draw;
 pub mod every_hit;

@@ -21,6 +21,7 @@ use crate::params::{ParamSpec, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::counters::NoCounters;
 use crate::query::kernel::ListBlocks;
 use crate::query::side_by_side::InLanes;
 use crate::query::sink::Sink;
@@ -201,7 +202,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
                 list: |index| self.storage.list(&IndexedCell { frame: &self.frame, index }),
                 blocks,
             };
-            batch::answer::<InLanes, _, _, _>(grid, prims, rays, reach, answers);
+            batch::answer::<InLanes, NoCounters, _, _, _>(grid, prims, rays, reach, answers);
         }
     }
 

@@ -109,6 +109,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P,
     }
 
     /// What it took so far.
+    #[inline(always)]
     pub(crate) fn counters(&self) -> C {
         self.counters
     }
@@ -204,6 +205,12 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, 
     #[inline(always)]
     pub(crate) fn is_blocked(&self) -> bool {
         self.blocked
+    }
+
+    /// What it took so far.
+    #[inline(always)]
+    pub(crate) fn counters(&self) -> C {
+        self.counters
     }
 
     /// The answer and what it took.

@@ -239,7 +239,7 @@ where
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Closest(hits);
                 let structure = &Whole(&self.structure);
-                batch::answer::<RayByRay, _, _, _>(
+                batch::answer::<RayByRay, NoCounters, _, _, _>(
                     structure,
                     &*self.prims,
                     rays,
@@ -280,7 +280,7 @@ where
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Occlusion(blocked);
                 let structure = &Whole(&self.structure);
-                batch::answer::<RayByRay, _, _, _>(
+                batch::answer::<RayByRay, NoCounters, _, _, _>(
                     structure,
                     &*self.prims,
                     rays,
@@ -297,7 +297,13 @@ where
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.count_all_closest(rays, hits)
+        let n = rays.len().min(hits.len());
+        let (rays, hits) = (&rays[..n], &mut hits[..n]);
+        let answers = BatchAnswers::Closest(hits);
+        match self.structure.count_batch(&*self.prims, rays, self.reach, answers) {
+            Some(work) => work,
+            None => self.count_all_closest(rays, hits),
+        }
     }
 
     fn count_occlusions(
@@ -306,7 +312,21 @@ where
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        self.count_all_occlusions(rays, rule, answers)
+        let n = rays.len().min(answers.len());
+        let (rays, answers) = (&rays[..n], &mut answers[..n]);
+        let mut blocked = vec![false; n];
+        let of_batch = match rule {
+            ShadowRule::OpaqueBlocks => {
+                let answers = BatchAnswers::Occlusion(&mut blocked);
+                self.structure.count_batch(&*self.prims, rays, self.reach, answers)
+            }
+            ShadowRule::Historical | ShadowRule::HistoricalInCell => None,
+        };
+        let Some(work) = of_batch else { return self.count_all_occlusions(rays, rule, answers) };
+        for (answer, blocked) in answers.iter_mut().zip(blocked) {
+            *answer = ShadowCount { blocked, glass: 0 };
+        }
+        work
     }
 
     fn stats(&self) -> StructureStats {

@@ -45,6 +45,7 @@ use crate::params::{config, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch::{self, Traverse, Whole};
 use crate::query::cells::{CellVisitor, NoCells};
+use crate::query::counters::NoCounters;
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::Lists;
 use crate::query::mailbox;
@@ -230,7 +231,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        batch::answer::<InLanes, _, _, _>(self, prims, rays, reach, answers);
+        batch::answer::<InLanes, NoCounters, _, _, _>(self, prims, rays, reach, answers);
     }
 
     fn stats(&self) -> StructureStats {

@@ -3,7 +3,7 @@
 //! Papers: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
 //! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT 2008
-//! (one ray against all boxes of a node). The binary tree is built in `binary_tree/`, or with a `preset` by
+//! (one ray against all boxes of a node; for packets of rays see `packet.rs`). The binary tree is built in `binary_tree/`, or with a `preset` by
 //! obvhs's agglomeration and reinsertion (see `obvhs/bvh2.rs`).
 //!
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays are
@@ -13,8 +13,10 @@
 
 mod binary_tree;
 mod collapse;
+mod eight_rays;
 mod node;
 mod node_ray_lanes;
+mod packet;
 mod refit;
 mod stack;
 mod traversal;
@@ -28,6 +30,7 @@ use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::{Layout, Lists};
 use crate::query::prepared::OneByOne;
@@ -55,8 +58,10 @@ pub static INFO: StructureInfo = StructureInfo {
     paper: "Ylitie, Karras, Laine 2017; Wald 2007; Pantaleoni, Luebke 2010; Wald, Benthin, Boulos 2008",
     deviations: "exact boxes; children sorted by distance; blocks of triangles; reinsertion by obvhs",
     params: &[
-        ParamSpec::choice("query", "one", &["one", "batch"])
-            .about("rays derived one by one, or those of a batch eight at a time"),
+        ParamSpec::choice("query", "one", &["one", "batch", PACKETS])
+            .about(
+                "rays derived one by one, or those of a batch eight at a time, which go together where they run alike",
+            ),
         ParamSpec::choice(PRESET.name, BINNED, BUILDS)
             .about(
                 "the binary tree: binned from the top down, the same over clusters in Morton order (built faster), or \
@@ -73,6 +78,7 @@ pub static INFO: StructureInfo = StructureInfo {
     variants: &[""],
     also_tested: &[
         "query=batch",
+        "query=packets",
         "preset=morton",
         "preset=medium",
         "preset=fastest",
@@ -83,6 +89,9 @@ pub static INFO: StructureInfo = StructureInfo {
     sampled: false,
 };
 
+/// How rays are asked about: those of a batch that run alike go together.
+const PACKETS: &str = "packets";
+
 /// The tree.
 pub struct WideBvh<S: Scalar> {
     nodes: Vec<Node>,
@@ -91,6 +100,8 @@ pub struct WideBvh<S: Scalar> {
     lists: Lists<S>,
     setup: RaySetup<S>,
     is_batch: bool,
+    /// Whether rays of a batch that run alike go together.
+    is_packets: bool,
     /// Whether a primitive that ends behind a ray's origin is not hit: see [`NodeRay`].
     is_exact: bool,
     /// Rays are not padded.
@@ -107,6 +118,7 @@ pub struct WideBvhConfig {
     adapter: AdapterConfig,
     costs: Costs,
     is_batch: bool,
+    is_packets: bool,
     build: Build,
 }
 
@@ -124,7 +136,8 @@ impl Config for WideBvhConfig {
         Self {
             adapter: Config::of(params),
             costs: Costs { node: params.real("node-cost") as f32, longest_leaf },
-            is_batch: params.text("query") == "batch",
+            is_batch: params.text("query") != "one",
+            is_packets: params.text("query") == PACKETS,
             build: match params.text(PRESET.name) {
                 BINNED => Build::Binned,
                 MORTON => Build::Morton,
@@ -195,6 +208,9 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             ..StructureStats::default()
         };
         let root = if nodes.is_empty() { place(LEAF) } else { 0 };
+        // a child is known by its place among all
+        let has_places = !nodes.is_empty() && u32::try_from(nodes.len() * WIDTH).is_ok();
+        let is_packets = settings.is_packets && has_places;
         let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
         let mut built = Self {
             nodes,
@@ -202,6 +218,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             lists,
             setup: items.setup,
             is_batch: settings.is_batch,
+            // a child is known by its place among all
+            is_packets,
             is_exact,
             #[cfg(feature = "compiled-tests")]
             is_plain: settings.adapter.is_unpadded,
@@ -251,7 +269,18 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        batch::answer::<OneByOne, _, _, _>(self, prims, rays, reach, answers);
+        batch::answer::<OneByOne, NoCounters, _, _, _>(self, prims, rays, reach, answers);
+    }
+
+    fn count_batch<P: PrimSet<S>>(
+        &self,
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        answers: BatchAnswers<'_, S>,
+    ) -> Option<WorkCounters> {
+        let is_shared = P::HAS_BLOCKS && self.is_packets;
+        is_shared.then(|| batch::answer::<OneByOne, _, _, _, _>(self, prims, rays, reach, answers))
     }
 
     fn stats(&self) -> StructureStats {

@@ -132,6 +132,17 @@ impl NodeRay {
         }
     }
 
+    /// Where a child's box is entered, by axis, and where it is left, by rays into the octant of this one.
+    #[inline(always)]
+    pub(super) fn bounds(&self, node: &Node, child: usize) -> [[f32; 3]; 2] {
+        let bound = |side: usize, k: usize| {
+            let at = self.planes[side][k] + (child & (WIDTH - 1)) * size_of::<f32>();
+            // SAFETY: `PLANES` has the places of planes of `WIDTH` bounds, which come first in a node
+            unsafe { *std::ptr::from_ref(node).byte_add(at).cast::<f32>() }
+        };
+        [[bound(0, 0), bound(0, 1), bound(0, 2)], [bound(1, 0), bound(1, 1), bound(1, 2)]]
+    }
+
     /// The same without anything added, for the price of it.
     #[cfg(feature = "compiled-tests")]
     #[inline(always)]

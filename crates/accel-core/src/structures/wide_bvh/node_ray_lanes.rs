@@ -2,7 +2,7 @@
 
 use wide::f32x8;
 
-use super::node::{EPSILON, LARGE, LEAST_PART, NodeRay, PLANE_ROUNDING};
+use super::node::{EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING};
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray_lanes::LANES;
 
@@ -51,6 +51,28 @@ impl NodeRayLanes {
             this.offset[1][k] = (rounding - leave).to_array();
         }
         this
+    }
+
+    /// A bit for each of the rays that meets the box of a child before it ends: what [`NodeRay::test`] says. All run
+    /// into the octant of `like`.
+    #[inline(always)]
+    pub(super) fn meeting(
+        &self,
+        node: &Node,
+        child: usize,
+        like: &NodeRay,
+        ends: &[f32; LANES],
+    ) -> u32 {
+        let [low, high] = like.bounds(node, child);
+        let met = |bound: [f32; 3], side: usize, k: usize| {
+            let (inverse, offset) = (self.inverse[side][k], self.offset[side][k]);
+            f32x8::splat(bound[k]).mul_add(f32x8::new(inverse), f32x8::new(offset))
+        };
+        let enter = met(low, 0, 0).greater(met(low, 0, 1));
+        let enter = enter.greater(met(low, 0, 2).greater(f32x8::ZERO));
+        let leave = met(high, 1, 0).lesser(met(high, 1, 1));
+        let leave = leave.lesser(met(high, 1, 2).lesser(f32x8::new(*ends)));
+        enter.at_most(leave).high_bits()
     }
 
     /// That of a ray.

@@ -78,20 +78,22 @@ impl<'a> Stack<'a> {
         None
     }
 
-    /// One of a node's children that the ray meets before `end`; the others wait, in no order.
+    /// One of a node's children that the ray meets before `end`; the others wait, in no order. `name` has what a
+    /// child is known by here.
     #[inline(always)]
     pub(super) fn descend_unordered(
         &mut self,
         node: &Node,
         ray: &NodeRay,
         end: f32,
+        name: impl Fn(usize) -> u32,
     ) -> Option<u32> {
         let (mut met, _) = ray.test(node, end);
         if met == 0 {
             return None;
         }
         let mut next = || {
-            let child = node.children[met.trailing_zeros() as usize & (WIDTH - 1)];
+            let child = name(met.trailing_zeros() as usize & (WIDTH - 1));
             met &= met.wrapping_sub(1);
             (child, met == 0)
         };
@@ -104,9 +106,15 @@ impl<'a> Stack<'a> {
         Some(first)
     }
 
-    /// The nearest of a node's children that the ray meets before `end`; the others wait.
+    /// The nearest of a node's children that the ray meets before `end`; the others wait. `name` as before.
     #[inline(always)]
-    pub(super) fn descend(&mut self, node: &Node, ray: &NodeRay, end: f32) -> Option<u32> {
+    pub(super) fn descend(
+        &mut self,
+        node: &Node,
+        ray: &NodeRay,
+        end: f32,
+        name: impl Fn(usize) -> u32,
+    ) -> Option<u32> {
         let (mut met, enter) = ray.test(node, end);
         if met == 0 {
             return None;
@@ -116,7 +124,7 @@ impl<'a> Stack<'a> {
             let child = child as usize & (WIDTH - 1);
             // parameters are not negative, and so in the order of their bits
             let key = u64::from(enter[child].to_bits() & !SIGN);
-            key << 32 | u64::from(node.children[child])
+            key << 32 | u64::from(name(child))
         };
         let mut take = || {
             let child = met.trailing_zeros();
@@ -126,7 +134,7 @@ impl<'a> Stack<'a> {
         let (first, is_last) = take();
         if is_last {
             // where the ray enters it is not waited for
-            return Some(node.children[first as usize & (WIDTH - 1)]);
+            return Some(name(first as usize & (WIDTH - 1)));
         }
         let a = entry(first);
         let mut next = || {

@@ -1,18 +1,15 @@
-//! One ray's way through the tree: its setup, alone or eight at a time, and its steps.
+//! One ray's way through the tree: its setup and its steps.
 
 use std::ops::ControlFlow;
 
 use crate::geometry::ray::Ray;
-use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
-use crate::query::prepared::Prepared;
 use crate::query::resumable::Resumable;
 use crate::query::sink::Sink;
-use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, BoxRayLanes, Length};
+use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length};
 use crate::structures::wide_bvh::WideBvh;
 use crate::structures::wide_bvh::collapse::LEAF;
 use crate::structures::wide_bvh::node::NodeRay;
-use crate::structures::wide_bvh::node_ray_lanes::NodeRayLanes;
 use crate::structures::wide_bvh::stack::{Room, Stack};
 
 /// A ray's way through the tree.
@@ -27,29 +24,16 @@ pub struct State<S: Scalar> {
 
 impl<S: Scalar> WideBvh<S> {
     #[inline(always)]
-    fn at_root(&self, parameters: BoxParameters<S>, ray: NodeRay, t_max: S) -> State<S> {
+    pub(super) fn at_root(&self, parameters: BoxParameters<S>, ray: NodeRay, t_max: S) -> State<S> {
         State { parameters, ray, end: parameters.bound(t_max), at: self.root, waiting: 0 }
     }
 }
 
-/// What nodes need of eight rays.
-pub struct EightRays<S: Scalar> {
-    rays: NodeRayLanes,
-    parameters: [BoxParameters<S>; LANES],
-}
-
-impl<S: Scalar> Prepared<S> for WideBvh<S> {
-    type Eight = EightRays<S>;
-
+impl<S: Scalar> State<S> {
+    /// A ray that goes on from a node, as if nothing waited.
     #[inline(always)]
-    fn prepare(&self, rays: &RayLanes<S>) -> EightRays<S> {
-        let BoxRayLanes { origin, direction, parameters } = self.setup.ray_lanes(rays);
-        EightRays { rays: NodeRayLanes::of(&origin, &direction, self.is_exact), parameters }
-    }
-
-    #[inline(always)]
-    fn begin_prepared(&self, eight: &EightRays<S>, lane: usize, t_max: S) -> State<S> {
-        self.at_root(eight.parameters[lane & (LANES - 1)], eight.rays.get(lane), t_max)
+    pub(super) fn at_node(parameters: BoxParameters<S>, ray: NodeRay, end: f32, at: u32) -> Self {
+        Self { parameters, ray, end, at, waiting: 0 }
     }
 }
 
@@ -99,9 +83,10 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
         let node = &self.nodes[state.at as usize];
         // SAFETY: the ray has been in this room since it began, and nothing waited then
         let mut stack = unsafe { Stack::new(room, &mut state.waiting) };
+        let name = |child: usize| node.children[child];
         let next = match sink.is_any_hit() {
-            true => stack.descend_unordered(node, &state.ray, state.end),
-            false => stack.descend(node, &state.ray, state.end),
+            true => stack.descend_unordered(node, &state.ray, state.end, name),
+            false => stack.descend(node, &state.ray, state.end, name),
         };
         match next.or_else(|| stack.pop(state.end)) {
             Some(next) => {
