@@ -3,7 +3,7 @@
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::query::counters::WorkCounters;
-use crate::structure::StructureStats;
+use crate::structure::{Batches, StructureStats};
 
 /// A built occluder with the primitives it was built over; one dynamic call for a batch of rays.
 ///
@@ -21,6 +21,10 @@ pub trait Occluder<S: Scalar>: Send + Sync {
     ) -> WorkCounters;
     /// What was built, over all lights.
     fn stats(&self) -> StructureStats;
+    /// How a batch is answered while nothing is counted.
+    fn batches(&self) -> Batches {
+        Batches::RayByRay
+    }
 }
 
 /// A boxed occluder over a set of primitives.

@@ -74,7 +74,7 @@ pub static REGISTRY: &[Entry] = &[
 #[cfg(not(any(not(test), feature = "compiled-tests", feature = "embree")))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
-    entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
+    entry!(wide_bvh::WideBvh, wide_bvh::INFO),
 ];
 
 /// Parameters that every structure has.

@@ -195,7 +195,7 @@ impl<S: Buildable> Built<'_, S> {
     fn batches(&self) -> Batches {
         match self {
             Self::Structure(tracer) => tracer.batches(),
-            Self::Occluder(_) => Batches::RayByRay,
+            Self::Occluder(occluder) => occluder.batches(),
         }
     }
 

@@ -9,6 +9,7 @@ use glam::{DVec2, dvec2};
 
 use crate::geometry::ray::MISS;
 use crate::geometry::scalar::Scalar;
+use crate::memory::prefetch;
 use crate::occluders::light_buffer::cell_part::{Part, SPOT_BITS, Spot};
 use crate::occluders::light_buffer::margins::Margins;
 
@@ -99,6 +100,7 @@ impl<S: Scalar> Face<S> {
     }
 
     /// The cell of the coarse grid that a direction is in; `None` outside.
+    #[inline(always)]
     pub(super) fn index(&self, at: [S; 2]) -> Option<usize> {
         let (x, y) = self.spot(at)?;
         Some((self.first + ((y >> self.shift) << self.bits) + (x >> self.shift)) as usize)
@@ -112,6 +114,14 @@ impl<S: Scalar> Face<S> {
         // also refuses NaN
         let is_inside = (x >= S::ZERO) & (x < self.side) & (y >= S::ZERO) & (y < self.side);
         is_inside.then(|| (x.to_i32() as u32, y.to_i32() as u32))
+    }
+
+    /// Begins to load the cell of the coarse grid that a direction is in.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, cells: &[u32], at: [S; 2]) {
+        if let Some(cell) = self.index(at).and_then(|index| cells.get(index)) {
+            prefetch(cell);
+        }
     }
 
     /// The list for a direction; `None` outside the part that shows anything.

@@ -22,6 +22,7 @@ mod facing;
 mod fill;
 mod filling;
 mod footprint;
+mod in_stages;
 #[cfg(test)]
 mod layer_tests;
 mod layers;
@@ -35,8 +36,8 @@ use glam::DVec3;
 
 use self::aim::Aim;
 use self::bodies::Bodies;
-use self::direction_cube::FACES;
-use self::face_tree::{COVERED, Cells, Face, LONG};
+use self::direction_cube::{CubePoint, FACES};
+use self::face_tree::{COVERED, Cells, Face, Found, LONG};
 use self::fill::{ID_LIMIT, INDEX_LIMIT, largest_index};
 use self::filling::Limits;
 use self::margins::Margins;
@@ -52,7 +53,7 @@ use crate::primitives::PrimSet;
 use crate::primitives::PrimsRef;
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::registry::Buildable;
-use crate::structure::{BuildError, StructureInfo, StructureStats, no_defect};
+use crate::structure::{Batches, BuildError, StructureInfo, StructureStats, no_defect};
 
 /// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
@@ -70,7 +71,7 @@ pub static INFO: StructureInfo = StructureInfo {
         .about("finest cells per side of a face, at most; auto: 16384, or 1024 on demand"),
         ParamSpec::choice("fill", "before", &["before", "demand"]).about(
             "before: all primitives are projected; demand: a cell remembers the last occluder that \
-             obvhs-cwbvh found (of the others only resolution matters)",
+             wide-bvh found (of the others only resolution matters)",
         ),
         ParamSpec::integer("divide", "16", 1, 1_000_000)
             .about("cells with longer lists are divided"),
@@ -78,10 +79,14 @@ pub static INFO: StructureInfo = StructureInfo {
             "cells are not divided further where that makes more references of one than this",
         ),
         ParamSpec::integer("longest", "512", 1, 1_000_000)
-            .about("longer lists are left to obvhs-cwbvh"),
+            .about("longer lists are left to wide-bvh"),
         ParamSpec::integer("memory", "2048", 1, 1_000_000).about(
             "MiB for the cells and lists of all lights; the rays to lights for which there is no \
-             room are left to obvhs-cwbvh",
+             room are left to wide-bvh",
+        ),
+        ParamSpec::choice("query", "one", &["one", "batch"]).about(
+            "rays one by one, or 16 of a batch in turns: each step asks for the memory of the next (only with \
+             fill=before)",
         ),
         ParamSpec::choice("cut-off", "full", &["full", "none"])
             .about("full: what something that covers a cell hides is not listed; none: it is"),
@@ -95,6 +100,8 @@ pub static INFO: StructureInfo = StructureInfo {
         "resolution=4096 divide=1 growth=64",
         "resolution=1024 divide=16 longest=64 memory=1",
         "fill=demand resolution=64",
+        "query=batch",
+        "query=batch resolution=16 divide=1 longest=2",
     ],
     known_defect: no_defect,
     sampled: false,
@@ -114,12 +121,14 @@ struct LightBuffer<'a, S: Scalar, P> {
     aim: Aim<S>,
     /// Answers what the buffer does not.
     remainder: Remainder<'a, S, P>,
+    is_batch: bool,
 }
 
 /// How the buffer is filled.
 #[derive(Clone)]
 pub struct BufferConfig {
     is_on_demand: bool,
+    is_batch: bool,
     limits: Limits,
     most_bytes: usize,
 }
@@ -128,6 +137,7 @@ impl Config for BufferConfig {
     fn of(params: &Params) -> Self {
         Self {
             is_on_demand: params.text("fill") == "demand",
+            is_batch: params.text("query") == "batch",
             limits: Limits {
                 bits: resolution_bits(params),
                 divide: params.integer("divide") as usize,
@@ -231,7 +241,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         settings: &Settings<BufferConfig>,
     ) -> Result<Self, BuildError> {
         let margins = checked(prims, lights, settings.structure())?;
-        let BufferConfig { limits, most_bytes, .. } = **settings;
+        let BufferConfig { limits, most_bytes, is_batch, .. } = **settings;
         let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
         let mut cubes = Vec::with_capacity(lights.len());
@@ -253,15 +263,21 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         if cells.tally.long > 0 || cubes.len() < lights.len() {
             remainder.make()?;
         }
-        Ok(Self { prims, cubes, cells, aim: Aim::new(prims, &margins), remainder })
+        Ok(Self { prims, cubes, cells, aim: Aim::new(prims, &margins), remainder, is_batch })
+    }
+
+    /// Where a ray starts as seen from its light; `None` where the buffer does not say.
+    #[inline(always)]
+    fn place(&self, ray: &Ray<S>, light: u32) -> Option<(CubePoint<S>, &Face<S>)> {
+        let cube = self.cubes.get(light as usize)?;
+        let place = self.aim.place(ray, cube.position)?;
+        Some((place, cube.faces.get(place.face)?))
     }
 
     /// One ray.
     #[inline(always)]
     fn answer<C: Counters>(&self, ray: &Ray<S>, light: u32, counters: &mut C) -> Answer {
-        let Some(cube) = self.cubes.get(light as usize) else { return Answer::Unknown };
-        let Some(place) = self.aim.place(ray, cube.position) else { return Answer::Unknown };
-        let Some(face) = cube.faces.get(place.face) else { return Answer::Unknown };
+        let Some((place, face)) = self.place(ray, light) else { return Answer::Unknown };
         let Some(found) = face.find(&self.cells.cells, place.at) else {
             counters.elementary_step(true);
             return Answer::Free;
@@ -270,6 +286,18 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
             (1..found.levels).for_each(|_| counters.inner_step());
             counters.elementary_step(found.first == 0);
         }
+        self.in_list(ray, &place, &found, counters)
+    }
+
+    /// One ray, whose list was found.
+    #[inline(always)]
+    fn in_list<C: Counters>(
+        &self,
+        ray: &Ray<S>,
+        place: &CubePoint<S>,
+        found: &Found,
+        counters: &mut C,
+    ) -> Answer {
         let Some(mut list) = self.cells.records.get(found.first as usize..) else {
             return Answer::Unknown;
         };
@@ -307,6 +335,9 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
 
 impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
     fn occlusions(&self, rays: &[Ray<S>], lights: &[u32], blocked: &mut [bool]) {
+        if self.is_batch {
+            return self.occlusions_in_stages(rays, lights, blocked);
+        }
         for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
             *blocked = match self.answer(ray, light, &mut NoCounters) {
                 Answer::Free => false,
@@ -344,5 +375,9 @@ impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
             bytes: bytes as u64 + self.remainder.bytes(),
             ..StructureStats::default()
         }
+    }
+
+    fn batches(&self) -> Batches {
+        if self.is_batch { Batches::Together } else { Batches::RayByRay }
     }
 }

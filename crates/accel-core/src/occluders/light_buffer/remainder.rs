@@ -12,7 +12,7 @@ use crate::query::counters::WorkCounters;
 use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use crate::registry::Buildable;
 use crate::structure::BuildError;
-use crate::structures::{self, obvhs::cwbvh};
+use crate::structures::{self, wide_bvh};
 
 /// A structure made when it is first needed, over the same primitives.
 pub(super) struct Remainder<'a, S: Scalar, P> {
@@ -55,6 +55,26 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
         let mut blocked = [false];
         tracer.occlusions(std::slice::from_ref(ray), &mut blocked);
         blocked == [true]
+    }
+
+    /// Whether the rays at these places are blocked.
+    pub(super) fn answer(&self, rays: &[Ray<S>], places: &[u32], blocked: &mut [bool]) {
+        if places.is_empty() {
+            return;
+        }
+        let some: Vec<Ray<S>> = places.iter().map(|&i| rays[i as usize]).collect();
+        let mut answers = vec![false; some.len()];
+        match self.tracer() {
+            Some(tracer) => tracer.occlusions(&some, &mut answers),
+            None => {
+                for (answer, ray) in answers.iter_mut().zip(&some) {
+                    *answer = self.tested_all(ray);
+                }
+            }
+        }
+        for (&i, answer) in places.iter().zip(answers) {
+            blocked[i as usize] = answer;
+        }
     }
 
     /// The same, counting the work.
@@ -101,6 +121,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
 fn structure<'a, S: Buildable>(
     prims: PrimsRef<'a, S>,
 ) -> Result<Option<Box<dyn Tracer<S> + 'a>>, BuildError> {
-    let Some(entry) = structures::find(cwbvh::INFO.name) else { return Ok(None) };
-    Ok(Some(entry.build(prims, &entry.params([])?)?))
+    let Some(entry) = structures::find(wide_bvh::INFO.name) else { return Ok(None) };
+    // one ray is asked as it would be without
+    Ok(Some(entry.build(prims, &entry.params([("query", "batch")])?)?))
 }

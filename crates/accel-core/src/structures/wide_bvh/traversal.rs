@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
+use crate::memory::prefetch;
 use crate::query::resumable::Resumable;
 use crate::query::sink::Sink;
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length};
@@ -26,6 +27,15 @@ impl<S: Scalar> WideBvh<S> {
     #[inline(always)]
     pub(super) fn at_root(&self, parameters: BoxParameters<S>, ray: NodeRay, t_max: S) -> State<S> {
         State { parameters, ray, end: parameters.bound(t_max), at: self.root, waiting: 0 }
+    }
+
+    /// Begins to load a child.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, child: u32) {
+        match child & LEAF {
+            0 => prefetch(&self.nodes[child as usize]),
+            _ => self.lists.prefetch(child & !LEAF),
+        }
     }
 }
 
