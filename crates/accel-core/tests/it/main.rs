@@ -21,6 +21,7 @@ mod obvhs;
 mod obvhs_direct;
 mod octree_and_kd_tree;
 mod out_of_scale;
+mod packets;
 mod planes_of_cells;
 mod recursive_grid;
 /// Scenes and rays that unit tests have, too. They name what they need as seen from the crate.

@@ -314,7 +314,7 @@ where
     ) -> WorkCounters {
         let n = rays.len().min(answers.len());
         let (rays, answers) = (&rays[..n], &mut answers[..n]);
-        let mut blocked = vec![false; n];
+        let mut blocked: Vec<bool> = answers.iter().map(|answer| answer.blocked).collect();
         let of_batch = match rule {
             ShadowRule::OpaqueBlocks => {
                 let answers = BatchAnswers::Occlusion(&mut blocked);

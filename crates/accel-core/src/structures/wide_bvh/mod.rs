@@ -3,8 +3,8 @@
 //! Papers: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
 //! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT 2008
-//! (one ray against all boxes of a node; for packets of rays see `packet.rs`). The binary tree is built in `binary_tree/`, or with a `preset` by
-//! obvhs's agglomeration and reinsertion (see `obvhs/bvh2.rs`).
+//! (one ray against all boxes of a node; for packets of rays see `packet.rs`). The binary tree is built in
+//! `binary_tree/`, or with a `preset` by obvhs's agglomeration and reinsertion (see `obvhs/bvh2.rs`).
 //!
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays are
 //! padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013,
@@ -218,7 +218,6 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             lists,
             setup: items.setup,
             is_batch: settings.is_batch,
-            // a child is known by its place among all
             is_packets,
             is_exact,
             #[cfg(feature = "compiled-tests")]
@@ -279,7 +278,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) -> Option<WorkCounters> {
-        let is_shared = P::HAS_BLOCKS && self.is_packets;
+        let is_shared = self.is_packets && self.batches(prims, None) == Batches::Together;
         is_shared.then(|| batch::answer::<OneByOne, _, _, _, _>(self, prims, rays, reach, answers))
     }
 
