@@ -147,7 +147,7 @@ fn notes(machine: &Machine) -> Vec<String> {
     let named: Vec<String> = named.collect();
     let second = machine.sources.first().map_or("", |source| &source.name);
     vec![
-        "A ray takes, on the average of its kind: ns in the run; tests and steps of a traversal ray by ray; \
+        "A ray takes, on the average of its kind: ns in the run; tests and steps as a run counts them; \
          instructions, reads and writes."
             .into(),
         format!(
