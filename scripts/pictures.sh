@@ -33,7 +33,7 @@ mv "$work/maps/tests.png" "$out/stadium-tests.png"
 show stadium.svg stadium:12 -s uniform-grid,recursive-grid --size 360
 # the README's table as a plot, and an accuracy front
 mkdir -p "$work/recorded/accuracy"
-cp results/2026-11-25-structures/results.json "$work/recorded"
+cp results/2026-11-26-structures/results.json "$work/recorded"
 cp results/2026-11-25-accuracy/accuracy.json "$work/recorded/accuracy"
 "$RTBENCH" report "$work/recorded" --plots "$work/plots" > /dev/null
 mv "$work/plots/bars-teapot.svg" "$out/answer.svg"
