@@ -9,13 +9,14 @@ use scene_loading::source_hash::sha256_of_bytes;
 use serde::de::DeserializeOwned;
 
 use crate::report::date::utc;
-use crate::report::records::{LectureRow, Reproduced, TracersRecord};
+use crate::report::records::{LectureRow, Reproduced};
 use measurement::record::file::{self, RecordError};
 use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
 use studies::accuracy::record::AccuracyRecord;
 use studies::run::conclusions::conclude;
 use studies::run::costs::{Profile, profiles};
+use studies::tracer_comparison::record::TracersRecord;
 
 /// What every PNG file begins with.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";

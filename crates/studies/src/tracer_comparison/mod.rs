@@ -9,6 +9,7 @@ mod columns;
 pub mod equal_error;
 pub mod plot;
 pub mod queries;
+pub mod record;
 pub mod reference;
 pub mod report;
 

@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use accel_core::query::region::FrustumWork;
-use serde_json::{Value, json};
 
 use super::columns::{ImageRow, columns, is_on_front};
 use super::equal_error::AtError;
 use super::plot::{Placed, error_over_time};
 use super::queries::QueryRow;
+use super::record::{ImageRecord, Outcome, QueryRecord, ReferenceRecord, RowName, TracersRecord};
 use super::{Measured, TracerRow};
 use crate::image_error::Converged;
 use measurement::record::Machine;
@@ -196,53 +196,57 @@ impl Report {
     /// # Errors
     /// [`FormatError`].
     pub fn to_json(&self) -> Result<String, FormatError> {
-        let rows: Vec<Value> = self
-            .rows
-            .iter()
-            .map(|row| {
-                let name = json!({
-                    "tracer": row.tracer, "settings": row.settings, "samples": row.samples,
-                });
-                let outcome = match &row.outcome {
-                    Ok(m) => json!({
-                        "seconds": m.seconds, "rmse": m.error, "edge_rmse": m.edge_error,
-                        "below_reference": m.is_below_reference, "standing": m.standing,
-                        "counts": m.counts,
-                    }),
-                    Err(refusal) => json!({ "refused": refusal.to_string() }),
-                };
-                json!({ "row": name, "outcome": outcome })
-            })
-            .collect();
-        let queries: Vec<Value> = self
-            .queries
-            .iter()
-            .map(|q| {
-                json!({
-                    "structure": q.structure, "queries": q.queries,
-                    "microseconds": q.microseconds, "ratio_to_brute_force": q.ratio,
-                    "cells": q.work.cells, "references": q.work.references,
-                    "hull_tests": q.work.tests, "found": q.work.found, "missed": q.missed,
-                })
-            })
-            .collect();
-        let all = json!({
-            "command_line": self.command_line,
-            "machine": self.machine,
-            "scene": self.scene,
-            "primitives": self.primitives,
-            "resolution": self.resolution,
-            "through": self.through,
-            "threads": self.threads,
-            "seed": self.seed,
-            "reference": {
-                "samples": self.reference_samples, "own_error": self.reference.own_error,
-            },
-            "images": rows,
-            "queries": queries,
-        });
-        serde_json::to_string_pretty(&all)
+        serde_json::to_string_pretty(&self.record())
             .map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+    }
+
+    fn record(&self) -> TracersRecord {
+        let outcome = |row: &TracerRow| match &row.outcome {
+            Ok(m) => Outcome::Made {
+                seconds: m.seconds.clone(),
+                rmse: m.error,
+                edge_rmse: m.edge_error,
+                below_reference: m.is_below_reference,
+                standing: m.standing,
+                counts: m.counts.iter().map(|(kind, n)| ((*kind).to_owned(), *n)).collect(),
+            },
+            Err(refusal) => Outcome::Refused { refused: refusal.to_string() },
+        };
+        let image = |row: &TracerRow| ImageRecord {
+            row: RowName {
+                tracer: row.tracer.to_owned(),
+                settings: row.settings.clone(),
+                samples: row.samples,
+            },
+            outcome: outcome(row),
+        };
+        let query = |q: &QueryRow| QueryRecord {
+            structure: q.structure.to_owned(),
+            queries: q.queries,
+            microseconds: q.microseconds,
+            ratio_to_brute_force: q.ratio,
+            cells: q.work.cells,
+            references: q.work.references,
+            hull_tests: q.work.tests,
+            found: q.work.found,
+            missed: q.missed,
+        };
+        TracersRecord {
+            command_line: self.command_line.clone(),
+            machine: Some(self.machine.clone()),
+            scene: self.scene.clone(),
+            primitives: self.primitives,
+            resolution: self.resolution,
+            through: self.through.clone(),
+            threads: self.threads,
+            seed: self.seed,
+            reference: ReferenceRecord {
+                own_error: self.reference.own_error,
+                samples: self.reference_samples,
+            },
+            images: self.rows.iter().map(image).collect(),
+            queries: self.queries.iter().map(query).collect(),
+        }
     }
 
     /// Error over time, both logarithmic.

@@ -1,0 +1,138 @@
+//! What `tracers.json` holds: one type for those who write it and those who read it.
+
+use std::collections::BTreeMap;
+
+use measurement::record::Machine;
+use serde::{Deserialize, Serialize};
+use statistics::estimate::{Estimate, estimate};
+
+use crate::accuracy::record::Standing;
+
+/// A comparison, without its images.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct TracersRecord {
+    /// The command line, program first.
+    pub command_line: Vec<String>,
+    /// What it ran on; not read, as older records have other machines.
+    #[serde(skip_deserializing)]
+    pub machine: Option<Machine>,
+    /// Name of the scene.
+    pub scene: String,
+    /// Its primitives.
+    #[serde(default)]
+    pub primitives: usize,
+    /// Width and height of the images.
+    pub resolution: [u32; 2],
+    /// What samples were traced through, and cones and beams.
+    #[serde(default)]
+    pub through: [String; 2],
+    /// Threads that traced.
+    pub threads: usize,
+    /// Seed of everything.
+    pub seed: u64,
+    /// What images were compared with.
+    pub reference: ReferenceRecord,
+    /// The images.
+    pub images: Vec<ImageRecord>,
+    /// The candidate queries.
+    #[serde(default)]
+    pub queries: Vec<QueryRecord>,
+}
+
+impl TracersRecord {
+    /// Seconds of an image, of those of each round, with their interval.
+    pub fn time(&self, seconds: &[f64]) -> Option<Estimate> {
+        estimate(seconds, self.seed)
+    }
+}
+
+/// What images were compared with: the mean of two.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ReferenceRecord {
+    /// Its error.
+    pub own_error: f64,
+    /// Samples per pixel of each of the two.
+    pub samples: u32,
+}
+
+/// An image by one way.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ImageRecord {
+    /// Which way.
+    pub row: RowName,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// A way to make an image.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RowName {
+    /// The tracer.
+    pub tracer: String,
+    /// Its settings where they are not the default ones.
+    pub settings: String,
+    /// Samples per pixel, for the tracer by samples.
+    pub samples: Option<u32>,
+}
+
+impl RowName {
+    /// In words.
+    pub fn label(&self) -> String {
+        let samples = self
+            .samples
+            .map(|n| format!(" {n} sample{}", if n == 1 { "" } else { "s" }))
+            .unwrap_or_default();
+        format!("{} {}", self.tracer, self.settings).trim_end().to_owned() + &samples
+    }
+}
+
+/// What came of an image.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Outcome {
+    /// The tracer refuses the scene.
+    Refused {
+        /// Why.
+        refused: String,
+    },
+    /// It was made.
+    Made {
+        /// Seconds of each round.
+        seconds: Vec<f64>,
+        /// Root mean square error.
+        rmse: f64,
+        /// The same over the pixels of edges, if there are any.
+        #[serde(default)]
+        edge_rmse: Option<f64>,
+        /// The error is not ten times that of the reference.
+        below_reference: bool,
+        /// Whether another row is faster and has a smaller error.
+        standing: Standing,
+        /// What was counted.
+        #[serde(default)]
+        counts: BTreeMap<String, u64>,
+    },
+}
+
+/// What the queries of a structure cost, and did in one round.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct QueryRecord {
+    /// Its name.
+    pub structure: String,
+    /// Queries a round.
+    pub queries: usize,
+    /// Microseconds a query.
+    pub microseconds: Estimate,
+    /// Its time over that of brute force on the same frusta in the same rounds.
+    pub ratio_to_brute_force: Estimate,
+    /// Cells visited.
+    pub cells: u64,
+    /// Ids in those cells.
+    pub references: u64,
+    /// Tests of a hull against a frustum.
+    pub hull_tests: u64,
+    /// Primitives found.
+    pub found: u64,
+    /// Queries that did not find what the ray through the pixel's centre hits.
+    pub missed: usize,
+}
