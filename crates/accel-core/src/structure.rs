@@ -72,7 +72,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     }
 
     /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed ray by ray.
-    /// With [`Batches::Together`] rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
+    /// Where these are together, rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
     #[inline(always)]
     fn answer_batch<P: PrimSet<S>>(
         &self,
@@ -84,8 +84,8 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     ) {
     }
 
-    /// [`Structure::answer_batch`], counting, where rays of a batch share steps; none where each has those of
-    /// [`Structure::traverse`].
+    /// [`Structure::answer_batch`], counting, with [`Batches::Packets`]; elsewhere each ray has the steps of
+    /// [`Structure::traverse`], which are counted.
     #[inline(always)]
     fn count_batch<P: PrimSet<S>>(
         &self,
@@ -93,8 +93,8 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
         _rays: &[Ray<S>],
         _reach: S,
         _answers: BatchAnswers<'_, S>,
-    ) -> Option<WorkCounters> {
-        None
+    ) -> WorkCounters {
+        WorkCounters::default()
     }
 
     /// What was built; a pass over the structure, not part of the build.
@@ -117,9 +117,19 @@ pub enum Batches {
     RayByRay,
     /// Several go side by side, or are prepared at once, with the answers of [`Structure::traverse`].
     Together,
+    /// The same, and those that run alike share steps, which count once: see [`Structure::count_batch`].
+    Packets,
     /// With the triangles, the test and the traversal of the library that the structure is of, and
     /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].
     Library,
+}
+
+impl Batches {
+    /// Whether several rays are answered at a time, with the answers of [`Structure::traverse`].
+    #[inline(always)]
+    pub fn are_together(self) -> bool {
+        matches!(self, Self::Together | Self::Packets)
+    }
 }
 
 /// What is asked about the rays of a batch, and where the answers go: one for each ray.

@@ -75,8 +75,6 @@ impl<S: Scalar, T: Traverse<S>> Drive<S, T> for RayByRay {
 /// The queries of a batch. Compiled into the loop over rays: a sink that is made elsewhere and moved in is
 /// waited for.
 pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
-    /// Whether work is counted: what counts is compiled for the target alone.
-    const COUNTING: bool;
     /// The query of a ray.
     type Sink<'q>: Sink<S>
     where
@@ -102,7 +100,6 @@ struct Closest<'r, 'a, S: Scalar, P, C> {
 }
 
 impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Closest<'r, '_, S, P, C> {
-    const COUNTING: bool = C::ENABLED;
     type Sink<'q>
         = ClosestHit<'q, S, P, C>
     where
@@ -127,7 +124,7 @@ impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Closest<'r, 
         'r: 'q,
     {
         if let Some((sink, _)) = found {
-            self.work.add(sink.counters());
+            self.work += sink.counters();
         }
         let miss = Hit { t: self.rays[place].t_max, ..Hit::NONE };
         self.hits[place] = match found {
@@ -149,7 +146,6 @@ struct Occlusions<'r, 'a, S: Scalar, P, C> {
 }
 
 impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Occlusions<'r, '_, S, P, C> {
-    const COUNTING: bool = C::ENABLED;
     type Sink<'q>
         = AnyHit<'q, S, P, C>
     where
@@ -174,7 +170,7 @@ impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Occlusions<'
         'r: 'q,
     {
         if let Some((sink, _)) = found {
-            self.work.add(sink.counters());
+            self.work += sink.counters();
         }
         self.blocked[place] = found.is_some_and(|(sink, _)| sink.is_blocked());
     }
@@ -221,7 +217,7 @@ pub fn has_avx512() -> bool {
     false
 }
 
-/// Answers the rays at these places of a batch.
+/// Answers the rays at these places of a batch; what counts is compiled for the target alone.
 #[inline(never)]
 pub(crate) fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
     structure: &T,
@@ -231,7 +227,7 @@ pub(crate) fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r
     places: Range<usize>,
 ) {
     #[cfg(target_arch = "x86_64")]
-    if size_of::<S>() == size_of::<f32>() && !B::COUNTING && has_avx512() {
+    if size_of::<S>() == size_of::<f32>() && !B::Sink::COUNTING && has_avx512() {
         // SAFETY: the processor has it
         unsafe { drive_by_avx512::<D, _, _, _, _>(structure, prims, reach, batch, places) };
         return;

@@ -12,8 +12,10 @@
 //! Counting is a type parameter. The timed pass runs with [`NoCounters`], whose methods are empty
 //! and whose size is zero.
 
+use std::ops::AddAssign;
+
 /// What a traversal reports. Default methods do nothing.
-pub trait Counters: Default + Copy + Send {
+pub trait Counters: Default + Copy + Send + AddAssign {
     /// False for [`NoCounters`]: lets an adapter skip work that is only done for counting.
     const ENABLED: bool;
     /// `n` intersection tests.
@@ -28,9 +30,6 @@ pub trait Counters: Default + Copy + Send {
     /// A step in the hierarchy: an inner node, or a grid that was entered.
     #[inline(always)]
     fn inner_step(&mut self) {}
-    /// What another query reported.
-    #[inline(always)]
-    fn add(&mut self, _other: Self) {}
 }
 
 /// Counts nothing, costs nothing.
@@ -39,6 +38,11 @@ pub struct NoCounters;
 
 impl Counters for NoCounters {
     const ENABLED: bool = false;
+}
+
+impl AddAssign for NoCounters {
+    #[inline(always)]
+    fn add_assign(&mut self, _: Self) {}
 }
 
 /// Sums over a batch of rays.
@@ -77,13 +81,10 @@ impl Counters for WorkCounters {
     fn inner_step(&mut self) {
         self.traversal_steps += 1;
     }
-    #[inline(always)]
-    fn add(&mut self, other: Self) {
-        *self += other;
-    }
 }
 
-impl std::ops::AddAssign for WorkCounters {
+impl AddAssign for WorkCounters {
+    #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         self.intersection_tests += other.intersection_tests;
         self.traversal_steps += other.traversal_steps;

@@ -47,7 +47,8 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
         places: Range<usize>,
     ) {
         let (eights, rest) = batch.rays()[places.clone()].as_chunks();
-        let mut sinks: Vec<B::Sink<'r>> = Vec::with_capacity(LANES);
+        // of a packet; nothing is allocated where there is none
+        let mut sinks: Vec<B::Sink<'r>> = Vec::new();
         for (number, rays) in eights.iter().enumerate() {
             let first = places.start + number * rays.len();
             let lanes = RayLanes::of(rays);
@@ -60,6 +61,7 @@ impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
             let eight = structure.prepare(&lanes);
             if let Some(packet) = structure.packet(&eight) {
                 sinks.clear();
+                sinks.reserve(LANES);
                 for (lane, ray) in rays.iter().enumerate() {
                     sinks.push(batch.sink(ray, setups(lane)));
                 }

@@ -187,7 +187,7 @@ impl<S: Buildable> Built<'_, S> {
     pub fn query(&self) -> Query {
         match self.batches() {
             _ if self.foreign().is_some_and(Foreign::answers_batches) => Query::Batch,
-            Batches::Together => Query::Batch,
+            Batches::Together | Batches::Packets => Query::Batch,
             Batches::RayByRay | Batches::Library => Query::OneRay,
         }
     }

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use accel_core::primitives::PrimSet;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structure::{Batches, BuildError};
+use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
 
 use super::company::Company;
@@ -63,7 +63,7 @@ impl<S: Scalar> Answers<S> {
         tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
         let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
         let (mut alone, mut in_company) = (Vec::new(), Vec::new());
-        if tracer.batches() == Batches::Together {
+        if tracer.batches().are_together() {
             alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
             in_company = Self::in_company(tracer, &Company::of(&some));
         }

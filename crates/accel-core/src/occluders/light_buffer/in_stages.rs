@@ -2,10 +2,11 @@
 //!
 //! Cells, lists and triangles of a large scene are three loads, each waited for, and each of an address that the one
 //! before says; of one ray after the other nothing can be fetched ahead. Stages, answers and tests are those of one
-//! ray; to set eight rays up at once was slower, as many test nothing. The rays that a structure has to answer go to it together.
+//! ray; to set eight rays up at once was slower, as many test nothing. The rays that a structure has to answer go to
+//! it together.
 
 use super::direction_cube::CubePoint;
-use super::face_tree::{COVERED, Face, Found, LONG};
+use super::face_tree::{Face, Found, LONG};
 use super::{Answer, LightBuffer};
 use crate::geometry::ray::Ray;
 use crate::memory::prefetch;
@@ -64,9 +65,13 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
                     }
                 };
             }
-            for stage in &stages {
-                if let Stage::Found(place, found) = stage {
-                    self.prefetch_first(place, found);
+            for (stage, ray) in stages.iter().zip(rays) {
+                if let Stage::Found(place, found) = stage
+                    && let Ok(mut candidates) = self.candidates(ray, place, found)
+                    && let Some(first) = candidates.next()
+                    && first.id < LONG
+                {
+                    self.prims.prefetch(first.id);
                 }
             }
             for (i, ((stage, ray), blocked)) in stages.iter().zip(rays).zip(blocked).enumerate() {
@@ -79,25 +84,5 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
             }
         }
         self.remainder.answer(rays, &unknown, blocked);
-    }
-
-    /// Begins to load the first primitive that is tested.
-    #[inline(always)]
-    fn prefetch_first(&self, place: &CubePoint<S>, found: &Found) {
-        let mut list = self.cells.records.get(found.first as usize..).unwrap_or(&[]);
-        if let [head, rest @ ..] = list
-            && head.id == COVERED
-        {
-            // it is blocked by what covers the cell
-            if place.depth > head.near {
-                return;
-            }
-            list = rest;
-        }
-        let mut before = list.iter().take_while(|record| record.near <= place.depth);
-        let first = before.find(|record| record.part.holds(found.spot));
-        if let Some(record) = first.filter(|record| record.id < LONG) {
-            self.prims.prefetch(record.id);
-        }
     }
 }

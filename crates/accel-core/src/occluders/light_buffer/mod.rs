@@ -37,7 +37,7 @@ use glam::DVec3;
 use self::aim::Aim;
 use self::bodies::Bodies;
 use self::direction_cube::{CubePoint, FACES};
-use self::face_tree::{COVERED, Cells, Face, Found, LONG};
+use self::face_tree::{COVERED, Cells, Face, Found, LONG, Record};
 use self::fill::{ID_LIMIT, INDEX_LIMIT, largest_index};
 use self::filling::Limits;
 use self::margins::Margins;
@@ -289,6 +289,32 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         self.in_list(ray, &place, &found, counters)
     }
 
+    /// What a ray may meet, nearest first, of the list that was found; or the answer, where what covers the cell
+    /// says it.
+    #[inline(always)]
+    fn candidates(
+        &self,
+        ray: &Ray<S>,
+        place: &CubePoint<S>,
+        found: &Found,
+    ) -> Result<impl Iterator<Item = &Record<S>>, Answer> {
+        let mut list = self.cells.records.get(found.first as usize..).ok_or(Answer::Unknown)?;
+        if let [head, rest @ ..] = list
+            && head.id == COVERED
+        {
+            if place.depth > head.near {
+                // what covers the cell is hit at a parameter of at least t_min
+                let room = (place.depth - head.near) * ray.t_max;
+                let certain = room > ray.t_min * place.depth * S::from_f64(1.001);
+                return Err(if certain { Answer::Blocked } else { Answer::Unknown });
+            }
+            list = rest;
+        }
+        let (depth, spot) = (place.depth, found.spot);
+        let before = list.iter().take_while(move |record| record.near <= depth);
+        Ok(before.filter(move |record| record.part.holds(spot)))
+    }
+
     /// One ray, whose list was found.
     #[inline(always)]
     fn in_list<C: Counters>(
@@ -298,28 +324,12 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         found: &Found,
         counters: &mut C,
     ) -> Answer {
-        let Some(mut list) = self.cells.records.get(found.first as usize..) else {
-            return Answer::Unknown;
+        let candidates = match self.candidates(ray, place, found) {
+            Ok(candidates) => candidates,
+            Err(answer) => return answer,
         };
-        if let [head, rest @ ..] = list
-            && head.id == COVERED
-        {
-            if place.depth > head.near {
-                // what covers the cell is hit at a parameter of at least t_min
-                let room = (place.depth - head.near) * ray.t_max;
-                let certain = room > ray.t_min * place.depth * S::from_f64(1.001);
-                return if certain { Answer::Blocked } else { Answer::Unknown };
-            }
-            list = rest;
-        }
         let mut setup = None;
-        for record in list {
-            if record.near > place.depth {
-                break;
-            }
-            if !record.part.holds(found.spot) {
-                continue;
-            }
+        for record in candidates {
             if record.id >= LONG {
                 return Answer::Unknown;
             }

@@ -102,7 +102,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     #[inline(always)]
     fn closest_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         let prims = &*self.prims;
-        if self.structure.batches(prims, Some(blocks)) == Batches::Together {
+        if self.structure.batches(prims, Some(blocks)).are_together() {
             let answers = BatchAnswers::Closest(hits);
             return self.structure.answer_batch(prims, Some(blocks), rays, self.reach, answers);
         }
@@ -116,7 +116,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     #[inline(always)]
     fn occlusions_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
         let prims = &*self.prims;
-        if self.structure.batches(prims, Some(blocks)) == Batches::Together {
+        if self.structure.batches(prims, Some(blocks)).are_together() {
             let answers = BatchAnswers::Occlusion(blocked);
             return self.structure.answer_batch(prims, Some(blocks), rays, self.reach, answers);
         }
@@ -248,7 +248,7 @@ where
                 );
             }
             Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
-            Batches::Together | Batches::Library => {
+            Batches::Together | Batches::Packets | Batches::Library => {
                 let answers = BatchAnswers::Closest(hits);
                 self.structure.answer_batch(&*self.prims, None, rays, self.reach, answers);
             }
@@ -289,7 +289,7 @@ where
                 );
             }
             Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
-            Batches::Together | Batches::Library => {
+            Batches::Together | Batches::Packets | Batches::Library => {
                 let answers = BatchAnswers::Occlusion(blocked);
                 self.structure.answer_batch(&*self.prims, None, rays, self.reach, answers);
             }
@@ -297,13 +297,12 @@ where
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        let n = rays.len().min(hits.len());
-        let (rays, hits) = (&rays[..n], &mut hits[..n]);
-        let answers = BatchAnswers::Closest(hits);
-        match self.structure.count_batch(&*self.prims, rays, self.reach, answers) {
-            Some(work) => work,
-            None => self.count_all_closest(rays, hits),
+        if self.structure.batches(&*self.prims, None) != Batches::Packets {
+            return self.count_all_closest(rays, hits);
         }
+        let n = rays.len().min(hits.len());
+        let (rays, answers) = (&rays[..n], BatchAnswers::Closest(&mut hits[..n]));
+        self.structure.count_batch(&*self.prims, rays, self.reach, answers)
     }
 
     fn count_occlusions(
@@ -312,17 +311,14 @@ where
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
+        let batches = self.structure.batches(&*self.prims, None);
+        if batches != Batches::Packets || rule != ShadowRule::OpaqueBlocks {
+            return self.count_all_occlusions(rays, rule, answers);
+        }
         let n = rays.len().min(answers.len());
-        let (rays, answers) = (&rays[..n], &mut answers[..n]);
-        let mut blocked: Vec<bool> = answers.iter().map(|answer| answer.blocked).collect();
-        let of_batch = match rule {
-            ShadowRule::OpaqueBlocks => {
-                let answers = BatchAnswers::Occlusion(&mut blocked);
-                self.structure.count_batch(&*self.prims, rays, self.reach, answers)
-            }
-            ShadowRule::Historical | ShadowRule::HistoricalInCell => None,
-        };
-        let Some(work) = of_batch else { return self.count_all_occlusions(rays, rule, answers) };
+        let mut blocked: Vec<bool> = answers[..n].iter().map(|answer| answer.blocked).collect();
+        let of_batch = BatchAnswers::Occlusion(&mut blocked);
+        let work = self.structure.count_batch(&*self.prims, &rays[..n], self.reach, of_batch);
         for (answer, blocked) in answers.iter_mut().zip(blocked) {
             *answer = ShadowCount { blocked, glass: 0 };
         }

@@ -4,6 +4,7 @@ use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::query::prepared::Prepared;
 use crate::query::sink::Sink;
+use crate::structure::Batches;
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRayLanes};
 use crate::structures::wide_bvh::WideBvh;
 use crate::structures::wide_bvh::node_ray_lanes::NodeRayLanes;
@@ -37,7 +38,10 @@ impl<S: Scalar> Prepared<S> for WideBvh<S> {
 
     #[inline(always)]
     fn packet(&self, eight: &EightRays<S>) -> Option<Packet> {
-        if self.is_packets { Packet::of(&eight.origin, &eight.direction) } else { None }
+        match self.batches {
+            Batches::Packets => Packet::of(&eight.origin, &eight.direction),
+            _ => None,
+        }
     }
 
     #[inline(always)]

@@ -99,9 +99,8 @@ pub struct WideBvh<S: Scalar> {
     root: u32,
     lists: Lists<S>,
     setup: RaySetup<S>,
-    is_batch: bool,
-    /// Whether rays of a batch that run alike go together.
-    is_packets: bool,
+    /// How batches of triangles are answered.
+    batches: Batches,
     /// Whether a primitive that ends behind a ray's origin is not hit: see [`NodeRay`].
     is_exact: bool,
     /// Rays are not padded.
@@ -117,8 +116,7 @@ pub struct WideBvh<S: Scalar> {
 pub struct WideBvhConfig {
     adapter: AdapterConfig,
     costs: Costs,
-    is_batch: bool,
-    is_packets: bool,
+    batches: Batches,
     build: Build,
 }
 
@@ -136,8 +134,11 @@ impl Config for WideBvhConfig {
         Self {
             adapter: Config::of(params),
             costs: Costs { node: params.real("node-cost") as f32, longest_leaf },
-            is_batch: params.text("query") != "one",
-            is_packets: params.text("query") == PACKETS,
+            batches: match params.text("query") {
+                "batch" => Batches::Together,
+                PACKETS => Batches::Packets,
+                _ => Batches::RayByRay,
+            },
             build: match params.text(PRESET.name) {
                 BINNED => Build::Binned,
                 MORTON => Build::Morton,
@@ -210,15 +211,17 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         let root = if nodes.is_empty() { place(LEAF) } else { 0 };
         // a child is known by its place among all
         let has_places = !nodes.is_empty() && u32::try_from(nodes.len() * WIDTH).is_ok();
-        let is_packets = settings.is_packets && has_places;
+        let batches = match settings.batches {
+            Batches::Packets if !has_places => Batches::Together,
+            same => same,
+        };
         let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
         let mut built = Self {
             nodes,
             root,
             lists,
             setup: items.setup,
-            is_batch: settings.is_batch,
-            is_packets,
+            batches,
             is_exact,
             #[cfg(feature = "compiled-tests")]
             is_plain: settings.adapter.is_unpadded,
@@ -253,10 +256,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        let is_batch = P::HAS_BLOCKS && self.is_batch;
+        let has_batches = P::HAS_BLOCKS;
         #[cfg(feature = "compiled-tests")]
-        let is_batch = is_batch && !self.is_plain;
-        if is_batch { Batches::Together } else { Batches::RayByRay }
+        let has_batches = has_batches && !self.is_plain;
+        if has_batches { self.batches } else { Batches::RayByRay }
     }
 
     #[inline(always)]
@@ -277,9 +280,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
-    ) -> Option<WorkCounters> {
-        let is_shared = self.is_packets && self.batches(prims, None) == Batches::Together;
-        is_shared.then(|| batch::answer::<OneByOne, _, _, _, _>(self, prims, rays, reach, answers))
+    ) -> WorkCounters {
+        batch::answer::<OneByOne, _, _, _, _>(self, prims, rays, reach, answers)
     }
 
     fn stats(&self) -> StructureStats {

@@ -121,12 +121,8 @@ impl Packet {
             };
             // SAFETY: no other stack is in this room
             let mut stack = unsafe { Stack::new(&mut room, &mut waiting) };
-            let mut next = match is_any_hit {
-                true => stack.descend_unordered(node, &self.ray, end, name),
-                false => stack.descend(node, &self.ray, end, name),
-            };
-            while let Some(place) = next.or_else(|| stack.pop(end)) {
-                next = None;
+            let mut next = stack.descend(node, &self.ray, end, is_any_hit, name);
+            while let Some(place) = next {
                 let (node, child) = (&bvh.nodes[place as usize / WIDTH], place as usize % WIDTH);
                 let mut meeting = rays.meeting(node, child, &self.ray, &ends.0);
                 let to = node.children[child];
@@ -134,9 +130,7 @@ impl Packet {
                     (at, first) = (to, meeting.trailing_zeros() as usize & (LANES - 1));
                     continue 'nodes;
                 }
-                if meeting == 0 {
-                    continue;
-                }
+                let is_met = meeting != 0;
                 while meeting != 0 {
                     let lane = take_lowest(&mut meeting) & (LANES - 1);
                     let sink = &mut sinks[lane];
@@ -156,7 +150,10 @@ impl Packet {
                         ends.0[lane] = parameters[lane].bound(sink.t_max());
                     }
                 }
-                end = ends.last();
+                if is_met {
+                    end = ends.last();
+                }
+                next = stack.pop(end);
             }
             return;
         }

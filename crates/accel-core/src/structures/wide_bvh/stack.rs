@@ -78,10 +78,27 @@ impl<'a> Stack<'a> {
         None
     }
 
-    /// One of a node's children that the ray meets before `end`; the others wait, in no order. `name` has what a
-    /// child is known by here.
+    /// One of a node's children that the ray meets before `end`, the nearest of them unless any hit ends the query;
+    /// the others wait. With none the next that waits. `name` has what a child is known by here.
     #[inline(always)]
-    pub(super) fn descend_unordered(
+    pub(super) fn descend(
+        &mut self,
+        node: &Node,
+        ray: &NodeRay,
+        end: f32,
+        is_any_hit: bool,
+        name: impl Fn(usize) -> u32,
+    ) -> Option<u32> {
+        let next = match is_any_hit {
+            true => self.any_of(node, ray, end, name),
+            false => self.nearest_of(node, ray, end, name),
+        };
+        next.or_else(|| self.pop(end))
+    }
+
+    /// One of the children that the ray meets; the others wait, in no order.
+    #[inline(always)]
+    fn any_of(
         &mut self,
         node: &Node,
         ray: &NodeRay,
@@ -106,9 +123,9 @@ impl<'a> Stack<'a> {
         Some(first)
     }
 
-    /// The nearest of a node's children that the ray meets before `end`; the others wait. `name` as before.
+    /// The nearest of the children that the ray meets; the others wait.
     #[inline(always)]
-    pub(super) fn descend(
+    fn nearest_of(
         &mut self,
         node: &Node,
         ray: &NodeRay,

@@ -26,7 +26,7 @@ pub struct State<S: Scalar> {
 impl<S: Scalar> WideBvh<S> {
     #[inline(always)]
     pub(super) fn at_root(&self, parameters: BoxParameters<S>, ray: NodeRay, t_max: S) -> State<S> {
-        State { parameters, ray, end: parameters.bound(t_max), at: self.root, waiting: 0 }
+        State::at_node(parameters, ray, parameters.bound(t_max), self.root)
     }
 
     /// Begins to load a child.
@@ -94,11 +94,7 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
         // SAFETY: the ray has been in this room since it began, and nothing waited then
         let mut stack = unsafe { Stack::new(room, &mut state.waiting) };
         let name = |child: usize| node.children[child];
-        let next = match sink.is_any_hit() {
-            true => stack.descend_unordered(node, &state.ray, state.end, name),
-            false => stack.descend(node, &state.ray, state.end, name),
-        };
-        match next.or_else(|| stack.pop(state.end)) {
+        match stack.descend(node, &state.ray, state.end, sink.is_any_hit(), name) {
             Some(next) => {
                 state.at = next;
                 true
