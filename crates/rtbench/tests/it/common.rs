@@ -83,44 +83,49 @@ pub fn by_brute_force<S: Scalar, P: PrimSet<S>>(
     }
 }
 
-/// [`by_brute_force`] for occlusion, where all primitives are opaque.
-pub fn occluded_by_brute_force<S: Scalar, P: PrimSet<S>>(
+/// A batch by brute force, where all primitives are opaque.
+pub fn answered_by_brute_force<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     rays: &[Ray<S>],
     reach: S,
-    blocked: &mut [bool],
+    answers: BatchAnswers<'_, S>,
 ) {
-    let mut hits = vec![Hit::NONE; rays.len()];
-    by_brute_force(prims, rays, reach, &mut hits);
-    blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
+    match answers {
+        BatchAnswers::Closest(hits) => by_brute_force(prims, rays, reach, hits),
+        BatchAnswers::Occlusion(blocked) => {
+            let mut hits = vec![Hit::NONE; rays.len()];
+            by_brute_force(prims, rays, reach, &mut hits);
+            blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
+        }
+    }
 }
 
-/// Brute force whose batches of shadow rays say that they are answered, and are not; with `ALL` those
-/// of closest hits, too.
-pub struct Silent<S, const ALL: bool> {
+/// What is wrong with the batches of a structure.
+pub trait BatchFault: Send + Sync + 'static {
+    /// Answers the rays of a batch.
+    fn answer<S: Scalar, P: PrimSet<S>>(
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        answers: BatchAnswers<'_, S>,
+    );
+}
+
+/// Brute force, right ray by ray, whose batches have a fault.
+pub struct Batched<S, F> {
     ids: Vec<u32>,
-    scalar: std::marker::PhantomData<S>,
+    of: std::marker::PhantomData<(S, F)>,
 }
 
-/// It writes no answer.
-pub type SilentAll<S> = Silent<S, true>;
-/// It writes no answer to a shadow ray.
-pub type SilentShadows<S> = Silent<S, false>;
-
-/// Of [`SilentAll`].
-pub static SILENT: StructureInfo = planted("silent", "answers nothing");
-/// Of [`SilentShadows`].
-pub static SILENT_SHADOWS: StructureInfo = planted("silent-shadows", "answers no shadow ray");
-
-impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
+impl<S: Scalar, F: BatchFault> Structure<S> for Batched<S, F> {
     type Config = ();
 
     fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
-        let ids = (0..prims.len() as u32).collect();
-        Ok(Self { ids, scalar: std::marker::PhantomData })
+        Ok(Self { ids: (0..prims.len() as u32).collect(), of: std::marker::PhantomData })
     }
 
     fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
+        sink.elementary_step(false);
         let _ = sink.test(&self.ids);
     }
 
@@ -136,16 +141,40 @@ impl<S: Scalar, const ALL: bool> Structure<S> for Silent<S, ALL> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        match answers {
-            BatchAnswers::Closest(hits) if !ALL => by_brute_force(prims, rays, reach, hits),
-            BatchAnswers::Closest(_) | BatchAnswers::Occlusion(_) => {}
-        }
+        F::answer(prims, rays, reach, answers);
     }
 
     fn stats(&self) -> StructureStats {
         StructureStats::default()
     }
 }
+
+/// Says that shadow rays are answered, and they are not; with `ALL` nor are closest hits.
+pub struct Silent<const ALL: bool>;
+
+impl<const ALL: bool> BatchFault for Silent<ALL> {
+    fn answer<S: Scalar, P: PrimSet<S>>(
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        answers: BatchAnswers<'_, S>,
+    ) {
+        match answers {
+            BatchAnswers::Closest(hits) if !ALL => by_brute_force(prims, rays, reach, hits),
+            BatchAnswers::Closest(_) | BatchAnswers::Occlusion(_) => {}
+        }
+    }
+}
+
+/// It writes no answer.
+pub type SilentAll<S> = Batched<S, Silent<true>>;
+/// It writes no answer to a shadow ray.
+pub type SilentShadows<S> = Batched<S, Silent<false>>;
+
+/// Of [`SilentAll`].
+pub static SILENT: StructureInfo = planted("silent", "answers nothing");
+/// Of [`SilentShadows`].
+pub static SILENT_SHADOWS: StructureInfo = planted("silent-shadows", "answers no shadow ray");
 
 /// What a structure made for a test says of itself.
 pub const fn planted(name: &'static str, summary: &'static str) -> StructureInfo {

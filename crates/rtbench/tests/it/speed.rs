@@ -4,15 +4,10 @@
 use std::time::Duration;
 
 use crate::common::{
-    Ended, Folder, by_brute_force, occluded_by_brute_force, planted, row, run_with,
+    BatchFault, Batched, Ended, Folder, answered_by_brute_force, planted, row, run_with,
 };
-use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
-use accel_core::query::kernel::ListBlocks;
-use accel_core::query::sink::Sink;
-use accel_core::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
+use accel_core::structure::{BatchAnswers, StructureInfo};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Hit, Ray, Scalar, Vector};
 use measurement::record::query::Query;
@@ -174,42 +169,15 @@ fn a_set_says_how_it_is_run_and_what_is_typed_goes_before() {
 }
 
 /// Right on rays in the order of an image; loses every hit of a batch whose neighbours part.
-struct Coherent<S> {
-    ids: Vec<u32>,
-    scalar: std::marker::PhantomData<S>,
-}
+struct OfNeighbours;
 
-impl<S: Scalar> Structure<S> for Coherent<S> {
-    type Config = ();
-
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
-        Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
-    }
-
-    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
-        sink.elementary_step(false);
-        let _ = sink.test(&self.ids);
-    }
-
-    fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        Batches::Together
-    }
-
-    fn answer_batch<P: PrimSet<S>>(
-        &self,
+impl BatchFault for OfNeighbours {
+    fn answer<S: Scalar, P: PrimSet<S>>(
         prims: &P,
-        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        let hits = match answers {
-            BatchAnswers::Closest(hits) => hits,
-            // all primitives of the scene are opaque
-            BatchAnswers::Occlusion(blocked) => {
-                return occluded_by_brute_force(prims, rays, reach, blocked);
-            }
-        };
         let from_the_eye = rays.windows(2).all(|pair| pair[0].origin == pair[1].origin);
         // 16 pixels a line: the first two are neighbours
         let apart = match rays {
@@ -220,17 +188,14 @@ impl<S: Scalar> Structure<S> for Coherent<S> {
             }
             _ => false,
         };
-        if apart {
-            hits.fill(Hit::NONE);
-        } else {
-            by_brute_force(prims, rays, reach, hits);
+        match answers {
+            BatchAnswers::Closest(hits) if apart => hits.fill(Hit::NONE),
+            answers => answered_by_brute_force(prims, rays, reach, answers),
         }
     }
-
-    fn stats(&self) -> StructureStats {
-        StructureStats::default()
-    }
 }
+
+type Coherent<S> = Batched<S, OfNeighbours>;
 
 static COHERENT: StructureInfo = planted("coherent", "serves neighbours alone");
 

@@ -1,24 +1,13 @@
 //! `rtbench verify` asks rays among others that run nearly as they do: it catches a structure that is wrong there,
 //! and there alone.
 
-use crate::common::{Folder, by_brute_force, occluded_by_brute_force, planted, run_with};
-use accel_core::params::config::Settings;
+use crate::common::{BatchFault, Batched, Folder, answered_by_brute_force, planted, run_with};
 use accel_core::primitives::PrimSet;
-use accel_core::query::kernel::ListBlocks;
-use accel_core::query::sink::Sink;
-use accel_core::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
+use accel_core::structure::{BatchAnswers, StructureInfo};
 use accel_core::structures::{Entry, brute_force};
 use accel_core::{Ray, Scalar, Vector};
 use measurement::scenes::Installed;
 use measurement::system::clock::SystemClock;
-
-/// Brute force that gives eight rays of a batch which run alike the answer of the first of them.
-struct OneForEight<S> {
-    ids: Vec<u32>,
-    scalar: std::marker::PhantomData<S>,
-}
 
 /// Not equal, which the rays of some cases are.
 fn are_alike<S: Scalar>(rays: &[Ray<S>]) -> bool {
@@ -30,58 +19,39 @@ fn are_alike<S: Scalar>(rays: &[Ray<S>]) -> bool {
     rays.len() == 8 && rays[1..].iter().all(is_near)
 }
 
-impl<S: Scalar> Structure<S> for OneForEight<S> {
-    type Config = ();
+/// Gives eight rays of a batch which run alike the answer of the first of them.
+struct OfTheFirst;
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
-        let ids = (0..prims.len() as u32).collect();
-        Ok(Self { ids, scalar: std::marker::PhantomData })
-    }
-
-    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
-        let _ = sink.test(&self.ids);
-    }
-
-    fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        Batches::Together
-    }
-
-    fn answer_batch<P: PrimSet<S>>(
-        &self,
+impl BatchFault for OfTheFirst {
+    fn answer<S: Scalar, P: PrimSet<S>>(
         prims: &P,
-        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
         match answers {
             BatchAnswers::Closest(hits) => {
-                by_brute_force(prims, rays, reach, hits);
-                for (_, hits) in alike(rays, hits) {
-                    hits.fill(hits[0]);
-                }
+                answered_by_brute_force(prims, rays, reach, BatchAnswers::Closest(hits));
+                take_the_first(rays, hits);
             }
             BatchAnswers::Occlusion(blocked) => {
-                occluded_by_brute_force(prims, rays, reach, blocked);
-                for (_, blocked) in alike(rays, blocked) {
-                    blocked.fill(blocked[0]);
-                }
+                answered_by_brute_force(prims, rays, reach, BatchAnswers::Occlusion(blocked));
+                take_the_first(rays, blocked);
             }
         }
     }
+}
 
-    fn stats(&self) -> StructureStats {
-        StructureStats::default()
+/// Of eights that run alike.
+fn take_the_first<S: Scalar, T: Clone>(rays: &[Ray<S>], answers: &mut [T]) {
+    for (rays, answers) in rays.chunks(8).zip(answers.chunks_mut(8)) {
+        if are_alike(rays) {
+            answers.fill(answers[0].clone());
+        }
     }
 }
 
-/// Eights that run alike, and their answers.
-fn alike<'a, S: Scalar, T>(
-    rays: &'a [Ray<S>],
-    answers: &'a mut [T],
-) -> impl Iterator<Item = (&'a [Ray<S>], &'a mut [T])> {
-    rays.chunks(8).zip(answers.chunks_mut(8)).filter(|(rays, _)| are_alike(rays))
-}
+type OneForEight<S> = Batched<S, OfTheFirst>;
 
 static ONE_FOR_EIGHT: StructureInfo = planted("one-for-eight", "wrong on purpose");
 static FAULTS: &[Entry] = &[

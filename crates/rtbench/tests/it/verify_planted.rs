@@ -4,16 +4,13 @@
 use std::time::Duration;
 
 use crate::common::{
-    Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, by_brute_force,
-    occluded_by_brute_force, planted, run_with,
+    BatchFault, Batched, Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows,
+    answered_by_brute_force, planted, run_with,
 };
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimSet, TriangleSet};
-use accel_core::query::kernel::ListBlocks;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
+use accel_core::structure::{BatchAnswers, BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
 use measurement::scenes::Installed;
@@ -160,51 +157,24 @@ impl Choice for MissesOddCrossings {
     }
 }
 
-/// Brute force whose batches of one ray are lost.
-struct LosesLoneRays<S> {
-    ids: Vec<u32>,
-    scalar: std::marker::PhantomData<S>,
-}
+/// Batches of one ray are lost.
+struct LosesLoneRays;
 
-impl<S: Scalar> Structure<S> for LosesLoneRays<S> {
-    type Config = ();
-
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
-        let ids = (0..prims.len() as u32).collect();
-        Ok(Self { ids, scalar: std::marker::PhantomData })
-    }
-
-    fn traverse<K: Sink<S>>(&self, _: &Ray<S>, sink: &mut K) {
-        let _ = sink.test(&self.ids);
-    }
-
-    fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        Batches::Together
-    }
-
-    fn answer_batch<P: PrimSet<S>>(
-        &self,
+impl BatchFault for LosesLoneRays {
+    fn answer<S: Scalar, P: PrimSet<S>>(
         prims: &P,
-        _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
         match (rays, answers) {
             ([ray], BatchAnswers::Closest([hit])) => *hit = Hit { t: ray.t_max, ..Hit::NONE },
-            (_, BatchAnswers::Closest(hits)) => by_brute_force(prims, rays, reach, hits),
-            // all primitives of the cases are opaque
-            (_, BatchAnswers::Occlusion(blocked)) => {
-                occluded_by_brute_force(prims, rays, reach, blocked);
-            }
+            (_, answers) => answered_by_brute_force(prims, rays, reach, answers),
         }
-    }
-
-    fn stats(&self) -> StructureStats {
-        StructureStats::default()
     }
 }
 
+type LoneRays<S> = Batched<S, LosesLoneRays>;
 type BelowPlanes<S> = Boxes<S, SkipsBelowPlanes>;
 type AtZero<S> = Boxes<S, BeginsAtZero>;
 type Denormals<S> = Boxes<S, LosesDenormals>;
@@ -233,7 +203,7 @@ static FAULTS: &[Entry] = &[
     accel_core::entry!(Highest, HIGHEST),
     accel_core::entry!(OddCrossings, ODD),
     accel_core::entry!(Shrunk, SHRUNK),
-    accel_core::entry!(LosesLoneRays, LONE),
+    accel_core::entry!(LoneRays, LONE),
     accel_core::entry!(SilentShadows, SILENT_SHADOWS),
     accel_core::entry!(SilentAll, SILENT),
 ];
