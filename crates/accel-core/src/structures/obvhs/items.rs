@@ -1,6 +1,6 @@
 //! What a BVH of obvhs's builders is built over: boxes in f32, checked, padded and grouped.
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
 
 use crate::geometry::aabb::Aabb;
@@ -82,14 +82,13 @@ pub(crate) enum Padding {
     Rounding,
     /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
     OfScene,
-    /// By [`CORNER_EPSILONS`] of its own extent.
+    /// On each axis by [`CORNER_EPSILONS`] of its own extent along that and of its largest one.
     OfExtent,
 }
 
-/// A ray hits a triangle of which no corner is off by more than 4 epsilons of its distance on any axis
-/// from the ray's origin (7 half epsilons in the sheared space, `primitives/shear.rs`, and a half in
-/// depth); that is at most its extent and the hit's distance.
-pub(crate) const CORNER_EPSILONS: f64 = 5.0;
+/// By how far the point in which the watertight test hits a triangle lies outside of its box, beyond what grows with
+/// the distance of the hit: half an epsilon of both extents, and a little more (`wide_bvh/node.rs`).
+pub(crate) const CORNER_EPSILONS: f64 = 0.5 + 1.0 / 32.0;
 
 /// [`items`], the padding given.
 pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
@@ -170,12 +169,15 @@ impl<S: Scalar> BoxScale<S> {
     fn padded(&self, tight: Aabb<S>) -> ObvhsAabb {
         // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
         let epsilon = f64::from(f32::EPSILON);
-        let margin = match self.padding {
-            Padding::None | Padding::Rounding => 0.0,
-            Padding::OfScene => epsilon * PADDING_ULPS * self.magnitude,
-            Padding::OfExtent => epsilon * CORNER_EPSILONS * tight.size().to_dvec3().max_element(),
+        let margins = match self.padding {
+            Padding::None | Padding::Rounding => DVec3::ZERO,
+            Padding::OfScene => DVec3::splat(epsilon * PADDING_ULPS * self.magnitude),
+            Padding::OfExtent => {
+                let extents = tight.size().to_dvec3();
+                (extents + extents.max_element()) * (epsilon * CORNER_EPSILONS)
+            }
         };
-        outward(&tight, margin, self.setup.unit())
+        outward(&tight, margins.to_array(), self.setup.unit())
     }
 
     /// The box around some primitives.
@@ -186,16 +188,17 @@ impl<S: Scalar> BoxScale<S> {
     }
 }
 
-/// Grown by a margin, in f32 and in the unit given (its reciprocal in world units), rounded outwards.
+/// Grown by a margin on each axis, in f32 and in the unit given (its reciprocal in world units), rounded outwards.
 #[inline(always)]
-fn outward<S: Scalar>(b: &Aabb<S>, margin: f64, unit: f64) -> ObvhsAabb {
-    let lo = b.min.to_array().map(|x| {
-        let exact = (x.to_f64() - margin) * unit;
+fn outward<S: Scalar>(b: &Aabb<S>, margins: [f64; 3], unit: f64) -> ObvhsAabb {
+    let (min, max) = (b.min.to_array(), b.max.to_array());
+    let lo = [0, 1, 2].map(|k| {
+        let exact = (min[k].to_f64() - margins[k]) * unit;
         let y = exact as f32;
         moved(y, -i32::from(f64::from(y) > exact))
     });
-    let hi = b.max.to_array().map(|x| {
-        let exact = (x.to_f64() + margin) * unit;
+    let hi = [0, 1, 2].map(|k| {
+        let exact = (max[k].to_f64() + margins[k]) * unit;
         let y = exact as f32;
         moved(y, i32::from(f64::from(y) < exact))
     });
@@ -264,7 +267,7 @@ mod tests {
             for exact in [exact, -exact] {
                 let point =
                     Aabb::<f64> { min: glam::DVec3::splat(exact), max: glam::DVec3::splat(exact) };
-                let around = outward(&point, 0.0, 1.0);
+                let around = outward(&point, [0.0; 3], 1.0);
                 let [low, high] = [around.min, around.max].map(|p| f64::from(p.x));
                 assert!(low <= exact && exact <= high, "{exact} {low} {high}");
                 assert!(around.min.x.next_up() >= around.max.x, "{exact}");

@@ -39,7 +39,7 @@ impl<S: Scalar> Prepared<S> for WideBvh<S> {
     #[inline(always)]
     fn packet(&self, eight: &EightRays<S>) -> Option<Packet> {
         match self.batches {
-            Batches::Packets => Packet::of(&eight.origin, &eight.direction),
+            Batches::Packets => Packet::of(&eight.origin, &eight.direction, self.is_exact),
             _ => None,
         }
     }

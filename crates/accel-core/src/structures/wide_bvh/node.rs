@@ -41,15 +41,20 @@ impl Node {
 
 /// A ray as nodes are tested with it.
 ///
-/// Boxes are padded for the rounding of a triangle's corners at its own extent
-/// (`Padding::OfExtent`). What is missing, is added to the ray, so that boxes are found that hold a hit:
-/// * Where it enters: all that a hit's point may lie outside of its triangle's box
-///   (`primitives/precise.rs`), as a shift of the origin.
-/// * Where it leaves: the rounding of corners at the hit's distance, as a factor (an angle); on axes along
-///   which the ray hardly runs, as a shift; and the rounding of the ray's products, about an ulp of its
-///   origin's coordinate. No more, so that a ray which leaves a face is not within the boxes of that face. A
-///   triangle whose box ends behind the origin is not hit: that holds of the watertight test in f32; for other
-///   primitives both ends are shifted.
+/// Boxes are padded for what the rounding of corners does at a triangle's own extent (`Padding::OfExtent`). What is
+/// missing is added to the ray, so that boxes are found that hold a hit:
+/// * Where it enters: all that rounding does besides, to either end, as a shift of the origin.
+/// * Where it leaves: the rounding of the origin's product, about an ulp of its coordinate; on axes along which the ray
+///   hardly runs the shift, too. No more, so that a ray which leaves a face is not within the boxes of that face. For
+///   primitives other than triangles under the watertight test in f32 both ends are shifted.
+///
+/// That test hits, at no negative parameter, a point of the triangle of its rounded corners: it finds signs exactly
+/// (`primitives/precise.rs`). A corner at `a` along an axis and `z` along the longest axis of the direction, from the
+/// origin, is rounded by half an epsilon of `|a| + |s z| + |a - s z|`, where `s` is the slope, and along the longest axis
+/// of `z`. The point is a mean of corners, weighted; so is what it is off by. The mean of absolute values of numbers spread over
+/// an extent is at most that of the numbers and half the extent, and `a - s z` has the mean 0. So the point is off by half an
+/// epsilon of twice its distance along the axis, of the extent along it and of that along the longest one. The extents are in the
+/// padding. The distance, which is none where a box ends behind the origin, is in the shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NodeRay {
     /// A plane is met at `plane * inverse + offset`: planes where boxes are entered, and those where they are
@@ -86,6 +91,8 @@ pub(super) const LEAST_PART: f32 = 1.0 / 512.0;
 /// More than the reciprocal of any component that counts, and less than overflows in a scene of unit
 /// size.
 pub(super) const LARGE: f32 = 1e37;
+/// Of the product of a ray's origin: it is rounded, and so is its sum with this.
+pub(super) const PRODUCT_ROUNDING: f32 = (1.0 + 1.0 / 32.0) * EPSILON;
 /// Where a plane's product is rounded before the ray's offset is added: coordinates are below 2.
 pub(super) const PLANE_ROUNDING: f32 =
     if cfg!(target_feature = "fma") { 0.0 } else { f32::EPSILON };
@@ -96,25 +103,22 @@ impl NodeRay {
     #[inline(always)]
     pub(super) fn of(o: Vec3A, d: Vec3A, is_exact: bool) -> Self {
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
-        // 24 epsilons of the largest coordinate, below 2, for weights; 5 of distances for corners; 4 for
-        // the slab; 1 of each for products; the rounding of the origin in f64
+        // 24 epsilons of the largest coordinate, below 2, for weights; at either end, of a distance below that and the
+        // origin's, one for corners, one for the slope, one for the slab; one for the origin's product, one for its rounding
+        // in f64
         let shift = Vec3A::splat((66.0 + 10.0 * o.abs().max_element()) * EPSILON).copysign(d);
         let longest = d.abs().max_element();
         let is_shifted = match is_exact {
             true => d.abs().cmplt(Vec3A::splat(longest * LEAST_PART)),
             false => BVec3A::TRUE,
         };
-        // a corner is off by 5 epsilons of the distance; 3 for the slab
-        let angle = inverse.abs() * (longest * (5.0 * EPSILON)) + (1.0 + 3.0 * EPSILON);
-        let longer = Vec3A::select(is_shifted, Vec3A::splat(1.0 + 4.0 * EPSILON), angle);
         let leave_origin = o - Vec3A::select(is_shifted, shift, Vec3A::ZERO);
-        let leave_inverse = inverse * longer;
-        let leave = leave_origin * leave_inverse;
-        let rounding = leave.abs() * (2.0 * EPSILON) + leave_inverse.abs() * PLANE_ROUNDING;
+        let leave = leave_origin * inverse;
+        let rounding = leave.abs() * PRODUCT_ROUNDING + inverse.abs() * PLANE_ROUNDING;
         let enter_offset = -((o + shift) * inverse);
         let leave_offset = rounding - leave;
         Self::with(
-            [inverse.to_array(), leave_inverse.to_array()],
+            [inverse.to_array(); 2],
             [enter_offset.to_array(), leave_offset.to_array()],
             inverse.is_negative_bitmask(),
         )
@@ -166,5 +170,117 @@ impl NodeRay {
         let leave = plane(0, 1).lesser(plane(1, 1));
         let leave = leave.lesser(plane(2, 1).lesser(f32x8::splat(end)));
         (enter.at_most(leave).high_bits(), enter)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::ray::Ray;
+    use crate::params::config::Settings;
+    use crate::primitives::{PrimSet, TriangleSet, Watertight};
+    use crate::structures::obvhs::box_ray::{BoxRay, Length};
+    use crate::structures::obvhs::items::{Padding, items_of};
+    use crate::structures::test_scenes::Random;
+    use crate::structures::wide_bvh::{INFO, WideBvhConfig};
+
+    /// One of these powers of ten, evenly by logarithm.
+    fn power(random: &mut Random, low: f64, high: f64) -> f64 {
+        10f64.powf(low + (high - low) * random.unit())
+    }
+
+    fn signed(random: &mut Random) -> DVec3 {
+        random.point([2.0; 3]) - 1.0
+    }
+
+    /// Half of them flat on an axis, a third narrow; far from the origin of coordinates, or around it.
+    fn triangle(random: &mut Random) -> [DVec3; 3] {
+        let (size, at) = (power(random, -5.0, 0.0), signed(random) * power(random, -6.0, 0.0));
+        let narrow = if random.unit() < 0.3 { power(random, -5.0, 0.0) } else { 1.0 };
+        let mut edges = [signed(random) * size, signed(random) * (size * narrow)];
+        let axis = (random.unit() * 6.0) as usize;
+        if axis < 3 {
+            edges.iter_mut().for_each(|e| e[axis] = 0.0);
+        }
+        let [a, b] = edges;
+        [at - (a + b) / 3.0, at + a, at + b].map(|p| p.clamp(DVec3::splat(-1.0), DVec3::ONE))
+    }
+
+    /// At a point of a triangle, often on its outline, from however near.
+    fn ray(random: &mut Random, [a, b, c]: [DVec3; 3]) -> Ray<f32> {
+        let [u, v] = [0; 2].map(|_| if random.unit() < 0.3 { 0.0 } else { random.unit() });
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let point = a + (b - a) * u + (c - a) * v;
+        let mut d = signed(random);
+        if random.unit() < 0.5 {
+            let part = power(random, -4.0, 0.0);
+            d[(random.unit() * 3.0) as usize] *= part;
+        }
+        let t = match (random.unit() * 3.0) as u32 {
+            0 => 0.0,
+            1 => power(random, -8.0, -5.0) * (random.unit() - 0.2),
+            _ => power(random, -5.0, 0.5),
+        };
+        let mut o = (point - d * t).as_vec3();
+        for k in 0..3 {
+            for _ in 0..(random.unit() * 5.0) as u32 {
+                o[k] = if random.unit() < 0.5 { o[k].next_up() } else { o[k].next_down() };
+            }
+        }
+        Ray::new(o, d.as_vec3())
+    }
+
+    /// By ray: whether the triangle is hit, and whether its box is met.
+    fn hits_and_boxes(rounds: u32) -> Vec<[bool; 2]> {
+        let mut random = Random(71);
+        let params = INFO.defaults();
+        let settings = Settings::<WideBvhConfig>::of(&params);
+        let mut all = Vec::new();
+        for _ in 0..rounds {
+            let of_f32 = |t: [DVec3; 3]| t.map(|p| p.as_vec3().as_dvec3());
+            let triangles: Vec<_> = (0..WIDTH).map(|_| of_f32(triangle(&mut random))).collect();
+            let corners = triangles.iter().map(|t| t.map(|p| p.as_vec3().to_array())).collect();
+            let set = TriangleSet::<f32, Watertight>::new(corners, |_| false).unwrap();
+            let items = items_of(&set, settings.limits(), Padding::OfExtent).unwrap();
+            let mut node = Node::empty();
+            for (child, b) in items.boxes.iter().enumerate() {
+                node.set_box(child, b.min.to_array(), b.max.to_array());
+            }
+            for number in 0..WIDTH * 8 {
+                let id = number % WIDTH;
+                let ray = ray(&mut random, triangles[id]);
+                if ray.direction.abs().max_element() < 1e-3 {
+                    continue;
+                }
+                let hit = set.intersect(id as u32, &ray, &set.setup(&ray), f32::INFINITY);
+                let BoxRay { origin, direction, parameters } = items.setup.ray(&ray, Length::Own);
+                let of_nodes = NodeRay::of(origin, direction, true);
+                let end = parameters.bound(hit.unwrap_or(f32::INFINITY));
+                all.push([hit.is_some(), of_nodes.test(&node, end).0 >> id & 1 == 1]);
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn a_box_that_ends_where_a_ray_begins_is_met() {
+        let mut random = Random(72);
+        for _ in 0..100_000 {
+            let [o, d] = [0; 2].map(|_| signed(&mut random).as_vec3a());
+            let mut node = Node::empty();
+            node.set_box(3, o.to_array(), o.to_array());
+            assert_eq!(NodeRay::of(o, d, true).test(&node, 1.0).0, 8, "{o} {d}");
+        }
+    }
+
+    #[test]
+    fn a_triangle_that_is_hit_has_a_box_that_is_met() {
+        let all = hits_and_boxes(40_000);
+        let count = |wanted: [bool; 2]| all.iter().filter(|found| **found == wanted).count();
+        assert_eq!(count([true, false]), 0);
+        let counts = [count([true, true]), count([false, false])];
+        assert!(counts[0] > 1_000_000 && counts[1] > 50_000, "{counts:?}");
     }
 }

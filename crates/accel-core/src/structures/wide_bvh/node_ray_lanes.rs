@@ -2,7 +2,7 @@
 
 use wide::f32x8;
 
-use super::node::{EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING};
+use super::node::{EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING};
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray_lanes::LANES;
 
@@ -10,7 +10,7 @@ use crate::geometry::ray_lanes::LANES;
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct NodeRayLanes {
-    inverse: [[[f32; LANES]; 3]; 2],
+    inverse: [[f32; LANES]; 3],
     offset: [[[f32; LANES]; 3]; 2],
 }
 
@@ -32,21 +32,17 @@ impl NodeRayLanes {
         let shift = (splat(66.0) + splat(10.0) * largest(&o)) * splat(EPSILON);
         // of a ray that is not exact all axes
         let least = if is_exact { longest * splat(LEAST_PART) } else { splat(f32::INFINITY) };
-        let (turn, longer) = (longest * splat(5.0 * EPSILON), splat(1.0 + 4.0 * EPSILON));
-        let nothing = [[[0.0; LANES]; 3]; 2];
-        let mut this = Self { inverse: nothing, offset: nothing };
+        let nothing = [[0.0; LANES]; 3];
+        let mut this = Self { inverse: nothing, offset: [nothing; 2] };
         for k in 0..3 {
             let inverse = (splat(1.0) / d[k]).lesser(splat(LARGE)).greater(splat(-LARGE));
             let shift = shift.copysign(d[k]);
             let is_shifted = d[k].absolute().below(least);
-            let angle = inverse.absolute() * turn + splat(1.0 + 3.0 * EPSILON);
             let leave_origin = o[k] - (shift & is_shifted);
-            let leave_inverse = inverse * longer.where_set(is_shifted, angle);
-            let leave = leave_origin * leave_inverse;
-            let rounding = leave.absolute() * splat(2.0 * EPSILON)
-                + leave_inverse.absolute() * splat(PLANE_ROUNDING);
-            this.inverse[0][k] = inverse.to_array();
-            this.inverse[1][k] = leave_inverse.to_array();
+            let leave = leave_origin * inverse;
+            let rounding = leave.absolute() * splat(PRODUCT_ROUNDING)
+                + inverse.absolute() * splat(PLANE_ROUNDING);
+            this.inverse[k] = inverse.to_array();
             this.offset[0][k] = (-((o[k] + shift) * inverse)).to_array();
             this.offset[1][k] = (rounding - leave).to_array();
         }
@@ -65,7 +61,7 @@ impl NodeRayLanes {
     ) -> u32 {
         let [low, high] = like.bounds(node, child);
         let met = |bound: [f32; 3], side: usize, k: usize| {
-            let (inverse, offset) = (self.inverse[side][k], self.offset[side][k]);
+            let (inverse, offset) = (self.inverse[k], self.offset[side][k]);
             f32x8::splat(bound[k]).mul_add(f32x8::new(inverse), f32x8::new(offset))
         };
         let enter = met(low, 0, 0).greater(met(low, 0, 1));
@@ -80,11 +76,10 @@ impl NodeRayLanes {
     pub(super) fn get(&self, lane: usize) -> NodeRay {
         let lane = lane & (LANES - 1);
         let of = |v: &[[f32; LANES]; 3]| [v[0][lane], v[1][lane], v[2][lane]];
-        let [inverse, offset] = [&self.inverse, &self.offset];
-        let enter = of(&inverse[0]);
-        let is_negative = |k: usize| u32::from(enter[k].is_sign_negative()) << k;
+        let inverse = of(&self.inverse);
+        let is_negative = |k: usize| u32::from(inverse[k].is_sign_negative()) << k;
         let octant = is_negative(0) | is_negative(1) | is_negative(2);
-        NodeRay::with([enter, of(&inverse[1])], [of(&offset[0]), of(&offset[1])], octant)
+        NodeRay::with([inverse; 2], [of(&self.offset[0]), of(&self.offset[1])], octant)
     }
 }
 

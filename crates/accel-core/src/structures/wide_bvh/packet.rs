@@ -12,7 +12,7 @@
 
 use super::WideBvh;
 use super::collapse::{LEAF, WIDTH};
-use super::node::{EPSILON, LARGE, NodeRay};
+use super::node::{EPSILON, LARGE, LEAST_PART, NodeRay};
 use super::node_ray_lanes::NodeRayLanes;
 use super::stack::{Room, Stack};
 use super::traversal::State;
@@ -51,7 +51,11 @@ impl Ends {
 impl Packet {
     /// Of rays as [`NodeRay::of`] takes them, by axis and lane; none where they do not run alike.
     #[inline(always)]
-    pub(super) fn of(origin: &[[f32; LANES]; 3], direction: &[[f32; LANES]; 3]) -> Option<Self> {
+    pub(super) fn of(
+        origin: &[[f32; LANES]; 3],
+        direction: &[[f32; LANES]; 3],
+        is_exact: bool,
+    ) -> Option<Self> {
         let lanes = |v: &[[f32; LANES]; 3]| [f32x8::new(v[0]), f32x8::new(v[1]), f32x8::new(v[2])];
         let (o, d) = (lanes(origin), lanes(direction));
         // d is not -0
@@ -83,8 +87,13 @@ impl Packet {
         for k in 0..3 {
             let is_negative = negative[k] != 0;
             octant |= u32::from(is_negative) << k;
-            let (low, high) = (least[k] - slack, most[k] + slack);
-            let (front, back) = if is_negative { (low, high) } else { (high, low) };
+            // where boxes are left nothing is added to single rays, but for the rounding of products
+            let is_tight = is_exact && least[k + 3] >= longest * LEAST_PART;
+            let behind = if is_tight { 4.0 * far * EPSILON } else { slack };
+            let (front, back) = match is_negative {
+                true => (least[k] - slack, most[k] + behind),
+                false => (most[k] + slack, least[k] - behind),
+            };
             let [least, most] = [most[k + 3], least[k + 3]].map(|d: f32| d.recip().min(LARGE));
             let sign = if is_negative { -1.0 } else { 1.0 };
             inverse[0][k] = sign * least;
@@ -213,9 +222,9 @@ mod tests {
         let (mut met, mut missed) = (0, 0);
         for _ in 0..60_000 {
             let (origin, direction) = around(&mut random);
-            let Some(packet) = Packet::of(&origin, &direction) else { continue };
-            let node = boxes(&mut random, &origin, &direction);
             let is_exact = random.unit() < 0.5;
+            let Some(packet) = Packet::of(&origin, &direction, is_exact) else { continue };
+            let node = boxes(&mut random, &origin, &direction);
             let lanes = NodeRayLanes::of(&origin, &direction, is_exact);
             let end = random.unit() as f32 * 3.0;
             let (of_packet, entered) = packet.ray.test(&node, end);
@@ -251,7 +260,7 @@ mod tests {
             let mut direction = [[0.5; LANES], [0.25; LANES], [0.0; LANES]];
             let mut origin = [[0.0; LANES]; 3];
             (direction[1][3], origin[2][5]) = (x, y);
-            Packet::of(&origin, &direction).is_some()
+            Packet::of(&origin, &direction, true).is_some()
         };
         assert!(alike(0.25, 0.0) && alike(0.3, 0.1));
         assert!(!alike(-0.25, 0.0) && !alike(0.4, 0.0) && !alike(0.25, -0.2));
