@@ -82,13 +82,15 @@ pub(crate) enum Padding {
     Rounding,
     /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
     OfScene,
-    /// On each axis by [`CORNER_EPSILONS`] of its own extent along that and of its largest one.
-    OfExtent,
+    /// On each axis by so many epsilons of its own extent along that and of its largest one.
+    OfExtent(f64),
 }
 
-/// By how far the point in which the watertight test hits a triangle lies outside of its box, beyond what grows with
-/// the distance of the hit: half an epsilon of both extents, and a little more (`wide_bvh/node.rs`).
-pub(crate) const CORNER_EPSILONS: f64 = 0.5 + 1.0 / 32.0;
+impl Padding {
+    /// By how far the point in which the watertight test hits a triangle in f32 lies outside of its box, beyond what grows
+    /// with the distance of the hit: half an epsilon of both extents, and a little more (`wide_bvh/node.rs`).
+    pub(crate) const OF_CORNERS: Self = Self::OfExtent(0.5 + 1.0 / 32.0);
+}
 
 /// [`items`], the padding given.
 pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
@@ -137,7 +139,9 @@ impl<S: Scalar> BoxScale<S> {
     fn new(magnitude: S, padding: Padding) -> Self {
         let setup = match padding {
             Padding::None => RaySetup::AsShipped,
-            Padding::Rounding | Padding::OfScene | Padding::OfExtent => RaySetup::robust(magnitude),
+            Padding::Rounding | Padding::OfScene | Padding::OfExtent(_) => {
+                RaySetup::robust(magnitude)
+            }
         };
         Self { padding, magnitude: magnitude.to_f64(), setup }
     }
@@ -172,9 +176,9 @@ impl<S: Scalar> BoxScale<S> {
         let margins = match self.padding {
             Padding::None | Padding::Rounding => DVec3::ZERO,
             Padding::OfScene => DVec3::splat(epsilon * PADDING_ULPS * self.magnitude),
-            Padding::OfExtent => {
+            Padding::OfExtent(epsilons) => {
                 let extents = tight.size().to_dvec3();
-                (extents + extents.max_element()) * (epsilon * CORNER_EPSILONS)
+                (extents + extents.max_element()) * (epsilon * epsilons)
             }
         };
         outward(&tight, margins.to_array(), self.setup.unit())

@@ -92,6 +92,14 @@ pub static INFO: StructureInfo = StructureInfo {
 /// How rays are asked about: those of a batch that run alike go together.
 const PACKETS: &str = "packets";
 
+/// Padding of primitives for which [`Padding::OF_CORNERS`] has not been shown to suffice.
+const OTHER_EPSILONS: f64 = 5.0;
+
+/// Whether a primitive that ends behind a ray's origin is not hit (`node.rs`).
+fn is_exact<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
+    size_of::<S>() == size_of::<f32>() && prims.is_watertight()
+}
+
 /// The tree.
 pub struct WideBvh<S: Scalar> {
     nodes: Vec<Node>,
@@ -150,8 +158,12 @@ impl Config for WideBvhConfig {
 
 impl WideBvhConfig {
     /// By how much boxes are padded.
-    fn padding(&self) -> Padding {
-        if self.adapter.is_unpadded { Padding::Rounding } else { Padding::OfExtent }
+    fn padding<S: Scalar, P: PrimSet<S>>(&self, prims: &P) -> Padding {
+        match self.adapter.is_unpadded {
+            true => Padding::Rounding,
+            false if is_exact(prims) => Padding::OF_CORNERS,
+            false => Padding::OfExtent(OTHER_EPSILONS),
+        }
     }
 }
 
@@ -167,7 +179,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         settings: &Settings<WideBvhConfig>,
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();
-        let items = items_of(prims, settings.limits(), settings.padding())?;
+        let items = items_of(prims, settings.limits(), settings.padding(prims))?;
         let longest_leaf = settings.costs.longest_leaf;
         let mut bvh = match settings.build {
             Build::Binned => binned::tree(&items.boxes, longest_leaf),
@@ -215,14 +227,13 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             Batches::Packets if !has_places => Batches::Together,
             same => same,
         };
-        let is_exact = size_of::<S>() == size_of::<f32>() && prims.is_watertight();
         let mut built = Self {
             nodes,
             root,
             lists,
             setup: items.setup,
             batches,
-            is_exact,
+            is_exact: is_exact(prims),
             #[cfg(feature = "compiled-tests")]
             is_plain: settings.adapter.is_unpadded,
             stats,

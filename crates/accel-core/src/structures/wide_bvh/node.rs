@@ -41,7 +41,7 @@ impl Node {
 
 /// A ray as nodes are tested with it.
 ///
-/// Boxes are padded for what the rounding of corners does at a triangle's own extent (`Padding::OfExtent`). What is
+/// Boxes are padded for what the rounding of corners does at a triangle's own extent (`Padding::OF_CORNERS`). What is
 /// missing is added to the ray, so that boxes are found that hold a hit:
 /// * Where it enters: all that rounding does besides, to either end, as a shift of the origin.
 /// * Where it leaves: the rounding of the origin's product, about an ulp of its coordinate; on axes along which the ray
@@ -91,6 +91,10 @@ pub(super) const LEAST_PART: f32 = 1.0 / 512.0;
 /// More than the reciprocal of any component that counts, and less than overflows in a scene of unit
 /// size.
 pub(super) const LARGE: f32 = 1e37;
+/// By so many epsilons, and so many of the origin's largest coordinate, origins are shifted. 24 of a scene's largest coordinate,
+/// below 2, for weights; of a hit's distance, below that and the origin's, at either end one for corners, one for the
+/// slope, two for the slab; two of the origin's coordinate for its product and for its rounding in f64; the rest is left over.
+pub(super) const SHIFT: [f32; 2] = [76.0, 14.0];
 /// Of the product of a ray's origin: it is rounded, and so is its sum with this.
 pub(super) const PRODUCT_ROUNDING: f32 = (1.0 + 1.0 / 32.0) * EPSILON;
 /// Where a plane's product is rounded before the ray's offset is added: coordinates are below 2.
@@ -103,10 +107,8 @@ impl NodeRay {
     #[inline(always)]
     pub(super) fn of(o: Vec3A, d: Vec3A, is_exact: bool) -> Self {
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
-        // 24 epsilons of the largest coordinate, below 2, for weights; at either end, of a distance below that and the
-        // origin's, one for corners, one for the slope, one for the slab; one for the origin's product, one for its rounding
-        // in f64
-        let shift = Vec3A::splat((66.0 + 10.0 * o.abs().max_element()) * EPSILON).copysign(d);
+        let shift = SHIFT[0] + SHIFT[1] * o.abs().max_element();
+        let shift = Vec3A::splat(shift * EPSILON).copysign(d);
         let longest = d.abs().max_element();
         let is_shifted = match is_exact {
             true => d.abs().cmplt(Vec3A::splat(longest * LEAST_PART)),
@@ -243,7 +245,7 @@ mod tests {
             let triangles: Vec<_> = (0..WIDTH).map(|_| of_f32(triangle(&mut random))).collect();
             let corners = triangles.iter().map(|t| t.map(|p| p.as_vec3().to_array())).collect();
             let set = TriangleSet::<f32, Watertight>::new(corners, |_| false).unwrap();
-            let items = items_of(&set, settings.limits(), Padding::OfExtent).unwrap();
+            let items = items_of(&set, settings.limits(), Padding::OF_CORNERS).unwrap();
             let mut node = Node::empty();
             for (child, b) in items.boxes.iter().enumerate() {
                 node.set_box(child, b.min.to_array(), b.max.to_array());

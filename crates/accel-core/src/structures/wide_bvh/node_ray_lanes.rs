@@ -2,7 +2,9 @@
 
 use wide::f32x8;
 
-use super::node::{EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING};
+use super::node::{
+    EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING, SHIFT,
+};
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray_lanes::LANES;
 
@@ -29,7 +31,7 @@ impl NodeRayLanes {
             |v: &[f32x8; 3]| v[0].absolute().greater(v[1].absolute()).greater(v[2].absolute());
         let (o, d) = (vectors(origin), vectors(direction));
         let longest = largest(&d);
-        let shift = (splat(66.0) + splat(10.0) * largest(&o)) * splat(EPSILON);
+        let shift = (splat(SHIFT[0]) + splat(SHIFT[1]) * largest(&o)) * splat(EPSILON);
         // of a ray that is not exact all axes
         let least = if is_exact { longest * splat(LEAST_PART) } else { splat(f32::INFINITY) };
         let nothing = [[0.0; LANES]; 3];

@@ -27,7 +27,7 @@ impl<S: Scalar> WideBvh<S> {
         settings: &Settings<WideBvhConfig>,
         moved: &[u32],
     ) -> Result<Option<f64>, BuildError> {
-        let scale = BoxScale::of_set(prims, settings.structure(), settings.padding())?;
+        let scale = BoxScale::of_set(prims, settings.structure(), settings.padding(prims))?;
         let moved = MovedIds::new(moved);
         if !self.lists.refresh(prims, &moved) {
             return Ok(None);
