@@ -82,14 +82,15 @@ pub(crate) enum Padding {
     Rounding,
     /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
     OfScene,
-    /// On each axis by so many epsilons of its own extent along that and of its largest one.
-    OfExtent(f64),
+    /// On each axis by so many epsilons of its own extent along that, and so many of its largest one.
+    OfExtent { along: f64, largest: f64 },
 }
 
 impl Padding {
     /// By how far the point in which the watertight test hits a triangle in f32 lies outside of its box, beyond what grows
     /// with the distance of the hit: half an epsilon of both extents, and a little more (`wide_bvh/node.rs`).
-    pub(crate) const OF_CORNERS: Self = Self::OfExtent(0.5 + 1.0 / 32.0);
+    pub(crate) const OF_CORNERS: Self =
+        Self::OfExtent { along: 0.5 + 1.0 / 32.0, largest: 0.5 + 1.0 / 32.0 };
 }
 
 /// [`items`], the padding given.
@@ -139,7 +140,7 @@ impl<S: Scalar> BoxScale<S> {
     fn new(magnitude: S, padding: Padding) -> Self {
         let setup = match padding {
             Padding::None => RaySetup::AsShipped,
-            Padding::Rounding | Padding::OfScene | Padding::OfExtent(_) => {
+            Padding::Rounding | Padding::OfScene | Padding::OfExtent { .. } => {
                 RaySetup::robust(magnitude)
             }
         };
@@ -176,9 +177,9 @@ impl<S: Scalar> BoxScale<S> {
         let margins = match self.padding {
             Padding::None | Padding::Rounding => DVec3::ZERO,
             Padding::OfScene => DVec3::splat(epsilon * PADDING_ULPS * self.magnitude),
-            Padding::OfExtent(epsilons) => {
+            Padding::OfExtent { along, largest } => {
                 let extents = tight.size().to_dvec3();
-                (extents + extents.max_element()) * (epsilon * epsilons)
+                (extents * along + extents.max_element() * largest) * epsilon
             }
         };
         outward(&tight, margins.to_array(), self.setup.unit())

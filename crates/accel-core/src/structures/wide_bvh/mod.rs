@@ -92,8 +92,8 @@ pub static INFO: StructureInfo = StructureInfo {
 /// How rays are asked about: those of a batch that run alike go together.
 const PACKETS: &str = "packets";
 
-/// Padding of primitives for which [`Padding::OF_CORNERS`] has not been shown to suffice.
-const OTHER_EPSILONS: f64 = 5.0;
+/// That of primitives for which [`Padding::OF_CORNERS`] has not been shown to suffice.
+const OTHER_PADDING: Padding = Padding::OfExtent { along: 0.0, largest: 5.0 };
 
 /// Whether a primitive that ends behind a ray's origin is not hit (`node.rs`).
 fn is_exact<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
@@ -162,7 +162,7 @@ impl WideBvhConfig {
         match self.adapter.is_unpadded {
             true => Padding::Rounding,
             false if is_exact(prims) => Padding::OF_CORNERS,
-            false => Padding::OfExtent(OTHER_EPSILONS),
+            false => OTHER_PADDING,
         }
     }
 }
