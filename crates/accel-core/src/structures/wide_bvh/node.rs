@@ -86,7 +86,8 @@ static PLANES: [[[usize; 3]; 2]; OCTANTS] = {
 };
 
 pub(super) const EPSILON: f32 = f32::EPSILON;
-/// Components of a direction that are a smaller part of the largest one make too large a factor.
+/// Along axes on which a direction has a smaller part of its largest component both ends are shifted: where a reciprocal is cut
+/// off ([`LARGE`]), a plane is met too early.
 pub(super) const LEAST_PART: f32 = 1.0 / 512.0;
 /// More than the reciprocal of any component that counts, and less than overflows in a scene of unit
 /// size.
@@ -181,12 +182,10 @@ mod tests {
 
     use super::*;
     use crate::geometry::ray::Ray;
-    use crate::params::config::Settings;
     use crate::primitives::{PrimSet, TriangleSet, Watertight};
     use crate::structures::obvhs::box_ray::{BoxRay, Length};
-    use crate::structures::obvhs::items::{Padding, items_of};
+    use crate::structures::obvhs::items::{Padding, boxes};
     use crate::structures::test_scenes::Random;
-    use crate::structures::wide_bvh::{INFO, WideBvhConfig};
 
     /// One of these powers of ten, evenly by logarithm.
     fn power(random: &mut Random, low: f64, high: f64) -> f64 {
@@ -237,27 +236,25 @@ mod tests {
     /// By ray: whether the triangle is hit, and whether its box is met.
     fn hits_and_boxes(rounds: u32) -> Vec<[bool; 2]> {
         let mut random = Random(71);
-        let params = INFO.defaults();
-        let settings = Settings::<WideBvhConfig>::of(&params);
         let mut all = Vec::new();
         for _ in 0..rounds {
-            let of_f32 = |t: [DVec3; 3]| t.map(|p| p.as_vec3().as_dvec3());
-            let triangles: Vec<_> = (0..WIDTH).map(|_| of_f32(triangle(&mut random))).collect();
-            let corners = triangles.iter().map(|t| t.map(|p| p.as_vec3().to_array())).collect();
+            let triangles: [_; WIDTH] =
+                std::array::from_fn(|_| triangle(&mut random).map(|p| p.as_vec3()));
+            let corners = triangles.map(|t| t.map(|p| p.to_array())).to_vec();
             let set = TriangleSet::<f32, Watertight>::new(corners, |_| false).unwrap();
-            let items = items_of(&set, settings.limits(), Padding::OF_CORNERS).unwrap();
+            let (boxes, setup) = boxes(&set, "", Padding::OF_CORNERS).unwrap();
             let mut node = Node::empty();
-            for (child, b) in items.boxes.iter().enumerate() {
+            for (child, b) in boxes.iter().enumerate() {
                 node.set_box(child, b.min.to_array(), b.max.to_array());
             }
             for number in 0..WIDTH * 8 {
                 let id = number % WIDTH;
-                let ray = ray(&mut random, triangles[id]);
+                let ray = ray(&mut random, triangles[id].map(|p| p.as_dvec3()));
                 if ray.direction.abs().max_element() < 1e-3 {
                     continue;
                 }
                 let hit = set.intersect(id as u32, &ray, &set.setup(&ray), f32::INFINITY);
-                let BoxRay { origin, direction, parameters } = items.setup.ray(&ray, Length::Own);
+                let BoxRay { origin, direction, parameters } = setup.ray(&ray, Length::Own);
                 let of_nodes = NodeRay::of(origin, direction, true);
                 let end = parameters.bound(hit.unwrap_or(f32::INFINITY));
                 all.push([hit.is_some(), of_nodes.test(&node, end).0 >> id & 1 == 1]);
