@@ -16,7 +16,7 @@ use glam::{DMat3, DMat4, DVec3};
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::pose::Pose;
-use crate::gltf::vectors::{cofactor, wide};
+use crate::gltf::vectors::{affine, cofactor, wide};
 use crate::limits::{self, MAX_ELEMENTS};
 
 /// The most vertices that morph targets and sets of joints move, in all meshes of a scene: a file
@@ -259,7 +259,8 @@ impl<'a> Deformer<'a> {
         if let Some(accessor) = skin.inverse_bind_matrices() {
             let what = "inverse bind matrices";
             let numbers = self.buffers.numbers(accessor, what, Dimensions::Mat4, false)?;
-            inverse = numbers.as_chunks().0.iter().map(DMat4::from_cols_array).collect();
+            let matrices = numbers.as_chunks().0.iter().map(DMat4::from_cols_array);
+            inverse = matrices.map(affine).collect();
             if inverse.len() < count {
                 let object = format!("skin {}", skin.index());
                 let found = format!("{} matrices for {count} joints", inverse.len());

@@ -147,27 +147,34 @@ impl<'a> Walker<'a> {
             self.camera(&camera, world)?;
         }
         if let Some(light) = node.light() {
-            let count = self.lights.len() + 1;
-            limits::check(count, MAX_LIGHTS, "the number of lights", || {
-                FilePlace::file(self.path)
-            })?;
-            let color = light.color().map(f64::from);
-            let intensity = f64::from(light.intensity());
-            if !(intensity.is_finite() && intensity >= 0.0 && color.iter().all(|c| c.is_finite())) {
-                return Err(self.not_finite(format!("light {}", light.index())));
-            }
-            match light.kind() {
-                Kind::Directional => {
-                    self.warn(format!("directional light {} left out", light.index()));
-                }
-                Kind::Point => self.lights.push((world.w_axis.truncate(), color, intensity)),
-                Kind::Spot { .. } => {
-                    self.warn(format!("spot light {} taken as a point light", light.index()));
-                    self.lights.push((world.w_axis.truncate(), color, intensity));
-                }
-            }
+            self.light(&light, world)?;
         }
         self.mesh(placed)
+    }
+
+    fn light(
+        &mut self,
+        light: &::gltf::khr_lights_punctual::Light<'_>,
+        world: DMat4,
+    ) -> Result<(), LoadError> {
+        let count = self.lights.len() + 1;
+        limits::check(count, MAX_LIGHTS, "the number of lights", || FilePlace::file(self.path))?;
+        let (index, color) = (light.index(), light.color().map(f64::from));
+        let intensity = f64::from(light.intensity());
+        if !(intensity.is_finite() && intensity >= 0.0 && color.iter().all(|c| c.is_finite())) {
+            self.warn(format!("light {index} left out: intensity {intensity}, colour {color:?}"));
+            return Ok(());
+        }
+        match light.kind() {
+            Kind::Directional => {
+                self.warn(format!("directional light {index} left out"));
+                return Ok(());
+            }
+            Kind::Point => {}
+            Kind::Spot { .. } => self.warn(format!("spot light {index} taken as a point light")),
+        }
+        self.lights.push((world.w_axis.truncate(), color, intensity));
+        Ok(())
     }
 
     fn camera(&mut self, camera: &::gltf::Camera<'_>, world: DMat4) -> Result<(), LoadError> {

@@ -9,6 +9,7 @@ use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::pose::Pose;
+use crate::gltf::vectors::affine;
 
 /// A node and where it is.
 pub(crate) struct Placed<'a> {
@@ -97,7 +98,7 @@ fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4,
         expected: expected.into(),
     };
     let moved = pose.and_then(|pose| pose.of(node.index()));
-    let mut matrix = match node.transform() {
+    let matrix = match node.transform() {
         Transform::Matrix { .. } if moved.is_some_and(|moved| moved.is_placed()) => {
             let found = "a matrix although it is animated".to_string();
             return Err(invalid(found, "translation, rotation and scale"));
@@ -128,15 +129,7 @@ fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4,
         let found = format!("a matrix with last row {}", matrix.row(3));
         return Err(invalid(found, "0, 0, 0, 1"));
     }
-    for (column, last) in [
-        (&mut matrix.x_axis, 0.0),
-        (&mut matrix.y_axis, 0.0),
-        (&mut matrix.z_axis, 0.0),
-        (&mut matrix.w_axis, 1.0),
-    ] {
-        column.w = last;
-    }
-    Ok(matrix)
+    Ok(affine(matrix))
 }
 
 fn not_finite(path: &Path, what: String) -> LoadError {

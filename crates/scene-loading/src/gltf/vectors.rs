@@ -1,6 +1,6 @@
 //! Vectors of files, and how normals are transformed.
 
-use glam::{DMat3, DMat4, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
 
 /// What normals are transformed by: the matrix of cofactors, which points as normals do where it mirrors.
 pub(crate) fn cofactor(world: DMat4) -> DMat3 {
@@ -13,4 +13,9 @@ pub(crate) fn cofactor(world: DMat4) -> DMat3 {
 /// A vector of a file.
 pub(crate) fn wide(v: &[f32; 3]) -> DVec3 {
     Vec3::from_array(*v).as_dvec3()
+}
+
+/// A matrix with the last row 0, 0, 0, 1.
+pub(crate) fn affine(matrix: DMat4) -> DMat4 {
+    DAffine3::from_mat4(matrix).into()
 }

@@ -77,6 +77,9 @@ fn numbers_that_are_no_geometry_may_be_anything() {
     file.json["cameras"] =
         json!([{"type": "perspective", "perspective": {"yfov": 0, "znear": 0.1}}]);
     file.json["nodes"][0]["camera"] = json!(0);
+    let light = json!({"type": "point", "intensity": -3});
+    file.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [light]}});
+    file.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
     assert_eq!(file.found(), (1, UNIT));
     assert!(matches!(file.load().unwrap().primitives[0].shape, Shape::Triangle { .. }));
     let said = file.warnings();
@@ -84,6 +87,7 @@ fn numbers_that_are_no_geometry_may_be_anything() {
         "2 normals that are not finite left out",
         "1 primitives with vertex colours (COLOR_0), which are not shown",
         "a.gltf: camera 0 left out: camera angle is 0",
+        "a.gltf: light 0 left out: intensity -3",
     ] {
         assert!(said.contains(what), "{what}: {said}");
     }

@@ -35,7 +35,7 @@ fn a_skinned_mesh_follows_its_joints_at_rest() {
     assert!(file.load().unwrap().instances.is_empty());
     #[rustfmt::skip]
     let inverse = file.floats("MAT4", &[
-        0.5, 0., 0., 0.,  0., 0.5, 0., 0.,  0., 0., 0.5, 0.,  0., 0., 3., 1.,
+        0.5, 0., 0., 0.,  0., 0.5, 0., 0.,  0., 0., 0.5, 0.,  0., 0., 3., 0.999_999_9,
     ]);
     file.json["skins"][0]["inverseBindMatrices"] = json!(inverse);
     assert_eq!(file.found(), (1, [[0.0, 5.0, 6.0], [1.0, 6.0, 6.0]]));
