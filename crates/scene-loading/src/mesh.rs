@@ -1,6 +1,7 @@
 //! Faces over a list of vertices, as PLY, STL and PBRT have them: what becomes of each, and what is
 //! counted. They are taken as OBJ's are: a triangle stays one; a larger flat face is a polygon
-//! unless it has normals or triangles are asked for; faces without area are left out.
+//! unless it has normals or triangles are asked for; one that crosses itself is split; faces without
+//! area, or with a corner that is NaN, are left out.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -10,7 +11,7 @@ use glam::DVec3;
 use crate::error::{FilePlace, LoadError, Within};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
-use crate::polygon::{area_vector, is_flat};
+use crate::polygon::{Outline, area_vector};
 use crate::scene::{Primitive, Scene, Shape, Warning};
 
 /// Coordinates above this cannot be worked with: their cubes must stay finite.
@@ -20,7 +21,13 @@ pub(crate) const MAX_COORDINATE: f64 = 1e100;
 #[derive(Debug, Default)]
 pub(crate) struct FaceCounts {
     without_area: Tally,
+    unusable: Tally,
     bent: Tally,
+    crossing: Tally,
+    /// Vertices that no face can have.
+    pub vertices: Tally,
+    /// Normals that are NaN, infinite or too large, and lists of them that do not fit.
+    pub normals: Tally,
 }
 
 /// How many, and where the first is.
@@ -34,6 +41,10 @@ impl Tally {
     pub fn add(&mut self, place: impl FnOnce() -> FilePlace) {
         self.count += 1;
         self.first.get_or_insert_with(place);
+    }
+
+    pub fn is_any(&self) -> bool {
+        self.count > 0
     }
 
     /// A warning where there is anything: how many of what, and where the first is.
@@ -55,10 +66,29 @@ impl FaceCounts {
         self.without_area.add(place);
     }
 
+    /// Counts a face that its reader has left out for a corner that is NaN, infinite or too large.
+    pub fn unusable(&mut self, place: impl FnOnce() -> FilePlace) {
+        self.unusable.add(place);
+    }
+
+    /// Counts a face that its reader has split where it is bent.
+    pub fn bent(&mut self, place: impl FnOnce() -> FilePlace) {
+        self.bent.add(place);
+    }
+
+    /// Counts a face that its reader has split where it crosses itself.
+    pub fn crossing(&mut self, place: impl FnOnce() -> FilePlace) {
+        self.crossing.add(place);
+    }
+
     /// One warning for each kind.
     pub fn warn(&self, scene: &mut Scene) {
         self.without_area.warn("faces without area left out", scene);
+        self.unusable.warn("faces with a corner that is not usable left out", scene);
         self.bent.warn("faces that are not flat split", scene);
+        self.crossing.warn("faces that cross themselves split at the crossing", scene);
+        self.vertices.warn("vertices with a coordinate that is not usable", scene);
+        self.normals.warn("normals that are none: faces that have them are flat", scene);
     }
 
     /// The scene of a file of triangles alone: warned of, seen by a camera that frames it.
@@ -85,11 +115,18 @@ pub(crate) struct Mesh {
     pub first: u32,
     /// The first normal in `Scene::normals`, where each vertex has one.
     pub normals: Option<u32>,
+    /// Some of the normals are NaN: faces that have them are flat.
+    pub has_bad_normals: bool,
     /// Larger faces are split into triangles.
     pub triangulate: bool,
 }
 
 impl Mesh {
+    /// A mesh of triangles without normals, whose vertices are the scene's.
+    pub fn of_triangles(material: u32) -> Self {
+        Self { material, first: 0, normals: None, has_bad_normals: false, triangulate: false }
+    }
+
     /// Adds a face by the places of its corners in the mesh, which must be valid.
     pub fn add(
         &self,
@@ -101,30 +138,43 @@ impl Mesh {
         let point = |&i: &u32| scene.vertices.get(self.first as usize + i as usize).copied();
         if let [a, b, c] = corners {
             let points = [point(a), point(b), point(c)].map(Option::unwrap_or_default);
-            if area_vector(&points).is_none() {
-                counts.without_area.add(place);
-            } else {
+            if area_vector(&points).is_some() {
                 self.push([*a, *b, *c], scene);
+            } else if points.iter().any(|p| p.is_nan()) {
+                counts.unusable.add(place);
+            } else {
+                counts.without_area.add(place);
             }
             return Ok(());
         }
         let points: Vec<DVec3> = corners.iter().filter_map(point).collect();
-        let Some(area) = area_vector(&points) else {
-            counts.without_area.add(place);
-            return Ok(());
-        };
         // a face makes at most as many vertices and primitives as it has corners
-        let size = scene.vertices.len().max(scene.primitives.len()) + corners.len();
+        let size = scene.vertices.len().max(scene.primitives.len()) + 3 * corners.len();
         limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
-        let flat = is_flat(&points, area);
-        if !flat {
-            counts.bent.add(&place);
-        }
-        if flat && self.normals.is_none() && !self.triangulate {
-            scene.push_polygon(self.material, &points);
-            return Ok(());
-        }
-        let pieces = if flat { triangulate(&points) } else { triangulate_bent(&points, area) };
+        let pieces = match Outline::of(&points) {
+            Outline::Flat if self.normals.is_none() && !self.triangulate => {
+                scene.push_polygon(self.material, &points);
+                return Ok(());
+            }
+            Outline::Flat => triangulate(&points),
+            Outline::Bent(area) => {
+                counts.bent.add(&place);
+                triangulate_bent(&points, area)
+            }
+            Outline::Crossing(triangles) => {
+                counts.crossing.add(place);
+                push_all(self.material, triangles, scene);
+                return Ok(());
+            }
+            Outline::Unusable => {
+                counts.unusable.add(place);
+                return Ok(());
+            }
+            Outline::WithoutArea => {
+                counts.without_area.add(place);
+                return Ok(());
+            }
+        };
         let pieces = pieces.map_err(|source| LoadError::Entangled { place: place(), source })?;
         for piece in pieces {
             let pick = piece.map(|i| corners.get(i as usize).copied().unwrap_or_default());
@@ -138,12 +188,74 @@ impl Mesh {
 
     fn push(&self, corners: [u32; 3], scene: &mut Scene) {
         let v = corners.map(|i| self.first.saturating_add(i));
-        let shape = match self.normals {
+        let shape = match self.normals.filter(|&first| !self.has_bad_normal(corners, first, scene))
+        {
             Some(first) => Shape::Patch { v, n: corners.map(|i| first.saturating_add(i)) },
             None => Shape::Triangle { v },
         };
         scene.primitives.push(Primitive { shape, material: self.material });
     }
+
+    fn has_bad_normal(&self, corners: [u32; 3], first: u32, scene: &Scene) -> bool {
+        let normal = |i: u32| scene.normals.get(first as usize + i as usize);
+        self.has_bad_normals && corners.iter().any(|&i| normal(i).is_none_or(|n| n.is_nan()))
+    }
+
+    /// Puts other points in the places of vertices and normals that are NaN, once no face can have
+    /// them: whoever looks at all of them finds finite ones.
+    pub fn replace_unusable(&self, scene: &mut Scene) {
+        let replace = |all: &mut [DVec3]| {
+            let usable = all.iter().find(|v| !v.is_nan()).copied().unwrap_or_default();
+            all.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = usable);
+        };
+        replace(scene.vertices.get_mut(self.first as usize..).unwrap_or_default());
+        if let Some(first) = self.normals {
+            replace(scene.normals.get_mut(first as usize..).unwrap_or_default());
+        }
+    }
+}
+
+/// Adds a polygon with vertices of its own: triangles where it is bent or crosses itself.
+///
+/// # Errors
+/// [`LoadError::Entangled`].
+pub(crate) fn push_outline(
+    material: u32,
+    outline: &[DVec3],
+    scene: &mut Scene,
+    counts: &mut FaceCounts,
+    place: impl Fn() -> FilePlace,
+) -> Result<(), LoadError> {
+    match Outline::of(outline) {
+        Outline::Crossing(triangles) => {
+            counts.crossing.add(place);
+            push_all(material, triangles, scene);
+        }
+        Outline::Bent(area) => {
+            counts.bent.add(&place);
+            let pieces = triangulate_bent(outline, area);
+            let pieces =
+                pieces.map_err(|source| LoadError::Entangled { place: place(), source })?;
+            let mesh = Mesh {
+                first: u32::try_from(scene.vertices.len()).unwrap_or(u32::MAX),
+                ..Mesh::of_triangles(material)
+            };
+            scene.vertices.extend_from_slice(outline);
+            for piece in pieces {
+                let at = piece.map(|i| outline.get(i as usize).copied().unwrap_or_default());
+                if area_vector(&at).is_some() {
+                    mesh.push(piece, scene);
+                }
+            }
+        }
+        _ => scene.push_polygon(material, outline),
+    }
+    Ok(())
+}
+
+/// Adds triangles with vertices of their own.
+pub(crate) fn push_all(material: u32, triangles: Vec<[DVec3; 3]>, scene: &mut Scene) {
+    triangles.into_iter().for_each(|triangle| scene.push_triangle(material, triangle));
 }
 
 /// Vertices of formats that list triangles without indices: those in the same place become one.
@@ -160,6 +272,11 @@ impl Welder {
             u32::try_from(scene.vertices.len() - 1).unwrap_or(u32::MAX)
         })
     }
+}
+
+/// A coordinate that can be worked with, or NaN.
+pub(crate) fn usable(value: f64) -> f64 {
+    if value.abs() <= MAX_COORDINATE { value } else { f64::NAN }
 }
 
 /// A coordinate that can be worked with.

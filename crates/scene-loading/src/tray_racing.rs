@@ -20,7 +20,8 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, shortened};
-use crate::input::read::{confined, extension, lossy_text};
+use crate::input::read::{confined, extension};
+use crate::input::text::text_of;
 use crate::limits::MAX_JSON;
 use crate::mesh::coordinate;
 use crate::scene::{Camera, Light, Scene};
@@ -63,7 +64,7 @@ pub fn parse_tray_racing(
         return Err(LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_JSON });
     }
     let reader = ron::Options::default().with_recursion_limit(MAX_DEPTH);
-    let entry: SceneEntry = reader.from_str(&lossy_text(bytes)).map_err(|error| {
+    let entry: SceneEntry = reader.from_str(&text_of(path, bytes)?).map_err(|error| {
         let place = FilePlace::line(path, error.span.start.line);
         LoadError::Parser { place, parser: "ron", message: error.code.to_string() }
     })?;

@@ -42,7 +42,7 @@ pub fn parse_triangle_soup(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError
     }
     let mut scene = Scene::new(scene_name(path));
     let material = scene.push_material(Material::default());
-    let mesh = Mesh { material, first: 0, normals: None, triangulate: false };
+    let mesh = Mesh::of_triangles(material);
     let (mut welder, mut counts) = (Welder::default(), FaceCounts::default());
     progress::begin(count);
     for (i, record) in data.chunks_exact(TRIANGLE).enumerate() {

@@ -9,7 +9,8 @@ use crate::aff::looks;
 use crate::aff::motion::{Motion, Motions, brace, rotation};
 use crate::aff::world::{Branch, Part, Step, World};
 use crate::error::{FilePlace, LoadError, shortened};
-use crate::input::read::{confined, lossy_text, read_at_most};
+use crate::input::read::{confined, read_at_most};
+use crate::input::text::text_of;
 use crate::limits::{self, MAX_BYTES, MAX_NAME};
 use crate::mesh::{FaceCounts, Tally};
 use crate::nff::tokens::{Word, Words};
@@ -104,7 +105,7 @@ impl Reader<'_> {
         let too_large = || LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_BYTES };
         self.budget = self.budget.checked_sub(bytes.len() as u64).ok_or_else(too_large)?;
         // braces are words of their own wherever they stand
-        let text = lossy_text(bytes).replace('{', " { ").replace('}', " } ");
+        let text = text_of(path, bytes)?.replace('{', " { ").replace('}', " } ");
         let next = self.files.len();
         let file = *self.files.entry(path.to_path_buf()).or_insert(next);
         let words = Words::new(path, &text).with_comments(&['#', '%']);

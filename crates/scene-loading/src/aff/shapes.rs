@@ -70,7 +70,7 @@ impl Reader<'_> {
             }
         }
         let normals = with_normals.then_some(first_n);
-        let mesh = Mesh { material, first, normals, triangulate: true };
+        let mesh = Mesh { material, first, normals, has_bad_normals: false, triangulate: true };
         let corners: Vec<u32> = (0..index(count)).collect();
         mesh.add(&corners, scene, &mut self.counts, || words.place(word.line))
     }

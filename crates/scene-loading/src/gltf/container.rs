@@ -7,6 +7,7 @@ use ::gltf::json::Root;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, quote};
+use crate::input::text::without_mark;
 
 /// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as
 /// few as three in the file.
@@ -23,10 +24,9 @@ pub(super) struct Container<'a> {
 impl<'a> Container<'a> {
     /// Splits a file. Chunks of unknown types are skipped, as the format asks.
     pub fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
+        let bytes = without_mark(path, bytes)?;
         let container = match bytes.strip_prefix(b"glTF") {
-            None => {
-                Self { json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), binary: None }
-            }
+            None => Self { json: bytes, binary: None },
             Some(rest) => {
                 check_header(path, rest, bytes.len() as u64)?;
                 Self::split(path, rest.get(8..).unwrap_or_default())?

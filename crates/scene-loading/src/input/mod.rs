@@ -3,3 +3,4 @@
 pub(crate) mod decompress;
 pub(crate) mod images;
 pub(crate) mod read;
+pub(crate) mod text;

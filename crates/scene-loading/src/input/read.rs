@@ -1,4 +1,4 @@
-//! Reading the bytes of a scene file: size caps, text that is not UTF-8, paths that stay in a folder.
+//! Reading the bytes of a scene file: size caps, paths that stay in a folder.
 
 use std::fs::File;
 use std::io::Read;
@@ -35,12 +35,6 @@ pub(crate) fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, LoadError
         return Err(too_large());
     }
     Ok(bytes)
-}
-
-/// Bytes as text; what is not UTF-8 (Latin-1 comments) becomes the replacement character.
-pub(crate) fn lossy_text(bytes: Vec<u8>) -> String {
-    String::from_utf8(bytes)
-        .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
 /// The file's last ending in lower case, without the dot; empty when it has none.

@@ -6,6 +6,8 @@
 //! - A sphere of negative radius (the format: seen from inside) is an error; cones may have two
 //!   negative radii.
 //! - `pp` with more than three vertices is fanned into triangular patches, with a warning.
+//! - A polygon that is not plane, or crosses itself, is split into triangles, with a warning.
+//! - A patch with a normal that is NaN is a flat triangle, with a warning.
 //! - Surface properties are not clamped: the file is believed.
 
 pub(crate) mod tokens;
@@ -17,8 +19,10 @@ use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
-use crate::input::read::{lossy_text, read_file, scene_name};
+use crate::input::read::{read_file, scene_name};
+use crate::input::text::{parse_number, text_of, unified};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
+use crate::mesh::{FaceCounts, push_outline, usable};
 use crate::nff::tokens::{Word, Words};
 use crate::polygon::ear_clipping::MAX_CORNERS;
 use crate::scene::{Camera, Cone, Light, Material, Rgb, Scene, Warning};
@@ -31,7 +35,7 @@ const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
 /// Any [`LoadError`] of reading and unpacking the file, and of [`parse_nff`].
 pub fn load_nff(path: &Path) -> Result<Scene, LoadError> {
     let bytes = decompress(path, read_file(path)?)?;
-    parse_nff(path, &lossy_text(bytes))
+    parse_nff(path, &text_of(path, bytes)?)
 }
 
 /// Parses NFF text. `path` gives the scene its name and appears in errors.
@@ -41,10 +45,12 @@ pub fn load_nff(path: &Path) -> Result<Scene, LoadError> {
 /// [`LoadError::OutOfRange`], [`LoadError::NegativeRadius`], [`LoadError::CountTooLarge`], each
 /// with the line, and [`LoadError::NoPrimitives`].
 pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
+    let text = unified(text);
     let mut reader = Reader {
-        words: Words::new(path, text),
+        words: Words::new(path, &text),
         scene: Scene::new(scene_name(path)),
         material: None,
+        counts: FaceCounts::default(),
         fanned: 0,
         first_fanned: None,
     };
@@ -70,6 +76,7 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
         }
     }
     let mut scene = reader.scene;
+    reader.counts.warn(&mut scene);
     if let Some((line, count)) = reader.first_fanned {
         let place = FilePlace::line(path, line);
         let text = match reader.fanned {
@@ -94,6 +101,7 @@ struct Reader<'a> {
     words: Words<'a>,
     scene: Scene,
     material: Option<u32>,
+    counts: FaceCounts,
     /// Patches of more than three vertices, and line and vertices of the first.
     fanned: usize,
     first_fanned: Option<(usize, u64)>,
@@ -191,8 +199,8 @@ impl Reader<'_> {
             outline.push(self.words.vector(Corner { entity: "polygon", i, count })?);
         }
         let material = self.material();
-        self.scene.push_polygon(material, &outline);
-        Ok(())
+        let Self { words, scene, counts, .. } = self;
+        push_outline(material, &outline, scene, counts, || words.place(start.line))
     }
 
     fn patch(&mut self, start: Word<'_>) -> Result<(), LoadError> {
@@ -200,14 +208,18 @@ impl Reader<'_> {
         let mut corners: Vec<(DVec3, DVec3)> = Vec::with_capacity(room);
         for i in 1..=count {
             let what = Corner { entity: "patch", i, count };
-            corners.push((self.words.vector(what)?, self.words.vector(what)?));
+            corners.push((self.words.vector(what)?, self.normal(what)?));
         }
         let material = self.material();
         if let [first, rest @ ..] = corners.as_slice() {
             for pair in rest.windows(2) {
                 let [b, c] = pair else { continue };
-                let vertices = [first.0, b.0, c.0];
-                self.scene.push_patch(material, vertices, [first.1, b.1, c.1]);
+                let (vertices, normals) = ([first.0, b.0, c.0], [first.1, b.1, c.1]);
+                if normals.iter().any(|normal| normal.is_nan()) {
+                    self.scene.push_triangle(material, vertices);
+                } else {
+                    self.scene.push_patch(material, vertices, normals);
+                }
             }
         }
         if count > 3 {
@@ -215,6 +227,23 @@ impl Reader<'_> {
             self.first_fanned.get_or_insert((start.line, count));
         }
         Ok(())
+    }
+
+    /// Three numbers; NaN where one is, or is too large.
+    fn normal(&mut self, what: Corner) -> Result<DVec3, LoadError> {
+        let mut normal = [0.0; 3];
+        for value in &mut normal {
+            let word = self.words.any(what)?;
+            let place = || self.words.place(word.line);
+            let number = parse_number(word.text).ok_or_else(|| {
+                LoadError::syntax(place(), word.text, format!("a number ({what})"))
+            })?;
+            *value = usable(number);
+            if value.is_nan() {
+                self.counts.normals.add(place);
+            }
+        }
+        Ok(DVec3::from_array(normal))
     }
 }
 

@@ -71,9 +71,10 @@ impl<'a> Words<'a> {
         Some(word)
     }
 
-    /// Leaves out what is left of the line.
-    pub fn skip_line(&mut self) {
-        self.rest = self.rest.find('\n').and_then(|end| self.rest.get(end..)).unwrap_or("");
+    /// True when these two words come next, in any case, without a comment between them.
+    pub fn are_next(&self, expected: [&str; 2]) -> bool {
+        let mut words = self.rest.split_ascii_whitespace();
+        expected.iter().all(|word| words.next().is_some_and(|w| w.eq_ignore_ascii_case(word)))
     }
 
     /// The next word, whatever it is.

@@ -6,18 +6,20 @@
 //! - specular share = mean of `Ks`, but only for the illumination models that reflect (`illum`
 //!   3 to 9): exporters write `Ks 0.5` for every matt surface, and here a share > 0 is a mirror;
 //! - shine = `Ns`; a material that reflects and has none is a mirror without a visible highlight;
-//!   transmittance = 1 - `d` (or `Tr`); index of refraction = `Ni` where transparent.
+//!   transmittance = 1 - `d`; index of refraction = `Ni` where transparent;
+//! - `Tr` is not in the specification: it is 1 - `d` where there is no `d`. `Tr 1` without a model
+//!   that refracts is opaque, which is what MeshLab means by it.
 //!
-//! Of textures, `map_Kd` is read, without options: its texels times `Kd` are the colour, as the
-//! format says. Other maps are not read.
+//! Of textures, `map_Kd` is read (`maps`): its texels times `Kd` are the colour, as the format says.
+//! Other maps are not read. Materials are no geometry: a damaged line is left out and counted.
 
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::lossy_text;
+use crate::input::text::text_of;
 use crate::limits::{self, MAX_MATERIALS, MAX_NAME};
-use crate::obj::scan::number;
-use crate::scene::Material;
+use crate::mesh::Tally;
+use crate::scene::{Material, Scene};
 
 /// The most bytes of the material files of one OBJ file, together.
 pub(crate) const MAX_LIBRARY_BYTES: u64 = 256 << 20;
@@ -40,110 +42,154 @@ pub(crate) struct ColorMap {
     pub text: String,
 }
 
-/// Reads MTL text: the materials in its order.
+/// An MTL file.
+#[derive(Default)]
+pub(crate) struct Library {
+    /// The materials in its order.
+    pub entries: Vec<MtlEntry>,
+    damaged: Tally,
+    /// `d` and `Tr` that differ.
+    contradicting: Tally,
+    /// `Tr 1` that is taken as opaque.
+    opaque: Tally,
+    /// `d 0` where nothing refracts.
+    invisible: Tally,
+}
+
+impl Library {
+    /// One warning for each kind of line that is not taken as it stands.
+    pub fn warn(&self, scene: &mut Scene) {
+        for (tally, what) in [
+            (&self.damaged, "damaged lines left out"),
+            (&self.contradicting, "materials whose d and Tr differ: d counts"),
+            (&self.opaque, "materials with Tr 1 that do not refract taken as opaque"),
+            (&self.invisible, "materials with d 0 that do not refract: they are invisible"),
+        ] {
+            tally.warn(what, scene);
+        }
+    }
+}
+
+/// Reads MTL text.
 ///
 /// # Errors
-/// [`LoadError::Syntax`], [`LoadError::NotFinite`] and [`LoadError::CountTooLarge`] with the line.
-pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Vec<MtlEntry>, LoadError> {
-    let mut entries = Vec::new();
+/// [`LoadError::CountTooLarge`] with the line, [`LoadError::Syntax`] for UTF-16.
+pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadError> {
+    let mut library = Library::default();
     let mut stated: Option<Stated> = None;
-    for (i, row) in lossy_text(bytes).lines().enumerate() {
+    let mut count = 0;
+    for (i, row) in text_of(path, bytes)?.lines().enumerate() {
         let place = || FilePlace::line(path, i + 1);
         limits::check(row.len(), MAX_LINE, "the length of a line", place)?;
         let row = row.trim();
         let (keyword, rest) = row.split_once(char::is_whitespace).unwrap_or((row, ""));
         let rest = rest.trim();
         if keyword == "newmtl" {
-            if rest.is_empty() {
-                return Err(LoadError::syntax(place(), row, "newmtl and a name"));
-            }
             limits::check(rest.len(), MAX_NAME, "the length of a name", place)?;
-            limits::check(entries.len() + 1, MAX_MATERIALS, "the number of materials", place)?;
-            let next = Stated { name: rest.to_owned(), ..Stated::default() };
-            entries.extend(stated.replace(next).map(Stated::entry));
+            count += 1;
+            limits::check(count, MAX_MATERIALS, "the number of materials", place)?;
+            if rest.is_empty() {
+                library.damaged.add(place);
+            }
+            let next = Stated { name: rest.to_owned(), line: i + 1, ..Stated::default() };
+            if let Some(complete) = stated.replace(next) {
+                complete.finish(path, &mut library);
+            }
             continue;
         }
-        let known = ["Kd", "Ks", "Ns", "Ni", "d", "Tr", "illum", "map_Kd"];
-        if !known.contains(&keyword) {
+        if !["Kd", "Ks", "Ns", "Ni", "d", "Tr", "illum", "map_Kd"].contains(&keyword) {
             continue;
         }
-        let Some(stated) = &mut stated else {
-            return Err(LoadError::syntax(place(), row, "newmtl before the first property"));
+        let read = match &mut stated {
+            None => None,
+            Some(stated) if keyword == "map_Kd" => {
+                // as with all properties, the last one counts
+                stated.map = Some(ColorMap { line: i + 1, text: rest.to_owned() });
+                Some(())
+            }
+            Some(stated) => stated.property(keyword, rest),
         };
-        if keyword == "map_Kd" {
-            // as with all properties, the last one counts
-            stated.map = Some(ColorMap { line: i + 1, text: rest.to_owned() });
-        } else {
-            stated.property(row, keyword, rest, place)?;
+        if read.is_none() {
+            library.damaged.add(place);
         }
     }
-    entries.extend(stated.map(Stated::entry));
-    Ok(entries)
+    if let Some(complete) = stated {
+        complete.finish(path, &mut library);
+    }
+    Ok(library)
 }
 
 /// What a file states of one material.
 #[derive(Default)]
 struct Stated {
     name: String,
+    /// Of its `newmtl`.
+    line: usize,
     diffuse: Option<[f64; 3]>,
     specular: Option<[f64; 3]>,
     shininess: Option<f64>,
     optical_density: Option<f64>,
     dissolve: Option<f64>,
+    transparency: Option<f64>,
     model: Option<f64>,
     map: Option<ColorMap>,
 }
 
 impl Stated {
-    /// Reads the numbers of a property.
-    fn property(
-        &mut self,
-        row: &str,
-        keyword: &str,
-        rest: &str,
-        place: impl Fn() -> FilePlace,
-    ) -> Result<(), LoadError> {
+    /// Reads the numbers of a property; none where they are not what it takes.
+    fn property(&mut self, keyword: &str, rest: &str) -> Option<()> {
         let words: Vec<&str> =
             rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
         if let Some(&("spectral" | "xyz" | "-halo")) = words.first() {
-            return Ok(());
+            return Some(());
         }
-        let values = words
-            .iter()
-            .map(|word| number(word, keyword, &place))
-            .collect::<Result<Vec<f64>, LoadError>>()?;
-        let color = match values.as_slice() {
-            // One number stands for three equal ones.
-            [v] => Some([*v; 3]),
-            [r, g, b] => Some([*r, *g, *b]),
-            _ => None,
-        };
-        let expected = match keyword {
-            "Kd" | "Ks" => format!("{keyword} and 1 or 3 numbers"),
-            _ => format!("{keyword} and 1 number"),
-        };
-        let malformed = || LoadError::syntax(place(), row, expected);
+        let number = |word: &&str| word.parse().ok().filter(|value: &f64| value.is_finite());
+        let values = words.iter().map(number).collect::<Option<Vec<f64>>>()?;
         match (keyword, values.as_slice()) {
-            ("Kd", _) => self.diffuse = Some(color.ok_or_else(malformed)?),
-            ("Ks", _) => self.specular = Some(color.ok_or_else(malformed)?),
-            ("Ns", [v]) => self.shininess = Some(*v),
-            ("Ni", [v]) => self.optical_density = Some(*v),
-            ("d", [v]) => self.dissolve = Some(*v),
-            ("Tr", [v]) => self.dissolve = Some(1.0 - v),
-            ("illum", [v]) if (0.0..=10.0).contains(v) && v.fract() == 0.0 => self.model = Some(*v),
-            ("illum", [_]) => {
-                return Err(LoadError::syntax(place(), row, "an illumination model, 0 to 10"));
+            // One number stands for three equal ones.
+            ("Kd", &[v]) => self.diffuse = Some([v; 3]),
+            ("Kd", &[r, g, b]) => self.diffuse = Some([r, g, b]),
+            ("Ks", &[v]) => self.specular = Some([v; 3]),
+            ("Ks", &[r, g, b]) => self.specular = Some([r, g, b]),
+            ("Ns", &[v]) => self.shininess = Some(v),
+            ("Ni", &[v]) => self.optical_density = Some(v),
+            ("d", &[v]) => self.dissolve = Some(v),
+            ("Tr", &[v]) => self.transparency = Some(v),
+            ("illum", &[v]) if (0.0..=10.0).contains(&v) && v.fract() == 0.0 => {
+                self.model = Some(v);
             }
-            _ => return Err(malformed()),
+            _ => return None,
         }
-        Ok(())
+        Some(())
     }
 
-    fn entry(self) -> MtlEntry {
+    /// Adds the material to its library; one without a name can be used by no face.
+    fn finish(self, path: &Path, library: &mut Library) {
+        if self.name.is_empty() {
+            return;
+        }
+        let place = || FilePlace::line(path, self.line);
         let default = Material::default();
         let reflects = self.model.is_some_and(|model| model >= 3.0);
+        let refracts = self.model.is_some_and(|model| [4.0, 6.0, 7.0, 9.0].contains(&model));
         let specular = self.specular.map_or(0.0, |[r, g, b]| (r + g + b) / 3.0);
-        let transmittance = 1.0 - self.dissolve.unwrap_or(1.0).clamp(0.0, 1.0);
+        let transparency = match (self.dissolve, self.transparency) {
+            (Some(d), transparency) => {
+                if transparency.is_some_and(|other| (1.0 - d - other).abs() > 1e-3) {
+                    library.contradicting.add(place);
+                }
+                if d <= 0.0 && !refracts {
+                    library.invisible.add(place);
+                }
+                1.0 - d
+            }
+            (None, Some(transparency)) if transparency >= 1.0 && !refracts => {
+                library.opaque.add(place);
+                0.0
+            }
+            (None, transparency) => transparency.unwrap_or(0.0),
+        };
+        let transmittance = transparency.clamp(0.0, 1.0);
         let material = Material {
             name: self.name,
             color: self.diffuse.unwrap_or(default.color),
@@ -158,6 +204,6 @@ impl Stated {
             texture: None,
             roughness: 0.0,
         };
-        (material, self.map)
+        library.entries.push((material, self.map));
     }
 }

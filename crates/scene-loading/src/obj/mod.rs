@@ -11,30 +11,35 @@
 //! [`ObjOptions::triangulate`] asks for it. Faces without area, lines, points and free-form
 //! curves are left out, each with a warning that counts them. Texture coordinates are kept where a
 //! material has a texture (`textures`); such faces are split into triangles, too.
+//!
+//! Geometry alone is needed: damaged normals, texture coordinates and materials make faces flat or
+//! plain, and a face is left out only where one of its own corners is NaN; all with warnings.
 
+mod corners;
 pub mod export;
+mod libraries;
+mod maps;
 mod material;
+mod rows;
 mod scan;
 mod textures;
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
-use crate::input::read::{confined, is_missing, read_at_most, read_file, scene_name};
-use crate::limits::{self, MAX_ELEMENTS, MAX_MATERIALS};
-use crate::obj::material::{MAX_LIBRARY_BYTES, parse_mtl};
-use crate::obj::scan::{FaceLine, NONE, ObjScan, scan};
-use crate::obj::textures::{ColorMaps, FaceTexcoords};
+use crate::input::read::{read_file, scene_name};
+use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::{FaceCounts, Tally, push_all};
+use crate::obj::libraries::Materials;
+use crate::obj::material::parse_mtl;
+use crate::obj::scan::{FaceLine, ObjScan, scan};
+use crate::obj::textures::FaceTexcoords;
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
-use crate::polygon::{area_vector, is_flat};
+use crate::polygon::{Outline, area_vector};
 use crate::scene::{Material, Primitive, Scene, Shape, Warning};
-
-/// The most names that a warning lists.
-const MAX_NAMES: usize = 20;
 
 /// How faces become primitives.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -56,20 +61,21 @@ pub fn load_obj(path: &Path, options: ObjOptions) -> Result<Scene, LoadError> {
 /// appears in errors. Scenes have no lights and a camera that frames them.
 ///
 /// # Errors
-/// [`LoadError::Syntax`], [`LoadError::NotFinite`], [`LoadError::OutOfRange`] and
-/// [`LoadError::IndexOutOfRange`] with the line in the OBJ or MTL file, and
-/// [`LoadError::NoPrimitives`].
+/// [`LoadError::Syntax`], [`LoadError::CountTooLarge`] and [`LoadError::IndexOutOfRange`] with the
+/// line in the OBJ or MTL file, and [`LoadError::NoPrimitives`].
 pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Scene, LoadError> {
     let mut scan = scan(path, bytes)?;
     let mut scene = Scene::new(scene_name(path));
-    let ids = materials(path, &scan, &mut scene)?;
+    let materials = libraries::read(path, &scan, &mut scene)?;
     let (faces, corners) = (std::mem::take(&mut scan.faces), std::mem::take(&mut scan.corners));
     let mut builder = Builder {
         path,
         options,
         scene,
+        materials: &materials,
         texcoords: FaceTexcoords::new(&scan),
-        counts: Counts::default(),
+        counts: FaceCounts::default(),
+        without_texcoords: Tally::default(),
         positions: Renumbered::new(scan.positions.len()),
         normals: Renumbered::new(scan.normals.len()),
         nameless: None,
@@ -82,7 +88,7 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     let (mut rest, mut rest_n) = (corners.as_slice(), scan.normal_corners.as_slice());
     for (i, face) in faces.iter().enumerate() {
         while let Some((_, name)) = switches.next_if(|(before, _)| *before <= i) {
-            let next = ids.get(*name).copied();
+            let next = name.and_then(|name| materials.ids.get(name).copied());
             if next != material && started {
                 builder.new_numbers();
                 started = false;
@@ -96,127 +102,31 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
         (own_n, rest_n) = rest_n.split_at_checked(count).unwrap_or_default();
         builder.add(*face, own, own_n, &scan, material)?;
     }
-    let Builder { mut scene, counts, .. } = builder;
+    let Builder { mut scene, counts, without_texcoords, .. } = builder;
     if scene.primitives.is_empty() {
         let expected = "face (f) with an area";
         return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
     }
-    report(path, &scan, &counts, &mut scene);
+    counts.warn(&mut scene);
+    let what = "faces of textured materials without texture coordinates have the plain colour";
+    without_texcoords.warn(what, &mut scene);
+    scan.odd.warn(&mut scene);
+    report(path, &scan, &mut scene);
     scene.frame_camera();
     Ok(scene)
 }
 
-/// Parses MTL text: the materials in file order, without their textures.
+/// Parses MTL text: the materials in file order, without their textures. Damaged lines are left out.
 ///
 /// # Errors
-/// [`LoadError::Syntax`] and [`LoadError::NotFinite`] with the line.
+/// [`LoadError::CountTooLarge`] with the line, [`LoadError::Syntax`] for UTF-16.
 pub fn parse_materials(path: &Path, bytes: Vec<u8>) -> Result<Vec<Material>, LoadError> {
-    Ok(parse_mtl(path, bytes)?.into_iter().map(|(material, _)| material).collect())
-}
-
-/// Fills the scene's materials from the MTL files, each read once; of several materials of a name
-/// the last counts. Names that are used but not defined get the default material under their name.
-/// Returns the index of each name of [`ObjScan::used`].
-fn materials(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Vec<u32>, LoadError> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut maps = ColorMaps::default();
-    let mut ids: HashMap<String, u32> = HashMap::new();
-    let mut left = MAX_LIBRARY_BYTES;
-    for (line, library) in &scan.libraries {
-        let place = || FilePlace::line(path, *line);
-        let Some(file) = confined(folder, library) else {
-            let text = format!("{}: mtllib `{library}` leads out of the folder; not read", place());
-            scene.warnings.push(Warning(text));
-            continue;
-        };
-        if is_missing(&file) {
-            let text = format!("{}: material file {} is missing", place(), file.display());
-            scene.warnings.push(Warning(text));
-            continue;
-        }
-        let bytes = read_at_most(&file, left)?;
-        left -= bytes.len() as u64;
-        let entries = parse_mtl(&file, bytes)?;
-        maps.begin(&file);
-        for (material, map) in entries {
-            let id = match ids.get(&material.name) {
-                Some(&known) => known,
-                None => {
-                    let id = new_id(scene, place)?;
-                    ids.insert(material.name.clone(), id);
-                    scene.materials.push(Material::default());
-                    id
-                }
-            };
-            if let Some(slot) = scene.materials.get_mut(id as usize) {
-                *slot = material;
-            }
-            maps.set(id, map);
-        }
-    }
-    maps.read(scan.used.iter().filter_map(|(_, name)| ids.get(name).copied()), scene);
-    let (mut undefined, mut listed) = (0, Vec::new());
-    let mut found = Vec::with_capacity(scan.used.len());
-    for (line, name) in &scan.used {
-        if let Some(&id) = ids.get(name) {
-            found.push(id);
-            continue;
-        }
-        let id = new_id(scene, || FilePlace::line(path, *line))?;
-        ids.insert(name.clone(), id);
-        scene.materials.push(Material { name: name.clone(), ..Material::default() });
-        found.push(id);
-        undefined += 1;
-        if undefined <= MAX_NAMES {
-            listed.push(format!("`{name}` (line {line})"));
-        }
-    }
-    if undefined > 0 {
-        let (file, count, more) = (path.display(), undefined, undefined - listed.len());
-        let mut list = listed.join(", ");
-        if more > 0 {
-            list.push_str(&format!(" and {more} more"));
-        }
-        let text = format!("{file}: {count} materials are not defined and look default: {list}");
-        scene.warnings.push(Warning(text));
-    }
-    Ok(found)
-}
-
-/// The index of the scene's next material.
-fn new_id(scene: &Scene, place: impl FnOnce() -> FilePlace) -> Result<u32, LoadError> {
-    let id = scene.materials.len();
-    limits::check(id + 1, MAX_MATERIALS, "the number of materials", place)?;
-    Ok(u32::try_from(id).unwrap_or(u32::MAX))
+    Ok(parse_mtl(path, bytes)?.entries.into_iter().map(|(material, _)| material).collect())
 }
 
 fn too_many(path: &Path, what: &str, count: usize) -> LoadError {
     let (place, what) = (FilePlace::file(path), what.to_string());
     LoadError::CountTooLarge { place, what, count: count as u64, limit: u32::MAX.into() }
-}
-
-/// Faces that were not taken as they are.
-#[derive(Default)]
-struct Counts {
-    without_area: Tally,
-    bent: Tally,
-    without_texcoords: Tally,
-}
-
-/// How many, and the line of the first.
-#[derive(Default)]
-struct Tally {
-    count: usize,
-    first: u32,
-}
-
-impl Tally {
-    fn add(&mut self, line: u32) {
-        if self.count == 0 {
-            self.first = line;
-        }
-        self.count += 1;
-    }
 }
 
 /// New numbers for the elements of a list, in the order of their use since the last fresh start.
@@ -246,8 +156,10 @@ struct Builder<'a> {
     path: &'a Path,
     options: ObjOptions,
     scene: Scene,
+    materials: &'a Materials,
     texcoords: FaceTexcoords<'a>,
-    counts: Counts,
+    counts: FaceCounts,
+    without_texcoords: Tally,
     positions: Renumbered,
     normals: Renumbered,
     /// The material of faces before any `usemtl`.
@@ -277,13 +189,19 @@ impl Builder<'_> {
             Some(id) => id,
             None => self.default_material(),
         };
-        // a face makes at most as many vertices and primitives as it has corners
-        let size = self.scene.vertices.len().max(self.scene.primitives.len()) + corners.len();
+        // a face makes at most three times as many vertices and primitives as it has corners
+        let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3 * corners.len();
         if size > MAX_ELEMENTS {
             let place = || FilePlace::line(self.path, face.line as usize);
             limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
         }
         self.texcoords.next_face(corners.len());
+        if scan.odd.positions.is_any()
+            && corners.iter().any(|&i| scan.positions.get(i as usize).is_some_and(|p| p.is_nan()))
+        {
+            self.counts.unusable(|| FilePlace::line(self.path, face.line as usize));
+            return Ok(());
+        }
         // Reused from face to face: files have millions.
         let (mut own, mut own_n) = (std::mem::take(&mut self.own), std::mem::take(&mut self.own_n));
         let mut points = std::mem::take(&mut self.points);
@@ -293,10 +211,11 @@ impl Builder<'_> {
         let scene = &mut self.scene;
         let number = |&i: &u32| self.positions.number(i, &scan.positions, &mut scene.vertices);
         own.extend(corners.iter().filter_map(number));
-        let number = |&i: &u32| self.normals.number(i, &scan.normals, &mut scene.normals);
-        own_n.extend(normals.iter().filter(|i| **i != NONE).filter_map(number));
-        if !face.smooth {
-            own_n.clear();
+        let is_damaged = scan.odd.normals.is_any()
+            && normals.iter().any(|&i| scan.normals.get(i as usize).is_some_and(|n| n.is_nan()));
+        if face.smooth && !is_damaged {
+            let number = |&i: &u32| self.normals.number(i, &scan.normals, &mut scene.normals);
+            own_n.extend(normals.iter().filter_map(number));
         }
         if own.len() != corners.len() {
             return Err(too_many(self.path, "vertices", scene.vertices.len()));
@@ -320,16 +239,25 @@ impl Builder<'_> {
         points: &[DVec3],
         face: FaceLine,
     ) -> Result<(), LoadError> {
-        let Some(area) = area_vector(points) else {
-            self.counts.without_area.add(face.line);
-            return Ok(());
+        let place = || FilePlace::line(self.path, face.line as usize);
+        let outline = match Outline::of(points) {
+            Outline::Unusable | Outline::WithoutArea => {
+                self.counts.without_area(place);
+                return Ok(());
+            }
+            Outline::Crossing(triangles) => {
+                self.counts.crossing(place);
+                push_all(material, triangles, &mut self.scene);
+                return Ok(());
+            }
+            outline => outline,
         };
         let textured =
             self.scene.materials.get(material as usize).is_some_and(|m| m.texture.is_some());
         let textured = textured && {
             let known = self.texcoords.are_known();
             if !known {
-                self.counts.without_texcoords.add(face.line);
+                self.without_texcoords.add(place);
             }
             known
         };
@@ -337,23 +265,22 @@ impl Builder<'_> {
             self.push(material, corners, normals, textured, [0, 1, 2]);
             return Ok(());
         }
-        let flat = is_flat(points, area);
-        if !flat {
-            self.counts.bent.add(face.line);
-        }
-        if flat && normals.is_empty() && !textured && !self.options.triangulate {
-            self.scene.push_polygon(material, points);
-            return Ok(());
-        }
-        let pieces = if flat { triangulate(points) } else { triangulate_bent(points, area) };
-        let pieces = pieces.map_err(|source| LoadError::Entangled {
-            place: FilePlace::line(self.path, face.line as usize),
-            source,
-        })?;
+        let pieces = match outline {
+            Outline::Bent(area) => {
+                self.counts.bent(place);
+                triangulate_bent(points, area)
+            }
+            _ if normals.is_empty() && !textured && !self.options.triangulate => {
+                self.scene.push_polygon(material, points);
+                return Ok(());
+            }
+            _ => triangulate(points),
+        };
+        let pieces = pieces.map_err(|source| LoadError::Entangled { place: place(), source })?;
         for piece in pieces {
             let piece = piece.map(|i| i as usize);
-            let place = piece.map(|i| points.get(i).copied().unwrap_or_default());
-            if area_vector(&place).is_some() {
+            let points = piece.map(|i| points.get(i).copied().unwrap_or_default());
+            if area_vector(&points).is_some() {
                 self.push(material, corners, normals, textured, piece);
             }
         }
@@ -378,27 +305,21 @@ impl Builder<'_> {
             (None, _) => return,
         };
         self.scene.primitives.push(Primitive { shape, material });
-        if textured && let Some(texcoords) = self.texcoords.of(piece) {
+        let placement = || self.materials.placements.get(&material);
+        if textured && let Some(texcoords) = self.texcoords.of(piece, placement()) {
             self.scene.last_is_textured(texcoords);
         }
     }
 }
 
-/// One warning for each kind of thing that was left out or changed.
-fn report(path: &Path, scan: &ObjScan, counts: &Counts, scene: &mut Scene) {
+/// A warning for each kind of thing that is no surface, and for unknown words.
+fn report(path: &Path, scan: &ObjScan, scene: &mut Scene) {
     let file = path.display();
     let mut warn = |count: usize, text: String| {
         if count > 0 {
             scene.warnings.push(Warning(text));
         }
     };
-    let Tally { count, first } = counts.without_area;
-    warn(count, format!("{file}: {count} faces without area left out (first: line {first})"));
-    let Tally { count, first } = counts.bent;
-    warn(count, format!("{file}: {count} faces that are not flat split (first: line {first})"));
-    let Tally { count, first } = counts.without_texcoords;
-    let what = "faces of textured materials without texture coordinates have the plain colour";
-    warn(count, format!("{file}: {count} {what} (first: line {first})"));
     warn(scan.lines, format!("{file}: {} line elements left out", scan.lines));
     warn(scan.points, format!("{file}: {} point elements left out", scan.points));
     warn(scan.curves, format!("{file}: {} free-form curves and surfaces left out", scan.curves));

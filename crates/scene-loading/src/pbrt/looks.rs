@@ -85,16 +85,27 @@ pub(super) fn add_lights(lights: &[LightEntry], scene: &mut Scene) {
 /// `Material` or `MakeNamedMaterial`.
 pub(super) fn material(name: &str, kind: &str, params: &Params) -> Result<Material, LoadError> {
     let plain = Material { name: name.to_owned(), ..Material::default() };
+    let colored =
+        |color: Option<Rgb>| Material { color: color.unwrap_or([0.5; 3]), ..plain.clone() };
     Ok(match kind {
-        "diffuse" | "coateddiffuse" | "diffusetransmission" => {
-            Material { color: params.rgb("reflectance")?.unwrap_or([0.5; 3]), ..plain }
+        // of version 3
+        "matte" | "plastic" | "uber" | "substrate" | "translucent" | "kdsubsurface" => {
+            colored(params.rgb("Kd")?)
         }
-        "conductor" | "coatedconductor" => {
-            let color = params.rgb("reflectance")?.unwrap_or([1.0; 3]);
+        "disney" => colored(params.rgb("color")?),
+        "diffuse" | "coateddiffuse" | "diffusetransmission" => colored(params.rgb("reflectance")?),
+        "conductor" | "coatedconductor" | "metal" | "mirror" => {
+            let name = if kind == "mirror" { "Kr" } else { "reflectance" };
+            let color = params.rgb(name)?.unwrap_or([1.0; 3]);
             Material { color, diffuse: 0.2, specular: 0.8, shine: NO_HIGHLIGHT, ..plain }
         }
-        "dielectric" | "thindielectric" => {
-            let eta = if kind == "dielectric" { params.number("eta", 1.5)? } else { 1.0 };
+        "dielectric" | "thindielectric" | "glass" => {
+            let eta = match kind {
+                "thindielectric" => 1.0,
+                // of version 3, which has both names
+                "glass" => params.number("eta", params.number("index", 1.5)?)?,
+                _ => params.number("eta", 1.5)?,
+            };
             Material {
                 color: [1.0; 3],
                 diffuse: 0.0,

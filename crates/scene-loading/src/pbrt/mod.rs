@@ -1,15 +1,17 @@
 //! Scene descriptions of PBRT, version 4 (M. Pharr, W. Jakob, G. Humphreys, pbrt.org/fileformat-v4), as
-//! far as a benchmark of acceleration structures needs them.
+//! far as a benchmark of acceleration structures needs them. Those of versions 2 and 3 place shapes
+//! in the same way, and are read with a warning.
 //!
 //! - Shapes `trianglemesh`, `plymesh`, `bilinearmesh` (as quadrangles, split where they are bent) and
 //!   `sphere` (whole; only under transforms that keep it one). Others are left out and counted.
-//! - All transforms, attributes, `Include` and `Import`; objects and their instances: each is a copy of the
+//! - All transforms, attributes (`Attribute` for shapes, lights and materials), `Include` and `Import`; objects and their instances: each is a copy of the
 //!   object's shapes, and noted in `Scene::instances`.
 //! - The camera's place, direction and field of view. PBRT's camera space is left-handed: without
 //!   `Scale -1 1 1` before it, the image here is the mirror image of PBRT's.
 //! - `point`, `spot` (both as points) and `distant` lights (as in `tray_racing`). Area lights are plain surfaces,
 //!   environments are left out; both are counted.
-//! - Colours of `diffuse` and `coateddiffuse`; `conductor`s are mirrors, `dielectric`s glass. Textures
+//! - Colours of `diffuse` and `coateddiffuse`, and of `matte` and its like of version 3; `conductor`s
+//!   are mirrors, `dielectric`s glass. Textures
 //!   and spectra are not read: what has one is grey.
 //! - Everything else (film, sampler, media, ...) is passed over.
 //!
@@ -23,18 +25,20 @@ mod tokens;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use glam::DMat4;
 
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::decompress::decompress;
-use crate::input::read::{confined, lossy_text, read_at_most, scene_name};
+use crate::input::read::{confined, read_at_most, scene_name};
+use crate::input::text::text_of;
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
 use crate::mesh::{FaceCounts, Tally};
 use crate::pbrt::looks::{LightEntry, add_lights};
-use crate::pbrt::params::Params;
+use crate::pbrt::params::{Inherited, Params};
 use crate::pbrt::shapes::{Adding, LeftOut};
-use crate::pbrt::state::{Attributes, State};
+use crate::pbrt::state::{Attributes, LIGHT, MATERIAL, SHAPE, State};
 use crate::pbrt::tokens::{Token, Tokens};
 use crate::ply::add_ply;
 use crate::progress;
@@ -43,6 +47,9 @@ use crate::scene::{Camera, Material, Scene};
 /// How deep files may include others, and how many there may be of all.
 const MAX_INCLUDES: usize = 16;
 const MAX_FILES: usize = 1 << 16;
+
+/// Spheres under transforms that do not keep them spheres.
+const ELLIPSOIDS: &str = "ellipsoids (spheres that their transform stretches) left out";
 
 /// The most objects that instances may be made of.
 const MAX_OBJECTS: usize = 1 << 20;
@@ -72,7 +79,7 @@ pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scen
         files: 0,
         budget: MAX_BYTES.saturating_sub(bytes.len() as u64),
     };
-    loader.file(path, &lossy_text(bytes), 0)?;
+    loader.file(path, &text_of(path, bytes)?, 0)?;
     progress::end();
     if loader.state.depth() > 0 || loader.object.is_some() {
         let expected = "AttributeEnd or ObjectEnd for each beginning".to_owned();
@@ -161,13 +168,13 @@ impl Loader<'_> {
             }
             "Material" => {
                 let kind = tokens.name("type")?;
-                let params = Params::read(tokens, line)?;
+                let params = Params::read(tokens, line)?.inheriting(self.inherited(MATERIAL));
                 self.state.now.material = Some(self.material("", &kind, &params)?);
                 Ok(())
             }
             "MakeNamedMaterial" => {
                 let name = tokens.name("name")?;
-                let params = Params::read(tokens, line)?;
+                let params = Params::read(tokens, line)?.inheriting(self.inherited(MATERIAL));
                 let kind = params.string("type").unwrap_or_default().to_owned();
                 let id = self.material(&name, &kind, &params)?;
                 self.materials.insert(name, id);
@@ -193,9 +200,10 @@ impl Loader<'_> {
                 Ok(())
             }
             "ObjectEnd" => {
-                let Some((name, object)) = self.object.take() else {
+                let Some((name, mut object)) = self.object.take() else {
                     return Err(LoadError::syntax(place(), "ObjectEnd", "ObjectBegin before it"));
                 };
+                self.scene.warnings.append(&mut object.warnings);
                 let number = self.objects.len() as u32;
                 self.objects.insert(name, (number, object));
                 self.state.restore(token.text, place)
@@ -203,11 +211,42 @@ impl Loader<'_> {
             "ObjectInstance" => self.instance(token, tokens),
             "Shape" => self.shape(token, tokens),
             "Include" | "Import" => self.include(token, tokens, depth),
-            "Attribute" | "Accelerator" | "ColorSpace" | "Film" | "Integrator"
-            | "MakeNamedMedium" | "MediumInterface" | "Option" | "PixelFilter"
-            | "ReverseOrientation" | "Sampler" | "Texture" | "TransformTimes" => tokens.pass_over(),
+            "Attribute" => self.attribute(token, tokens),
+            "WorldEnd" | "SurfaceIntegrator" | "VolumeIntegrator" | "Renderer" | "Volume" => {
+                let what =
+                    "statements of PBRT before version 4: the file is read as far as they agree";
+                self.leave_out(what.into(), place);
+                tokens.pass_over()
+            }
+            "Accelerator" | "ColorSpace" | "Film" | "Integrator" | "MakeNamedMedium"
+            | "MediumInterface" | "Option" | "PixelFilter" | "ReverseOrientation" | "Sampler"
+            | "Texture" | "TransformTimes" => tokens.pass_over(),
             other => Err(LoadError::syntax(place(), other, "a directive of PBRT, version 4")),
         }
+    }
+
+    /// `Attribute "shape" ...`: parameters for statements of a kind that follow.
+    fn attribute(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
+        let target = tokens.name("target")?;
+        let params = Params::read(tokens, token.line)?;
+        let which = match target.as_str() {
+            "shape" => SHAPE,
+            "light" => LIGHT,
+            "material" => MATERIAL,
+            _ => {
+                let what = format!("attributes of {} left out", shortened(&target));
+                self.leave_out(what, || params.place());
+                return Ok(());
+            }
+        };
+        if let Some(slot) = self.state.now.inherited.get_mut(which) {
+            *slot = Some(Inherited::with(slot.as_ref(), params)?);
+        }
+        Ok(())
+    }
+
+    fn inherited(&self, which: usize) -> Option<&Rc<Inherited>> {
+        self.state.now.inherited.get(which)?.as_ref()
     }
 
     fn camera(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
@@ -226,7 +265,7 @@ impl Loader<'_> {
 
     fn light(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
         let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?;
+        let params = Params::read(tokens, token.line)?.inheriting(self.inherited(LIGHT));
         let count = self.lights.len() + 1;
         limits::check(count, MAX_LIGHTS, "the number of lights", || params.place())?;
         match looks::light(&kind, &params, self.state.now.transform)? {
@@ -270,7 +309,7 @@ impl Loader<'_> {
 
     fn shape(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
         let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?;
+        let params = Params::read(tokens, token.line)?.inheriting(self.inherited(SHAPE));
         let place = || params.place();
         let material = self.current_material();
         let ply = match kind.as_str() {
@@ -300,7 +339,11 @@ impl Loader<'_> {
             _ => Ok(Err(LeftOut)),
         };
         if added?.is_err() {
-            self.leave_out(format!("shapes {} left out", shortened(&kind)), place);
+            let what = match kind.as_str() {
+                "sphere" => ELLIPSOIDS.to_owned(),
+                _ => format!("shapes {} left out", shortened(&kind)),
+            };
+            self.leave_out(what, place);
         } else if self.state.now.shines {
             self.leave_out("area lights are plain surfaces".into(), place);
         }
@@ -334,7 +377,7 @@ impl Loader<'_> {
             triangulate: self.triangulate,
         };
         for _ in 0..adding.instance(object, *number, place)? {
-            self.leave_out("shapes sphere left out".into(), place);
+            self.leave_out(ELLIPSOIDS.into(), place);
         }
         Ok(())
     }
@@ -349,8 +392,8 @@ impl Loader<'_> {
         let place = || tokens.place(token.line);
         limits::check(depth + 1, MAX_INCLUDES, "the depth of Include", place)?;
         let path = self.named_file(&name, place)?;
-        let text = lossy_text(self.read(&path, place)?);
-        let before = self.state.now;
+        let text = text_of(&path, self.read(&path, place)?)?;
+        let before = self.state.now.clone();
         self.file(&path, &text, depth + 1)?;
         if token.text == "Import" {
             self.state.now = before;

@@ -1,5 +1,7 @@
 //! Parameter lists: `"float radius" 2 "point3 P" [0 0 0 1 0 0]`.
 
+use std::rc::Rc;
+
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits::{self, MAX_ELEMENTS, MAX_NAME};
 use crate::mesh::coordinate;
@@ -29,6 +31,29 @@ pub(super) struct Params {
     /// Where the statement begins.
     pub line: usize,
     all: Vec<Param>,
+    inherited: Option<Rc<Inherited>>,
+}
+
+/// Parameters that `Attribute` gives to statements that follow and do not have them.
+#[derive(Debug)]
+pub(super) struct Inherited {
+    params: Params,
+    before: Option<Rc<Inherited>>,
+    /// How many there are, with those before.
+    depth: usize,
+}
+
+/// The most `Attribute` statements that apply to one statement.
+const MAX_INHERITED: usize = 256;
+
+impl Inherited {
+    /// Those of a statement and those before it, which it overrides.
+    pub fn with(before: Option<&Rc<Self>>, params: Params) -> Result<Rc<Self>, LoadError> {
+        let depth = before.map_or(0, |before| before.depth) + 1;
+        let what = "the number of Attribute statements that apply";
+        limits::check(depth, MAX_INHERITED, what, || params.place())?;
+        Ok(Rc::new(Self { params, before: before.cloned(), depth }))
+    }
 }
 
 impl Params {
@@ -69,7 +94,12 @@ impl Params {
             }
             all.push(param);
         }
-        Ok(Self { file: tokens.path.to_owned(), line, all })
+        Ok(Self { file: tokens.path.to_owned(), line, all, inherited: None })
+    }
+
+    /// With parameters for those that the statement does not have.
+    pub fn inheriting(self, inherited: Option<&Rc<Inherited>>) -> Self {
+        Self { inherited: inherited.cloned(), ..self }
     }
 
     pub fn place(&self) -> FilePlace {
@@ -77,7 +107,17 @@ impl Params {
     }
 
     fn find(&self, name: &str) -> Option<&Param> {
-        self.all.iter().find(|param| param.name == name)
+        self.find_with_file(name).map(|(_, param)| param)
+    }
+
+    /// A parameter and the file it stands in.
+    fn find_with_file(&self, name: &str) -> Option<(&std::path::Path, &Param)> {
+        let inherited = std::iter::successors(self.inherited.as_deref(), |i| i.before.as_deref());
+        let mut all = std::iter::once(self).chain(inherited.map(|inherited| &inherited.params));
+        all.find_map(|params| {
+            let found = params.all.iter().find(|param| param.name == name);
+            found.map(|param| (params.file.as_path(), param))
+        })
     }
 
     /// The numbers of a parameter; empty where it is not there.
@@ -85,13 +125,24 @@ impl Params {
     /// # Errors
     /// [`LoadError::Syntax`] for strings, [`LoadError::OutOfRange`].
     pub fn numbers(&self, name: &str) -> Result<&[f64], LoadError> {
-        let Some(param) = self.find(name) else { return Ok(&[]) };
-        let place = || FilePlace::line(&self.file, param.line);
-        if let Some(word) = param.words.first() {
-            return Err(LoadError::syntax(place(), word, format!("numbers ({name})")));
+        let numbers = self.any_numbers(name)?;
+        if let Some((file, param)) = self.find_with_file(name) {
+            for &value in numbers {
+                coordinate(value, name, || FilePlace::line(file, param.line))?;
+            }
         }
-        for &value in &param.numbers {
-            coordinate(value, name, place)?;
+        Ok(numbers)
+    }
+
+    /// As [`Params::numbers`], but they may be NaN, infinite or too large.
+    ///
+    /// # Errors
+    /// [`LoadError::Syntax`] for strings.
+    pub fn any_numbers(&self, name: &str) -> Result<&[f64], LoadError> {
+        let Some((file, param)) = self.find_with_file(name) else { return Ok(&[]) };
+        if let Some(word) = param.words.first() {
+            let place = FilePlace::line(file, param.line);
+            return Err(LoadError::syntax(place, word, format!("numbers ({name})")));
         }
         Ok(&param.numbers)
     }
@@ -101,7 +152,8 @@ impl Params {
     /// # Errors
     /// As [`Params::numbers`], and [`LoadError::Syntax`] for more.
     pub fn number(&self, name: &str, default: f64) -> Result<f64, LoadError> {
-        let varies = |param: &Param| matches!(&*param.kind, "spectrum" | "texture" | "rgb");
+        let varies =
+            |param: &Param| matches!(&*param.kind, "spectrum" | "texture" | "rgb" | "color");
         if self.find(name).is_some_and(varies) {
             return Ok(default);
         }
@@ -130,13 +182,15 @@ impl Params {
         }
     }
 
-    /// A colour that is given as `rgb`; spectra, textures and temperatures are none.
+    /// A colour that is given as `rgb`, or `color` as before version 4; spectra, textures and temperatures are none.
     ///
     /// # Errors
     /// As [`Params::vector`].
     pub fn rgb(&self, name: &str) -> Result<Option<Rgb>, LoadError> {
         match self.find(name) {
-            Some(param) if param.kind == "rgb" => self.vector(name, [0.0; 3]).map(Some),
+            Some(param) if matches!(&*param.kind, "rgb" | "color") => {
+                self.vector(name, [0.0; 3]).map(Some)
+            }
             _ => Ok(None),
         }
     }
@@ -144,6 +198,11 @@ impl Params {
     /// A string.
     pub fn string(&self, name: &str) -> Option<&str> {
         self.find(name)?.words.first().map(String::as_str)
+    }
+
+    /// True where there is a parameter of that name.
+    pub fn has(&self, name: &str) -> bool {
+        self.find(name).is_some()
     }
 
     /// True where a parameter names a texture.

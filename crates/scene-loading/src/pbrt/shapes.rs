@@ -6,7 +6,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{FilePlace, LoadError};
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, coordinate};
+use crate::mesh::{FaceCounts, Mesh, coordinate, usable};
 use crate::pbrt::params::Params;
 use crate::pbrt::state::uniform_scale;
 use crate::scene::{Primitive, Scene, Shape};
@@ -43,14 +43,11 @@ impl Adding<'_> {
     pub fn mesh(&mut self, params: &Params, corners: usize) -> Result<(), LoadError> {
         let place = || params.place();
         let positions = points(params, "P")?;
-        let normals = points(params, "N")?;
-        if !normals.is_empty() && normals.len() != positions.len() {
-            let found = format!("{} normals", normals.len());
-            return Err(LoadError::syntax(
-                place(),
-                &found,
-                format!("one for each of {}", positions.len()),
-            ));
+        let mut normals = points(params, "N").unwrap_or_default();
+        let has_other_number = normals.len() != positions.len();
+        if params.has("N") && has_other_number {
+            self.counts.normals.add(place);
+            normals.clear();
         }
         check_size(self.scene, positions.len(), place)?;
         let indices = params.numbers("indices")?;
@@ -65,9 +62,14 @@ impl Adding<'_> {
             material: self.material,
             first: u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX),
             normals: self.add_normals(&normals),
+            has_bad_normals: normals.iter().any(|normal| normal.is_nan()),
             triangulate: self.triangulate,
         };
         self.add_positions(&positions, place)?;
+        let unusable = |all: &[DVec3]| all.iter().filter(|v| v.is_nan()).count();
+        let (bad_positions, bad_normals) = (unusable(&positions), unusable(&normals));
+        (0..bad_positions).for_each(|_| self.counts.vertices.add(place));
+        (0..bad_normals).for_each(|_| self.counts.normals.add(place));
         let size = indices.len() / corners;
         check_size(self.scene, size, place)?;
         for face in indices.chunks_exact(corners) {
@@ -80,6 +82,9 @@ impl Adding<'_> {
                 (4, [a, b, c, d]) => self.face(mesh, &[a, b, d, c], place)?,
                 (_, [a, b, c, _]) => self.face(mesh, &[a, b, c], place)?,
             }
+        }
+        if bad_positions + bad_normals > 0 {
+            mesh.replace_unusable(self.scene);
         }
         Ok(())
     }
@@ -179,7 +184,8 @@ impl Adding<'_> {
     ) -> Result<(), LoadError> {
         self.scene.vertices.reserve(positions.len());
         for &position in positions {
-            let placed = checked(self.transform.transform_point3(position), &place)?;
+            let placed = self.transform.transform_point3(position);
+            let placed = if position.is_nan() { DVec3::NAN } else { checked(placed, &place)? };
             self.scene.vertices.push(placed);
         }
         Ok(())
@@ -189,7 +195,10 @@ impl Adding<'_> {
     fn add_normals(&mut self, normals: &[DVec3]) -> Option<u32> {
         let first = u32::try_from(self.scene.normals.len()).ok()?;
         let turn = normal_transform(&self.transform);
-        let turned = normals.iter().map(|normal| (turn * *normal).normalize_or_zero());
+        let turned = normals.iter().map(|normal| match normal.is_nan() {
+            true => DVec3::NAN,
+            false => (turn * *normal).normalize_or_zero(),
+        });
         self.scene.normals.extend(turned);
         (!normals.is_empty()).then_some(first)
     }
@@ -208,13 +217,14 @@ fn checked(point: DVec3, place: impl Fn() -> FilePlace) -> Result<DVec3, LoadErr
     Ok(point)
 }
 
+/// Points or normals; NaN where a number cannot be worked with.
 fn points(params: &Params, name: &str) -> Result<Vec<DVec3>, LoadError> {
-    let numbers = params.numbers(name)?;
+    let numbers = params.any_numbers(name)?;
     let (points, []) = numbers.as_chunks::<3>() else {
         let found = format!("{} numbers", numbers.len());
         return Err(LoadError::syntax(params.place(), &found, format!("three a point ({name})")));
     };
-    Ok(points.iter().map(|&point| DVec3::from_array(point)).collect())
+    Ok(points.iter().map(|point| DVec3::from_array(point.map(usable))).collect())
 }
 
 fn valid_index(index: f64, count: usize, place: impl Fn() -> FilePlace) -> Result<u32, LoadError> {

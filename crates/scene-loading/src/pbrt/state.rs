@@ -1,11 +1,13 @@
 //! What statements change for those that follow: the transform, the material, whether shapes shine.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError};
 use crate::limits;
+use crate::pbrt::params::Inherited;
 use crate::pbrt::tokens::{Token, Tokens};
 
 /// How deep attributes may nest.
@@ -15,7 +17,7 @@ const MAX_DEPTH: usize = 1 << 12;
 const MAX_SYSTEMS: usize = 1 << 16;
 
 /// Attributes of the shapes that follow.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Attributes {
     /// From the space of the shapes to the world.
     pub transform: DMat4,
@@ -25,11 +27,24 @@ pub(super) struct Attributes {
     pub shines: bool,
     /// Transforms change the start of the exposure, which is what is read.
     pub at_start: bool,
+    /// What `Attribute` says of shapes, lights and materials that follow.
+    pub inherited: [Option<Rc<Inherited>>; 3],
 }
+
+/// Which of [`Attributes::inherited`] a statement takes.
+pub(super) const SHAPE: usize = 0;
+pub(super) const LIGHT: usize = 1;
+pub(super) const MATERIAL: usize = 2;
 
 impl Default for Attributes {
     fn default() -> Self {
-        Self { transform: DMat4::IDENTITY, material: None, shines: false, at_start: true }
+        Self {
+            transform: DMat4::IDENTITY,
+            material: None,
+            shines: false,
+            at_start: true,
+            inherited: [None, None, None],
+        }
     }
 }
 
@@ -44,7 +59,7 @@ pub(super) struct State {
 impl State {
     pub fn save(&mut self, place: impl FnOnce() -> FilePlace) -> Result<(), LoadError> {
         limits::check(self.saved.len() + 1, MAX_DEPTH, "the depth of attributes", place)?;
-        self.saved.push(self.now);
+        self.saved.push(self.now.clone());
         Ok(())
     }
 

@@ -32,13 +32,15 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
 
 impl Scalar {
     const NAMES: &str = "one of char, uchar, short, ushort, int, uint, float, double (or int8, uint8, \
-                         int16, uint16, int32, uint32, float32, float64)";
+                         int16, uint16, int32, uint32, int64, uint64, float32, float64)";
 
     fn named(name: &str) -> Option<Self> {
         Some(match name {
@@ -48,6 +50,9 @@ impl Scalar {
             "ushort" | "uint16" => Self::U16,
             "int" | "int32" => Self::I32,
             "uint" | "uint32" => Self::U32,
+            // numpy's default; not in the format
+            "int64" => Self::I64,
+            "uint64" => Self::U64,
             "float" | "float32" => Self::F32,
             "double" | "float64" => Self::F64,
             _ => return None,
@@ -60,7 +65,7 @@ impl Scalar {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
@@ -120,11 +125,11 @@ pub(super) struct Header {
     pub line: usize,
 }
 
-/// Reads the header.
+/// Reads the header. Its words may be in any case.
 pub(super) fn parse_header(path: &Path, bytes: &[u8]) -> Result<Header, LoadError> {
     let mut lines = Lines { path, bytes, at: 0, line: 0, has_pairs: false };
     let first = lines.next("ply")?;
-    if first.trim_ascii_end() != "ply" {
+    if !first.trim_ascii_end().eq_ignore_ascii_case("ply") {
         return Err(LoadError::syntax(lines.place(), &first, "ply"));
     }
     let (mut encoding, mut elements) = (None, Vec::<Element>::new());
@@ -133,7 +138,8 @@ pub(super) fn parse_header(path: &Path, bytes: &[u8]) -> Result<Header, LoadErro
         let text = lines.next("end_header")?;
         let line = lines.line;
         let place = || FilePlace::line(path, line);
-        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let lower = text.to_ascii_lowercase();
+        let words: Vec<&str> = lower.split_ascii_whitespace().collect();
         let bad = |expected: &str| LoadError::syntax(place(), &text, expected);
         declared += 1;
         limits::check(declared, MAX_DECLARED, "the number of lines of the header", place)?;

@@ -1,10 +1,12 @@
 //! The Polygon File Format, PLY (G. Turk, "The PLY Polygon File Format", 1994): text and both binary
-//! encodings, all types.
+//! encodings, all types, and indices of 64 bits or of floats. Words of the header may be in any case.
 //!
 //! Of the element `vertex`, `x`, `y`, `z` are read and, where all three are there, `nx`, `ny`, `nz`:
 //! faces then have normals. Of `face`, the list `vertex_indices` or `vertex_index`, else its only
 //! list of whole numbers; of `tristrips`, strips of triangles that -1 ends. Everything else is left
 //! out: colours, texture coordinates, further elements. Lines of text may be broken anywhere.
+//!
+//! Vertices that are NaN are left alone where no face has them; faces that have them are left out.
 
 mod header;
 mod values;
@@ -13,10 +15,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{FilePlace, LoadError};
+use crate::error::{FilePlace, LoadError, Within};
 use crate::input::read::scene_name;
+use crate::input::text::without_mark;
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, Tally, coordinate};
+use crate::mesh::{FaceCounts, Mesh, Tally, usable};
 use crate::ply::header::{Element, Encoding, Header, Kind, Property, Scalar, parse_header};
 use crate::ply::values::{Binary, Text, Values};
 use crate::polygon::ear_clipping::MAX_CORNERS;
@@ -34,9 +37,8 @@ const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// camera that frames them. `triangulate` splits larger faces.
 ///
 /// # Errors
-/// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],
-/// [`LoadError::OutOfRange`], [`LoadError::CountTooLarge`], [`LoadError::IndexOutOfRange`],
-/// [`LoadError::NoPrimitives`].
+/// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::OutOfRange`],
+/// [`LoadError::CountTooLarge`], [`LoadError::IndexOutOfRange`], [`LoadError::NoPrimitives`].
 pub fn parse_ply(path: &Path, bytes: &[u8], triangulate: bool) -> Result<Scene, LoadError> {
     let mut scene = Scene::new(scene_name(path));
     let material = scene.push_material(Material::default());
@@ -57,9 +59,10 @@ pub(crate) fn add_ply(
     material: u32,
     scene: &mut Scene,
 ) -> Result<(), LoadError> {
+    let bytes = without_mark(path, bytes)?;
     let header = parse_header(path, bytes)?;
     let at = header.data;
-    let mesh = Mesh { material, first: 0, normals: None, triangulate };
+    let mesh = Mesh { triangulate, ..Mesh::of_triangles(material) };
     match header.encoding {
         Encoding::Ascii => {
             let values = Text { path, bytes, at, line: header.line };
@@ -86,9 +89,16 @@ struct Reader<'a, V> {
 
 impl<'a, V: Values> Reader<'a, V> {
     fn new(path: &'a Path, values: V, mesh: Mesh, scene: &'a mut Scene) -> Self {
-        let (counts, too_few) = (FaceCounts::default(), Tally::default());
-        let corners = Vec::new();
-        Self { path, values, mesh, scene, vertices: None, counts, too_few, corners }
+        Self {
+            path,
+            values,
+            mesh,
+            scene,
+            vertices: None,
+            counts: FaceCounts::default(),
+            too_few: Tally::default(),
+            corners: Vec::new(),
+        }
     }
 
     fn read(mut self, header: &Header) -> Result<(), LoadError> {
@@ -104,7 +114,14 @@ impl<'a, V: Values> Reader<'a, V> {
         progress::end();
         self.counts.warn(self.scene);
         self.too_few.warn("faces with fewer than 3 corners left out", self.scene);
+        if self.counts.vertices.is_any() || self.counts.normals.is_any() {
+            self.mesh.replace_unusable(self.scene);
+        }
         Ok(())
+    }
+
+    fn place(&self, within: Within) -> FilePlace {
+        FilePlace { file: self.path.to_path_buf(), within }
     }
 
     /// Refuses what the rest of the file cannot hold, before memory is taken.
@@ -136,7 +153,7 @@ impl<'a, V: Values> Reader<'a, V> {
                 progress::at(usize::try_from(i).unwrap_or(usize::MAX));
             }
             for (position, property) in element.properties.iter().enumerate() {
-                read(self, property, position)?;
+                read(self, property, position).map_err(|error| numbered(error, element, i))?;
             }
         }
         Ok(())
@@ -160,7 +177,7 @@ impl<'a, V: Values> Reader<'a, V> {
         if length >= 0.0 && length <= limit as f64 {
             return Ok(length as u64);
         }
-        let what = format!("the length of the list {what}");
+        let (place, what) = (self.place(place), format!("the length of the list {what}"));
         if length >= 0.0 {
             let (count, limit) = (length as u64, limit as u64);
             return Err(LoadError::CountTooLarge { place, what, count, limit });
@@ -198,8 +215,12 @@ impl<'a, V: Values> Reader<'a, V> {
         self.scene.vertices.reserve(count);
         self.scene.normals.reserve(if normals.is_some() { count } else { 0 });
         let (mut position, mut normal) = ([0.0; 3], [0.0; 3]);
+        let mut begin = Within::Whole;
         let last = element.properties.len() - 1;
         self.each(element, |reader, property, at| {
+            if at == 0 {
+                begin = reader.values.place();
+            }
             let axis = |of: [usize; 3]| of.iter().position(|&place| place == at);
             let slot = match (axis(positions), normals.and_then(axis)) {
                 (Some(i), _) => position.get_mut(i),
@@ -208,16 +229,23 @@ impl<'a, V: Values> Reader<'a, V> {
             };
             match (slot, property.kind) {
                 (Some(slot), Kind::One(scalar)) => {
-                    let at = reader.values.place();
-                    let value = reader.values.next(scalar, &property.name)?;
-                    *slot = coordinate(value, &property.name, || at.clone())?;
+                    *slot = usable(reader.values.next(scalar, &property.name)?);
                 }
                 _ => reader.skip(property)?,
             }
             if at == last {
-                reader.scene.vertices.push(DVec3::from_array(position));
+                let place = || FilePlace { file: reader.path.to_path_buf(), within: begin };
+                let (position, normal) = (DVec3::from_array(position), DVec3::from_array(normal));
+                if position.is_nan() {
+                    reader.counts.vertices.add(place);
+                }
+                reader.scene.vertices.push(position);
                 if normals.is_some() {
-                    reader.scene.normals.push(DVec3::from_array(normal));
+                    if normal.is_nan() {
+                        reader.mesh.has_bad_normals = true;
+                        reader.counts.normals.add(place);
+                    }
+                    reader.scene.normals.push(normal);
                 }
             }
             Ok(())
@@ -228,16 +256,16 @@ impl<'a, V: Values> Reader<'a, V> {
 
     /// The list of corners among the properties of an element, and its types.
     fn corner_list(&self, element: &Element) -> Result<(usize, Scalar, Scalar), LoadError> {
-        let lists = || element.properties.iter().enumerate().filter_map(list_of_whole_numbers);
+        let lists = || element.properties.iter().enumerate().filter_map(list);
         let named = |at: usize| {
             element.properties.get(at).is_some_and(|p| CORNERS.contains(&p.name.as_str()))
         };
         let found = lists().find(|(at, ..)| named(*at)).or_else(|| {
-            let mut all = lists();
+            let mut all = lists().filter(|(_, _, item)| item.is_integer());
             all.next().filter(|_| all.next().is_none())
         });
         found.ok_or_else(|| {
-            let expected = "a list vertex_indices or vertex_index of whole numbers";
+            let expected = "a list vertex_indices or vertex_index, or one list of whole numbers";
             let found = format!("element {}", element.name);
             LoadError::syntax(FilePlace::line(self.path, element.line), &found, expected)
         })
@@ -261,8 +289,8 @@ impl<'a, V: Values> Reader<'a, V> {
             if at != list {
                 return reader.skip(property);
             }
-            let place = reader.values.place();
-            let place = || place.clone();
+            let (path, within) = (reader.path, reader.values.place());
+            let place = || FilePlace { file: path.to_path_buf(), within };
             let length = reader.length(count, &property.name)?;
             let length = usize::try_from(length).unwrap_or(usize::MAX);
             limits::check(length, MAX_CORNERS, "the number of corners of a face", place)?;
@@ -304,7 +332,7 @@ impl<'a, V: Values> Reader<'a, V> {
             let mut strip: Option<[u32; 2]> = None;
             let (mut begun, mut turned) = (None, false);
             for _ in 0..length {
-                let place = reader.values.place();
+                let (path, within) = (reader.path, reader.values.place());
                 let Some(corner) = reader.index_or_end(item, vertices)? else {
                     (strip, begun, turned) = (None, None, false);
                     continue;
@@ -314,7 +342,7 @@ impl<'a, V: Values> Reader<'a, V> {
                     continue;
                 };
                 let corners = if turned { [b, a, corner] } else { [a, b, corner] };
-                reader.add(&corners, || place.clone())?;
+                reader.add(&corners, || FilePlace { file: path.to_path_buf(), within })?;
                 (strip, turned) = (Some([b, corner]), !turned);
             }
             Ok(())
@@ -324,33 +352,53 @@ impl<'a, V: Values> Reader<'a, V> {
     fn index(&mut self, item: Scalar, vertices: usize) -> Result<u32, LoadError> {
         let place = self.values.place();
         let index = self.values.next(item, "the index of a vertex")?;
-        valid_index(index, vertices, place)
+        valid_index(index, vertices, || self.place(place))
     }
 
     /// An index, or none for -1.
     fn index_or_end(&mut self, item: Scalar, vertices: usize) -> Result<Option<u32>, LoadError> {
         let place = self.values.place();
         let index = self.values.next(item, "the index of a vertex, or -1")?;
-        if index == -1.0 { Ok(None) } else { valid_index(index, vertices, place).map(Some) }
+        match index {
+            -1.0 => Ok(None),
+            _ => valid_index(index, vertices, || self.place(place)).map(Some),
+        }
     }
 }
 
-fn valid_index(index: f64, vertices: usize, place: FilePlace) -> Result<u32, LoadError> {
-    if index >= 0.0 && index < vertices as f64 {
-        return Ok(index as u32);
+/// Says which of an element is missing where the file ends.
+fn numbered(error: LoadError, element: &Element, index: u64) -> LoadError {
+    match error {
+        LoadError::UnexpectedEnd { place, expected } => {
+            let (name, count) = (&element.name, element.count);
+            let expected = format!("{expected} ({name} {} of {count})", index + 1);
+            LoadError::UnexpectedEnd { place, expected }
+        }
+        other => other,
+    }
+}
+
+fn valid_index(
+    index: f64,
+    vertices: usize,
+    place: impl FnOnce() -> FilePlace,
+) -> Result<u32, LoadError> {
+    let whole = index as u32;
+    if index < vertices as f64 && f64::from(whole) == index {
+        return Ok(whole);
     }
     let valid = match vertices {
         0 => "the file has no vertices".to_owned(),
         _ => format!("0 to {} are there", vertices - 1),
     };
     let (what, index) = ("vertex".to_owned(), index.to_string());
-    Err(LoadError::IndexOutOfRange { place, what, index, valid })
+    Err(LoadError::IndexOutOfRange { place: place(), what, index, valid })
 }
 
-/// A list of whole numbers: its place, and the types of its length and items.
-fn list_of_whole_numbers((at, property): (usize, &Property)) -> Option<(usize, Scalar, Scalar)> {
+/// A list: its place, and the types of its length and items.
+fn list((at, property): (usize, &Property)) -> Option<(usize, Scalar, Scalar)> {
     match property.kind {
-        Kind::List { count, item } if item.is_integer() => Some((at, count, item)),
-        _ => None,
+        Kind::List { count, item } => Some((at, count, item)),
+        Kind::One(_) => None,
     }
 }

@@ -2,19 +2,20 @@
 
 use std::path::Path;
 
-use crate::error::{FilePlace, LoadError, shortened};
+use crate::error::{FilePlace, LoadError, Within, shortened};
+use crate::input::text::parse_number;
 use crate::ply::header::{Encoding, Scalar};
 
 /// Numbers in the order of the file.
 pub(super) trait Values {
-    /// The next one; whole numbers are exact.
+    /// The next one; whole numbers up to 2^53 are exact.
     fn next(&mut self, scalar: Scalar, what: &str) -> Result<f64, LoadError>;
 
     /// Leaves out so many.
     fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), LoadError>;
 
     /// Where the next one is; white space before it is passed.
-    fn place(&mut self) -> FilePlace;
+    fn place(&mut self) -> Within;
 
     /// Bytes not yet read.
     fn remaining(&self) -> usize;
@@ -53,7 +54,7 @@ impl Values for Binary<'_> {
                 } else {
                     <$type>::from_be_bytes(bytes)
                 };
-                f64::from(value)
+                value as f64
             }};
         }
         Ok(match scalar {
@@ -63,6 +64,8 @@ impl Values for Binary<'_> {
             Scalar::U16 => read!(u16),
             Scalar::I32 => read!(i32),
             Scalar::U32 => read!(u32),
+            Scalar::I64 => read!(i64),
+            Scalar::U64 => read!(u64),
             Scalar::F32 => read!(f32),
             Scalar::F64 => read!(f64),
         })
@@ -77,8 +80,8 @@ impl Values for Binary<'_> {
         Ok(())
     }
 
-    fn place(&mut self) -> FilePlace {
-        FilePlace::byte(self.path, self.at)
+    fn place(&mut self) -> Within {
+        Within::Byte(self.at)
     }
 
     fn remaining(&self) -> usize {
@@ -101,7 +104,9 @@ impl<'a> Text<'a> {
         while let [first, more @ ..] = rest
             && first.is_ascii_whitespace()
         {
-            self.line += usize::from(*first == b'\n');
+            // a line ends in LF, CR LF or CR
+            let ends = *first == b'\n' || (*first == b'\r' && more.first() != Some(&b'\n'));
+            self.line += usize::from(ends);
             rest = more;
         }
         self.at = self.bytes.len() - rest.len();
@@ -124,7 +129,7 @@ impl<'a> Text<'a> {
 impl Values for Text<'_> {
     fn next(&mut self, scalar: Scalar, what: &str) -> Result<f64, LoadError> {
         let word = self.word(what)?;
-        let value: Option<f64> = word.parse().ok();
+        let value = parse_number(word);
         // some writers give whole numbers as 3.0
         match value.filter(|value| !scalar.is_integer() || value.fract() == 0.0) {
             Some(value) => Ok(value),
@@ -140,9 +145,9 @@ impl Values for Text<'_> {
         (0..count).try_for_each(|_| self.word(what).map(|_| ()))
     }
 
-    fn place(&mut self) -> FilePlace {
+    fn place(&mut self) -> Within {
         self.rest();
-        FilePlace::line(self.path, self.line)
+        Within::Line(self.line)
     }
 
     fn remaining(&self) -> usize {

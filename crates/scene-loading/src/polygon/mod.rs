@@ -1,6 +1,8 @@
 //! Planar polygons: normal, flatness, and triangles.
 
 #[allow(clippy::indexing_slicing)]
+mod crossing;
+#[allow(clippy::indexing_slicing)]
 pub(crate) mod ear_clipping;
 mod orientation;
 #[allow(clippy::indexing_slicing)]
@@ -41,6 +43,40 @@ pub(crate) fn is_flat(corners: &[DVec3], area: DVec3) -> bool {
         off = off.max((*corner - center).dot(normal).abs());
     }
     off <= FLATNESS * extent
+}
+
+/// What the outline of a face is.
+#[derive(Debug)]
+pub(crate) enum Outline {
+    /// All corners lie in one plane. It may have more than 16 corners and cross itself.
+    Flat,
+    /// They do not; this is the area vector.
+    Bent(DVec3),
+    /// It crosses itself: the triangles that it encloses.
+    Crossing(Vec<[DVec3; 3]>),
+    /// A corner is NaN.
+    Unusable,
+    WithoutArea,
+}
+
+impl Outline {
+    pub fn of(corners: &[DVec3]) -> Self {
+        let crossing = || crossing::split_at_crossings(corners).filter(|all| !all.is_empty());
+        match area_vector(corners) {
+            Some(_) if corners.len() == 3 => Self::Flat,
+            Some(area) if !is_flat(corners, area) => Self::Bent(area),
+            Some(_) if !crossing::may_cross(corners) => Self::Flat,
+            Some(_) => crossing().map_or(Self::Flat, Self::Crossing),
+            None if corners.iter().any(|corner| corner.is_nan()) => Self::Unusable,
+            // halves that are equal cancel
+            None => crossing().map_or(Self::WithoutArea, Self::Crossing),
+        }
+    }
+
+    /// True where a face has any area, as far as it can be told.
+    pub fn has_area(&self) -> bool {
+        !matches!(self, Self::Unusable | Self::WithoutArea)
+    }
 }
 
 #[cfg(test)]

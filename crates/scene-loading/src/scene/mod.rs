@@ -196,11 +196,14 @@ impl Scene {
 
     /// Gives the last primitive a velocity, in world units per unit of time.
     pub fn last_moves(&mut self, velocity: DVec3) {
-        if velocity != DVec3::ZERO && !self.primitives.is_empty() {
-            self.velocities.resize(self.primitives.len(), DVec3::ZERO);
-            if let Some(last) = self.velocities.last_mut() {
-                *last = velocity;
-            }
+        self.moves_since(self.primitives.len().saturating_sub(1), velocity);
+    }
+
+    /// Gives the primitives from `first` on a velocity.
+    pub fn moves_since(&mut self, first: usize, velocity: DVec3) {
+        if velocity != DVec3::ZERO && first < self.primitives.len() {
+            self.velocities.resize(first, DVec3::ZERO);
+            self.velocities.resize(self.primitives.len(), velocity);
         }
     }
 

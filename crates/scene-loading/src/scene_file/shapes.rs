@@ -15,6 +15,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError};
+use crate::mesh::{FaceCounts, push_outline};
 use crate::scene::{Cone, Scene};
 use crate::scene_file::json::unknown_material;
 use crate::scene_file::numbers::at_least_0;
@@ -28,7 +29,7 @@ pub enum ShapeEntry {
     Sphere(SphereEntry),
     /// A truncated cone; see [`Cone`].
     Cone(ConeEntry),
-    /// A planar polygon; concave ones too.
+    /// A planar polygon; concave ones too. One that is bent or crosses itself becomes triangles.
     Polygon(PolygonEntry),
 }
 
@@ -106,7 +107,14 @@ impl ShapeEntry {
     }
 
     /// Adds the shape to a scene that has its materials.
-    fn push(&self, scene: &mut Scene, material: u32) {
+    fn push(
+        &self,
+        scene: &mut Scene,
+        material: u32,
+        counts: &mut FaceCounts,
+        place: impl Fn() -> FilePlace,
+    ) -> Result<(), LoadError> {
+        let before = scene.primitives.len();
         match self {
             Self::Sphere(s) => {
                 scene.push_sphere(material, DVec3::from_array(s.center), s.radius);
@@ -123,10 +131,11 @@ impl ShapeEntry {
             Self::Polygon(p) => {
                 let vertices: Vec<DVec3> =
                     p.vertices.iter().map(|&v| DVec3::from_array(v)).collect();
-                scene.push_polygon(material, &vertices);
+                push_outline(material, &vertices, scene, counts, place)?;
             }
         }
-        scene.last_moves(self.velocity());
+        scene.moves_since(before, self.velocity());
+        Ok(())
     }
 }
 
@@ -139,6 +148,7 @@ pub(crate) fn push_all(
     // of several materials of a name the first
     let names = scene.materials.iter().enumerate().rev();
     let ids: HashMap<String, usize> = names.map(|(id, m)| (m.name.clone(), id)).collect();
+    let mut counts = FaceCounts::default();
     for shape in shapes {
         let name = shape.material();
         let Some(&material) = ids.get(name) else {
@@ -154,7 +164,8 @@ pub(crate) fn push_all(
                 "a polygon of at least 3",
             ));
         }
-        shape.push(scene, material as u32);
+        shape.push(scene, material as u32, &mut counts, || FilePlace::file(file))?;
     }
+    counts.warn(scene);
     Ok(())
 }

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::reading::Reading;
 use crate::input::read::{confined, read_at_most};
-use crate::polygon::area_vector;
+use crate::polygon::Outline;
 
 /// The most bytes of material files that it is given: it takes some hundred bytes a material.
 const MAX_LIBRARY_BYTES: u64 = 4 << 20;
@@ -56,7 +56,7 @@ pub(super) fn read(
                 let xyz = mesh.positions.get(3 * i as usize..)?.first_chunk::<3>()?;
                 Some(DVec3::from_array(*xyz))
             }));
-            if area_vector(&corners).is_some() {
+            if Outline::of(&corners).has_area() {
                 triangles += (corners.len() as u64).saturating_sub(2);
                 corners.iter().for_each(|&corner| reading.bounds.include(corner));
             }

@@ -18,6 +18,7 @@ use self::reading::Reading;
 use crate::error::LoadError;
 use crate::gltf::{Opened, parse_gltf};
 use crate::input::decompress::decompress;
+use crate::input::text::{end_lines_with_lf, without_mark};
 use crate::obj::{ObjOptions, parse_obj};
 
 /// The most bytes, after decompression, of a file that another reader is asked about: 64 MiB.
@@ -83,11 +84,15 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
     }
     if is_gltf {
         let ours = Reading::of(&parse_gltf(path, &bytes)?);
-        let opened = Opened::read(path, &bytes)?;
-        return Ok(compared("gltf", &ours, asked(|| by_gltf::read(&bytes, &opened))));
+        let bytes = without_mark(path, &bytes)?;
+        let opened = Opened::read(path, bytes)?;
+        return Ok(compared("gltf", &ours, asked(|| by_gltf::read(bytes, &opened))));
     }
     let mut ours = Reading::of(&parse_obj(path, bytes.clone(), ObjOptions::default())?);
     let mut more = Vec::new();
+    // marks and ends of lines are no matter of opinion
+    let mut bytes = without_mark(path, &bytes)?.to_vec();
+    end_lines_with_lf(&mut bytes);
     let theirs = asked(|| by_tobj::read(path, &bytes)).map(|(mut theirs, known)| {
         match known {
             Ok(known) => ours.know_only(&known),

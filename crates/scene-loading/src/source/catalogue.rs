@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::{extension, lossy_text, read_at_most, scene_name};
+use crate::input::read::{extension, read_at_most, scene_name};
+use crate::input::text::text_of;
 use crate::limits::MAX_JSON;
 use crate::scene_file::SceneFile;
 use crate::scene_file::set::SceneSet;
@@ -215,7 +216,7 @@ impl SceneCatalogue {
 
 /// The text of a scene or set file.
 fn json_text(path: &Path) -> Result<String, LoadError> {
-    Ok(lossy_text(read_at_most(path, MAX_JSON)?))
+    text_of(path, read_at_most(path, MAX_JSON)?)
 }
 
 fn json_files(folder: &Path) -> Result<Vec<PathBuf>, LoadError> {

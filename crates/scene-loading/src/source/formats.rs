@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
-use crate::input::read::{lossy_text, read_file};
+use crate::input::read::read_file;
+use crate::input::text::text_of;
 use crate::obj::ObjOptions;
 use crate::scene::Scene;
 use crate::{gltf, nff, obj, pbrt, ply, stl, tray_racing, triangle_soup};
@@ -44,7 +45,7 @@ pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<
     }
     let bytes = decompress(path, bytes)?;
     if name.ends_with(".nff") {
-        nff::parse_nff(path, &lossy_text(bytes))
+        nff::parse_nff(path, &text_of(path, bytes)?)
     } else if name.ends_with(".obj") {
         obj::parse_obj(path, bytes, ObjOptions { triangulate: options.triangulate })
     } else if name.ends_with(".pbrt") {

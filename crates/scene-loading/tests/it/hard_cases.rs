@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use scene_loading::gltf::{load_gltf, parse_gltf};
 use scene_loading::nff::parse_nff;
 use scene_loading::obj::{ObjOptions, load_obj, parse_materials, parse_obj};
-use scene_loading::{LoadError, Scene};
+use scene_loading::{LoadError, Material, Scene};
 use serde_json::{Value, json};
 
 const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -93,18 +93,19 @@ fn l1_obj_indices_and_numbers() {
         "f 1 2 9223372036854775807",
         "f 1 2 -9223372036854775808",
         "f 1 2 9223372036854775808",
-        "f 1//9 2//9 3//9",
-        "f 1/2 2/2 3/2",
     ] {
         let error = obj_error(&format!("{CORNERS}\n{bad}\n"), 5);
         assert!(matches!(error, LoadError::IndexOutOfRange { .. }), "{bad}: {error}");
     }
-    for bad in ["v nan 0 0", "v 1e400 0 0", "v 0 -inf 0", "vn 0 0 nan"] {
-        let error = obj_error(&format!("{CORNERS}{bad}\nf 1 2 3\n"), 4);
-        assert!(matches!(error, LoadError::NotFinite { .. }), "{bad}: {error}");
+    // What no face needs is counted, and never gets into a scene.
+    for bad in
+        ["v nan 0 0", "v 1e400 0 0", "v 0 -inf 0", "vn 0 0 nan", "v 1e99 0 0 1e-90", "f 1//9 2 3"]
+    {
+        let (_folder, path) = folder(&format!("{CORNERS}{bad}\nf 1 2 3\n"), &[]);
+        let scene = load_obj(&path, ObjOptions::default()).unwrap();
+        assert!(warning(&scene).ends_with("(first: line 4)"), "{}", warning(&scene));
+        assert!(scene.vertices.iter().chain(&scene.normals).all(|v| v.is_finite()));
     }
-    let weight = obj_error(&format!("{CORNERS}v 1e99 0 0 1e-90\nf 1 2 3\n"), 4);
-    assert!(matches!(weight, LoadError::OutOfRange { .. }), "{weight}");
 }
 
 #[test]
@@ -112,20 +113,15 @@ fn l2_mtl_of_one_number() {
     let path = Path::new("a.mtl");
     let grey = parse_materials(path, b"newmtl a\nKd 0.5\n".to_vec()).unwrap();
     assert_eq!(grey[0].color, [0.5; 3]);
-    for (bad, line) in [
-        ("newmtl a\nKd 0.5 0.5\n", 2),
-        ("newmtl a\nKd\n", 2),
-        ("newmtl a\nKs 1 2 3 4\n", 2),
-        ("newmtl a\nNs\n", 2),
-        ("newmtl a\nd x\n", 2),
-        ("newmtl \n", 1),
-        ("Kd 1 1 1\n", 1),
-        ("map_Kd a.png\n", 1),
-        ("newmtl a\nillum -1\n", 2),
+    // Damaged lines are left out, and none of them panics.
+    for (bad, materials) in [
+        ("newmtl a\nKd 0.5 0.5\nKd\nKs 1 2 3 4\nNs\nd x\nillum -1\n", 1),
+        ("newmtl \nKd 0.5\n", 0),
+        ("Kd 1 1 1\nmap_Kd a.png\n", 0),
     ] {
-        let error = parse_materials(path, bad.as_bytes().to_vec()).expect_err(bad);
-        assert!(matches!(error, LoadError::Syntax { .. }), "{bad}: {error}");
-        assert!(error.to_string().starts_with(&format!("a.mtl:{line}: ")), "{bad}: {error}");
+        let read = parse_materials(path, bad.as_bytes().to_vec()).unwrap();
+        assert_eq!(read.len(), materials, "{bad}");
+        assert!(read.iter().all(|m| m.color == Material::default().color), "{bad}");
     }
     // The other things that stand in such files are no obstacle.
     let all = b"# x\nnewmtl a\nKa 1\nTf\nmap_bump -bm 1 x.png\nKe\nsharpness\nKd spectral x.rfl\n";

@@ -183,13 +183,11 @@ fn whatever_is_wrong_with_a_ply_file_is_said_with_its_line() {
         ("property float y", "property float w", ":3:", "x, y and z"),
         ("property float y", "property list uchar float y", ":3:", "x, y and z"),
         ("property list uchar int", "property list float int", ":8:", "whole-number"),
-        ("property list uchar int", "property list uchar float", ":7:", "vertex_indices"),
+        ("uchar int vertex_index", "uchar float corners", ":7:", "vertex_indices"),
         ("property list uchar int vertex_index", "property color", ":8:", "property TYPE NAME"),
         ("element vertex 3\n", "", ":3:", "element before property"),
         ("end_header\n", "and so on\n", ":9:", "end_header"),
         ("1 0 0\n", "1 zero 0\n", ":11:", "a number (y)"),
-        ("1 0 0\n", "1 nan 0\n", ":11:", "finite"),
-        ("1 0 0\n", "1 1e300 0\n", ":11:", "1e100"),
         ("3 0 1 2", "3 0 1 3", ":13:", "0 to 2"),
         ("3 0 1 2", "3 0 1 -1", ":13:", "0 to 2"),
         ("3 0 1 2", "3 0 1 1.5", ":13:", "a whole number"),
@@ -289,8 +287,6 @@ fn whatever_is_wrong_with_an_stl_file_is_said_with_its_place() {
         ("loop", "loops", ":3:", "loop"),
         ("vertex 1e0 1 0\n", "", ":6:", "vertex"),
         ("vertex 1e0 1 0", "vertex 1e0 1 x", ":6:", "a number"),
-        ("vertex 1e0 1 0", "vertex 1e0 1 inf", ":6:", "finite"),
-        ("vertex 1e0 1 0", "vertex 1e0 1 1e200", ":6:", "1e100"),
         ("vertex 1e0 1 0", "vertex 1e0 1 0\nvertex 1 1 1", ":7:", "endloop"),
         ("vertex 1e0 1 0", "vertex 0 0 0", ":", "no primitives"),
     ] {
@@ -309,10 +305,6 @@ fn whatever_is_wrong_with_an_stl_file_is_said_with_its_place() {
         let error = stl(bytes).unwrap_err().to_string();
         assert!(error.starts_with(part), "{error}");
     }
-    let mut infinite = whole.clone();
-    infinite[84 + 12..84 + 16].copy_from_slice(&f32::INFINITY.to_le_bytes());
-    let error = stl(&infinite).unwrap_err().to_string();
-    assert!(error.starts_with("dir/a.stl: byte 96: a corner is inf"), "{error}");
 }
 
 /// So many triangles of tinybvh's files, in a fan.

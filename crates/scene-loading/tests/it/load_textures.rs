@@ -66,6 +66,18 @@ fn obj_faces_keep_their_texture_coordinates() {
 }
 
 #[test]
+fn options_of_a_map_place_it() {
+    let text = format!("{QUAD}f 1/1 2/2 3/3\nvt nan 0\nf 1/1 2/2 3/5\n");
+    let mtl = "newmtl wall\nmap_Kd -s 2 4 1 -clamp on -o 0.5 0.25 wall.png\n";
+    let scene = load(&text, mtl, &[("wall.png", png())]);
+    assert_eq!(scene.textures[0].wrap, [Wrap::Clamp; 2]);
+    assert_eq!(scene.texcoords[0], Some([[0.5, 0.75], [2.5, 0.75], [2.5, -2.25]]));
+    // texture coordinates that are NaN leave the plain colour
+    assert_eq!(scene.texcoords_of(1), None);
+    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
+}
+
+#[test]
 fn without_a_texture_nothing_of_textures_is_kept() {
     let text = format!("{QUAD}f 1/1 2/2 3/3 4/4\n");
     let scene = load(&text, "newmtl wall\nKd 1 0 0\nnewmtl other\nmap_Kd lost.png\n", &[]);
@@ -84,7 +96,7 @@ fn an_image_that_cannot_be_had_is_a_warning_that_names_it() {
         ("a.obj", "is no PNG image"),
         ("cut.png", "is damaged"),
         ("huge.png", "has 50000 x 50000 texels: 7500000000 bytes decoded, but 536870912 of"),
-        ("-s 2 2 2 wall.png", "has options that are not read: -s"),
+        ("-cc on wall.png", "has options that are not read: -cc"),
         (".", "leads out of the folder"),
         ("", "leads out of the folder"),
     ];

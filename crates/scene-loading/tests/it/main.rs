@@ -9,6 +9,7 @@ mod gltf_pose;
 mod hard_cases;
 mod hostile;
 mod load_catalogue;
+mod load_damaged;
 mod load_effects;
 mod load_gltf;
 mod load_meshes;

@@ -1,0 +1,211 @@
+//! The images of `map_Kd` lines, with their options.
+//!
+//! Images lie in the folder of the MTL file or below it. One that is missing, damaged or elsewhere
+//! leaves the plain colour, with a warning that names the line and the material.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use crate::error::{FilePlace, shortened};
+use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
+use crate::input::read::{confined, read_at_most};
+use crate::limits::MAX_WARNINGS;
+use crate::obj::material::ColorMap;
+use crate::scene::texture::Wrap;
+use crate::scene::{Scene, Warning};
+
+/// Where an image lies on a surface: texture coordinates times `scale`, plus `offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Placement {
+    pub scale: [f32; 2],
+    pub offset: [f32; 2],
+}
+
+/// The colour maps of all materials.
+#[derive(Default)]
+pub(crate) struct ColorMaps {
+    /// The MTL files.
+    files: Vec<PathBuf>,
+    /// By material of the scene: which of the files, and its map.
+    maps: HashMap<u32, (usize, ColorMap)>,
+}
+
+impl ColorMaps {
+    /// What comes now is of that MTL file.
+    pub fn begin(&mut self, file: &Path) {
+        self.files.push(file.to_path_buf());
+    }
+
+    /// The map of a material of the scene, instead of one that it had before.
+    pub fn set(&mut self, material: u32, map: Option<ColorMap>) {
+        match map {
+            Some(map) => self.maps.insert(material, (self.files.len().saturating_sub(1), map)),
+            None => self.maps.remove(&material),
+        };
+    }
+
+    /// Reads the images of the materials that are used, in the order of their first use. Returns
+    /// those that lie otherwise than texture coordinates say.
+    pub fn read(
+        &self,
+        used: impl Iterator<Item = u32>,
+        scene: &mut Scene,
+    ) -> HashMap<u32, Placement> {
+        let mut reader = TextureReader::default();
+        let (mut failed, mut placements) = (0, HashMap::new());
+        for id in used {
+            let Some((file, map)) = self.maps.get(&id) else { continue };
+            let Some(file) = self.files.get(*file) else { continue };
+            let texture = read_one(file, map, scene, &mut reader);
+            let Some(material) = scene.materials.get_mut(id as usize) else { continue };
+            match texture {
+                Ok((texture, placement)) => {
+                    material.texture = Some(texture);
+                    placements.extend(placement.map(|placement| (id, placement)));
+                }
+                Err(error) => {
+                    failed += 1;
+                    if failed <= MAX_WARNINGS {
+                        let place = FilePlace::line(file, map.line);
+                        scene.warnings.push(warning(&place, &material.name, &map.text, &error));
+                    }
+                }
+            }
+        }
+        if failed > MAX_WARNINGS {
+            let more = failed - MAX_WARNINGS;
+            let text = format!("{more} more materials have their plain colour for such reasons");
+            scene.warnings.push(Warning(text));
+        }
+        placements
+    }
+}
+
+/// Reads the image of a map in the MTL file `file` and returns its index.
+fn read_one(
+    file: &Path,
+    map: &ColorMap,
+    scene: &mut Scene,
+    reader: &mut TextureReader,
+) -> Result<(u32, Option<Placement>), Rc<TextureError>> {
+    let Options { name, wrap, placement } = Options::of(&map.text).map_err(Rc::new)?;
+    // exporters of one system write its separators
+    let name = name.replace('\\', "/");
+    let path = confined(file.parent().unwrap_or(Path::new("")), &name)
+        .ok_or_else(|| Rc::new(TextureError::OutsideFolder))?;
+    let name = path.display().to_string();
+    let key = ImageKey::of_file(&path);
+    let texture =
+        reader.add(scene, key, &name, [wrap; 2], |most| Ok(read_at_most(&path, most)?))?;
+    Ok((texture, placement))
+}
+
+/// What stands behind `map_Kd`.
+#[derive(Debug, PartialEq)]
+struct Options<'a> {
+    /// Of the file.
+    name: &'a str,
+    wrap: Wrap,
+    placement: Option<Placement>,
+}
+
+impl<'a> Options<'a> {
+    /// Reads the options that place an image, and passes over those that do not change it here.
+    fn of(text: &'a str) -> Result<Self, TextureError> {
+        let mut rest = text;
+        let (mut scale, mut offset, mut wrap) = ([1.0; 2], [0.0; 2], Wrap::Repeat);
+        let mut turbulence = [0.0; 2];
+        while let Some((option, after)) =
+            rest.split_once(char::is_whitespace).filter(|(word, _)| word.starts_with('-'))
+        {
+            rest = after.trim_start();
+            let fail = || TextureError::Options(shortened(option));
+            match option {
+                "-s" | "-o" | "-t" => {
+                    let slot = match option {
+                        "-s" => &mut scale,
+                        "-o" => &mut offset,
+                        _ => &mut turbulence,
+                    };
+                    let mut place = 0;
+                    // one to three numbers, then at least the name
+                    while let Some((word, after)) = rest.split_once(char::is_whitespace)
+                        && let Ok(value) = word.parse::<f32>()
+                        && place < 3
+                    {
+                        if !value.is_finite() || (option == "-t" && value != 0.0) {
+                            return Err(fail());
+                        }
+                        if let Some(slot) = slot.get_mut(place) {
+                            *slot = value;
+                        }
+                        rest = after.trim_start();
+                        place += 1;
+                    }
+                    if place == 0 {
+                        return Err(fail());
+                    }
+                }
+                "-clamp" | "-blendu" | "-blendv" | "-cc" | "-bm" | "-texres" | "-boost" => {
+                    let (value, after) = rest.split_once(char::is_whitespace).ok_or_else(fail)?;
+                    rest = after.trim_start();
+                    match (option, value) {
+                        ("-clamp", "on") => wrap = Wrap::Clamp,
+                        ("-cc", "on") => return Err(fail()),
+                        _ => {}
+                    }
+                }
+                "-mm" => {
+                    let (base, after) = rest.split_once(char::is_whitespace).ok_or_else(fail)?;
+                    let (gain, after) =
+                        after.trim_start().split_once(char::is_whitespace).ok_or_else(fail)?;
+                    if (base.parse(), gain.parse()) != (Ok(0.0), Ok(1.0)) {
+                        return Err(fail());
+                    }
+                    rest = after.trim_start();
+                }
+                _ => return Err(fail()),
+            }
+        }
+        let is_moved = scale != [1.0; 2] || offset != [0.0; 2];
+        let placement = is_moved.then_some(Placement { scale, offset });
+        Ok(Self { name: rest, wrap, placement })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_place_the_image_or_are_refused() {
+        let read = |text| {
+            Options::of(text).map(|o| (o.name, o.wrap, o.placement.map(|p| (p.scale, p.offset))))
+        };
+        for (text, expected) in [
+            ("wall one.png", ("wall one.png", Wrap::Repeat, None)),
+            ("-s 2 3 1 -clamp off t.png", ("t.png", Wrap::Repeat, Some(([2., 3.], [0., 0.])))),
+            ("-o .5 -clamp on 7.png", ("7.png", Wrap::Clamp, Some(([1., 1.], [0.5, 0.])))),
+            ("-s 1 1 1 -o 0 0 0 -t 0 t.png", ("t.png", Wrap::Repeat, None)),
+            ("-o 1 2 3 4 t.png", ("4 t.png", Wrap::Repeat, Some(([1., 1.], [1., 2.])))),
+            ("-blendu on -mm 0 1  -cc off -bm 2 t.png", ("t.png", Wrap::Repeat, None)),
+            ("-.png", ("-.png", Wrap::Repeat, None)),
+        ] {
+            assert_eq!(read(text).unwrap(), expected, "{text}");
+        }
+        for (text, option) in [
+            ("-s wall.png", "-s"),
+            ("-s x wall.png", "-s"),
+            ("-t 0.1 wall.png", "-t"),
+            ("-o nan wall.png", "-o"),
+            ("-mm 0.2 1 wall.png", "-mm"),
+            ("-cc on wall.png", "-cc"),
+            ("-clamp wall.png", "-clamp"),
+            ("-imfchan r wall.png", "-imfchan"),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert_eq!(error, format!("has options that are not read: {option}"), "{text}");
+        }
+    }
+}
