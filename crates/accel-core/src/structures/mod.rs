@@ -8,8 +8,6 @@ pub mod bounding_volumes;
 pub mod bricked_grid;
 pub mod brute_force;
 pub mod compact_grid;
-#[cfg(feature = "embree")]
-pub mod embree;
 pub mod frustum_queries;
 pub mod hashed_grid;
 pub mod hug;
@@ -42,7 +40,7 @@ use crate::structures::time_segments::TimeSegments;
 use crate::variants::chosen_tests::{self, ChosenTests};
 
 /// Every structure of the workspace: one line each.
-#[cfg(any(not(test), feature = "compiled-tests", feature = "embree"))]
+#[cfg(any(not(test), feature = "compiled-tests"))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     compiled_entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
@@ -64,14 +62,12 @@ pub static REGISTRY: &[Entry] = &[
     entry!(instanced_bvh::InstancedBvh, instanced_bvh::INFO),
     compiled_entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
     compiled_entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
-    #[cfg(feature = "embree")]
-    entry!(embree::Embree, embree::INFO),
 ];
 
 /// What unit tests ask for by name, or through the light buffer. Each line compiles a structure for all sets and
 /// queries: all of them once more, for unit tests alone, would double the cost of this crate. So tests that ask for
 /// others by name are in `tests/`.
-#[cfg(not(any(not(test), feature = "compiled-tests", feature = "embree")))]
+#[cfg(not(any(not(test), feature = "compiled-tests")))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
     entry!(wide_bvh::WideBvh, wide_bvh::INFO),

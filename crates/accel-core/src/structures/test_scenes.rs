@@ -111,19 +111,13 @@ pub(crate) fn rays<S: Scalar>(set: &MixedSet<S>, n: usize, seed: u64) -> Vec<Ray
 }
 
 /// Stands where no hit was written: not even equal to itself.
-#[cfg_attr(
-    not(feature = "embree"),
-    allow(dead_code, reason = "unit tests of Embree alone have it")
-)]
+#[allow(dead_code, reason = "unit tests do not use it; those in tests/ do")]
 pub(crate) fn unwritten<S: Scalar>() -> Hit<S> {
     Hit { t: S::from_f64(f64::NAN), id: 0 }
 }
 
 /// The closest hits, with nothing in their places before that could be one.
-#[cfg_attr(
-    not(feature = "embree"),
-    allow(dead_code, reason = "unit tests of Embree alone have it")
-)]
+#[allow(dead_code, reason = "unit tests do not use it; those in tests/ do")]
 pub(crate) fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
     let mut hits = vec![unwritten(); rays.len()];
     tracer.closest_hits(rays, &mut hits);

@@ -124,10 +124,9 @@ fn faults(stats: &StructureStats, cells: &[Kept], solids: &[Solid], cuts: bool) 
     wrong
 }
 
-/// Whether a structure has no cells to show: a library's, or those that stand for several copies.
+/// Whether a structure has no cells to show: those that would stand for several copies.
 fn shows_none(entry: &Entry, scene: &str) -> bool {
-    let has_copies = scene.starts_with("copies");
-    entry.info.name == "embree" || has_copies && entry.info.name.starts_with("instanced-")
+    scene.starts_with("copies") && entry.info.name.starts_with("instanced-")
 }
 
 /// Every setting that tests go through.
@@ -180,7 +179,7 @@ fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
     let scenes = all_scenes::<f32>();
     let (_, set, _) = scenes.iter().find(|(name, ..)| *name == "soup").unwrap();
     let solids = solids(set);
-    for entry in REGISTRY.iter().filter(|entry| entry.info.name != "embree") {
+    for entry in REGISTRY {
         let name = entry.info.name;
         let tracer = built(entry, set, settings(entry).next().unwrap());
         let (stats, cells) = (tracer.stats(), kept(&*tracer).unwrap());
@@ -289,7 +288,7 @@ fn ways_with_a_step_or_a_test_less_are_found_out() {
     let (_, set, bounds) = scenes.iter().find(|(name, ..)| *name == "soup").unwrap();
     let from = bounds.0 - DVec3::new(0.3, 0.1, 0.2);
     let ray = Ray::<f32>::new(from.as_vec3(), (bounds.1 - from).as_vec3());
-    for entry in REGISTRY.iter().filter(|entry| entry.info.name != "embree") {
+    for entry in REGISTRY {
         let tracer = built(entry, set, settings(entry).next().unwrap());
         let way = tracer.way(&ray).unwrap();
         let found = |planted: &Way<f32>| !faults_of_way(&*tracer, &ray, planted).is_empty();

@@ -58,10 +58,9 @@ pub struct Craft {
 impl Craft {
     /// As set, over triangles in f32.
     fn of(params: &Params) -> Self {
-        let adapter = match (params.get("adapter"), params.get("primitives")) {
-            // Embree has its own way to say so
-            (Some("direct"), _) | (None, Some("native")) => Adapter::Direct,
-            (Some("as-shipped"), _) => Adapter::AsShipped,
+        let adapter = match params.get("adapter") {
+            Some("direct") => Adapter::Direct,
+            Some("as-shipped") => Adapter::AsShipped,
             _ => Adapter::Robust,
         };
         let has_blocks = match params.get("kernel") {

@@ -200,14 +200,6 @@ impl<S: Scalar> BoxParameters<S> {
         self.lead > 0.0
     }
 
-    /// Where hits from `t_min` on may begin; no rounding makes it too large. A ray whose interval
-    /// begins before its origin starts there, at 0.
-    #[cfg(feature = "embree")]
-    #[inline(always)]
-    pub(crate) fn start(&self, t_min: S) -> f32 {
-        ((t_min * self.scale).to_f64() as f32).max(0.0) * (1.0 - 4.0 * f32::EPSILON)
-    }
-
     /// A bound for obvhs's box tests that no rounding makes too small.
     #[inline(always)]
     pub(crate) fn bound(&self, t_max: S) -> f32 {
