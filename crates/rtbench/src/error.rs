@@ -28,7 +28,6 @@ use studies::sweep::SweepError;
 
 use crate::bisect::BisectError;
 use crate::comparison::CompareError;
-use crate::config::ConfigError;
 use crate::exit_code::{FAILURE, USAGE};
 use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
@@ -37,6 +36,7 @@ use crate::gate::GateError;
 use crate::history::HistoryError;
 use crate::like::LikeError;
 use crate::report::ReportError;
+use crate::set_options::SetOptionsError;
 
 /// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
@@ -114,9 +114,9 @@ pub enum Error {
     /// Nothing could be held against a baseline.
     #[error(transparent)]
     Gate(Box<GateError>),
-    /// The configuration cannot be used.
+    /// The options of a set file cannot be used.
     #[error(transparent)]
-    Config(Box<ConfigError>),
+    SetOptions(Box<SetOptionsError>),
     /// The parts of a run cannot be joined.
     #[error(transparent)]
     Merge(#[from] MergeError),
@@ -253,11 +253,11 @@ impl From<LikeError> for Error {
     }
 }
 
-impl From<ConfigError> for Error {
-    fn from(error: ConfigError) -> Self {
+impl From<SetOptionsError> for Error {
+    fn from(error: SetOptionsError) -> Self {
         match error {
-            ConfigError::Plan(error) => Self::Plan(error),
-            other => Self::Config(Box::new(other)),
+            SetOptionsError::Plan(error) => Self::Plan(error),
+            other => Self::SetOptions(Box::new(other)),
         }
     }
 }
@@ -294,7 +294,7 @@ impl Error {
             | Self::Scale(_)
             | Self::Explain(_)
             | Self::Animate(_)
-            | Self::Config(_) => USAGE,
+            | Self::SetOptions(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
             Self::Outputs(OutputError::OneStdout) => USAGE,
             Self::Reproduce(

@@ -26,7 +26,6 @@ pub mod bisect;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
-pub mod config;
 pub mod context;
 pub mod doctor;
 pub mod effect_table;
@@ -35,6 +34,7 @@ pub mod exit_code;
 pub mod exports;
 pub mod foreign_row;
 pub mod gate;
+mod given_view;
 pub mod git;
 pub mod history;
 pub mod like;
@@ -45,6 +45,7 @@ pub mod program;
 mod recorded_command;
 pub mod report;
 pub mod schema;
+pub mod set_options;
 mod usage;
 
 use std::ffi::OsString;
@@ -58,12 +59,14 @@ use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command, HitsAction, RaysAction};
 use crate::commands::named_files::named_files;
-use crate::config::{Config, Configured};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::occupied::{self, OccupiedError};
+use crate::gate::thresholds::Thresholds;
+use crate::given_view::GivenView;
 use crate::plugin_rows::Plugins;
+use crate::set_options::{added_by_set, join};
 use crate::usage::usage;
 use measurement::plan::error::PlanError;
 use measurement::scenes::{Installed, LoadError};
@@ -141,8 +144,7 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
     }))
 }
 
-/// The whole program on the given arguments, program name first; returns the exit code. It looks
-/// for no configuration but that of `--config`.
+/// The whole program on the given arguments, program name first; returns the exit code.
 pub fn run(
     context: &mut Context<'_>,
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
@@ -150,8 +152,8 @@ pub fn run(
     run_in(context, arguments, None)
 }
 
-/// The same, with the configuration that lies in a folder or above it, if any. What is printed is
-/// guarded: only annotations are orders to a CI job.
+/// The same within a folder: paths in it are recorded relative to it. What is printed is guarded:
+/// only annotations are orders to a CI job.
 pub fn run_in(
     context: &mut Context<'_>,
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
@@ -190,20 +192,14 @@ fn run_guarded(
         Ok(cli) => cli,
         Err(error) => return usage(context, error),
     };
-    let config = match Config::find(cli.config.as_deref(), folder) {
-        Ok(config) => config,
-        Err(error) => return failed(context, &cli, &error.into()),
-    };
     let mut command_line = context.command_line.clone();
-    match config.as_ref().map_or(Ok(Vec::new()), |config| config.added_to(&arguments)) {
+    let scenes = GivenView::new(context.scenes, cli.allow_outside, cli.view.options());
+    match added_by_set(&arguments, &scenes) {
         Err(error) => return failed(context, &cli, &error.into()),
-        Ok(added) => add(added, &mut command_line, &mut arguments),
-    }
-    let view = cli.view.options();
-    let scenes = Configured::new(context.scenes, config.as_ref(), cli.allow_outside, view);
-    match config::of_set(&arguments, &scenes) {
-        Err(error) => return failed(context, &cli, &error.into()),
-        Ok(added) => add(added, &mut command_line, &mut arguments),
+        Ok(added) => {
+            join(&mut command_line, added.iter().map(|a| a.to_string_lossy().into_owned()));
+            join(&mut arguments, added);
+        }
     }
     cli = match parsed(context, &arguments) {
         Ok(cli) => cli,
@@ -230,11 +226,8 @@ fn run_guarded(
         annotations: Vec::new(),
         plugins: outer.plugins.clone(),
     };
-    if let Some(config) = &config {
-        context.say(format_args!("configuration: {}", config.path().display()));
-    }
     let ended = match refuse_files(&cli) {
-        Ok(()) => with_plugins(context, &cli, config.as_ref()),
+        Ok(()) => with_plugins(context, &cli),
         Err(error) => Err(error.into()),
     };
     let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
@@ -248,26 +241,22 @@ fn refuse_files(cli: &Cli) -> Result<(), OccupiedError> {
 }
 
 /// Does what the command line says, with the plugins that it names.
-fn with_plugins(
-    context: &mut Context<'_>,
-    cli: &Cli,
-    config: Option<&Config>,
-) -> Result<u8, Error> {
+fn with_plugins(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     let Some(args) = cli.command.plugins().filter(|args| !args.plugin.is_empty()) else {
-        return dispatched(context, cli, config);
+        return dispatched(context, cli);
     };
     let occluders = context.occluders.iter().map(|entry| entry.info.name);
     let program = context.environment.program.as_ref();
     let (plugins, registry) = Plugins::load(args, context.registry, occluders, program)?;
     let mut within = context.over(&registry, plugins);
-    let code = dispatched(&mut within, cli, config);
+    let code = dispatched(&mut within, cli);
     let annotations = std::mem::take(&mut within.annotations);
     context.annotations = annotations;
     code
 }
 
 /// Does what the command line says.
-fn dispatched(context: &mut Context<'_>, cli: &Cli, config: Option<&Config>) -> Result<u8, Error> {
+fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
@@ -298,12 +287,10 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli, config: Option<&Config>) -> 
             commands::profile::run(context, args, cli.color).map(|()| SUCCESS)
         }
         Command::Check(args) => {
-            let thresholds = config.map(Config::thresholds).unwrap_or_default();
-            commands::check::run(context, args, thresholds, cli.color)
+            commands::check::run(context, args, Thresholds::default(), cli.color)
         }
         Command::Bisect(args) => {
-            let thresholds = config.map(Config::thresholds).unwrap_or_default();
-            commands::bisect::run(context, args, thresholds).map(|()| SUCCESS)
+            commands::bisect::run(context, args, Thresholds::default()).map(|()| SUCCESS)
         }
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
         Command::Child(args) => commands::child::run(context, args),
@@ -313,12 +300,6 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli, config: Option<&Config>) -> 
         Command::Completions(args) => commands::completions::run(context, args).map(|()| SUCCESS),
         Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
     }
-}
-
-/// Adds arguments to the command line, and to what the record has of it.
-fn add(added: Vec<OsString>, command_line: &mut Vec<String>, arguments: &mut Vec<OsString>) {
-    config::join(command_line, added.iter().map(|a| a.to_string_lossy().into_owned()));
-    config::join(arguments, added);
 }
 
 /// Says why a command ended early; returns the exit code.

@@ -37,10 +37,10 @@ mod tests {
     #[test]
     fn no_folder_of_the_machine_is_recorded() {
         let typed = "/home/me/rtbench/target/release/rtbench run /data/hall.obj kitchen -o /tmp/out \
-                     --export-csv=/home/me/rtbench/out/a.csv -o/tmp/x/y --config /home/me/rtbench \
+                     --export-csv=/home/me/rtbench/out/a.csv -o/tmp/x/y --baselines /home/me/rtbench \
                      -s grid:a=1 --set uniform-grid.density=4 --export-json - results/one ../b";
         let typed: Vec<String> = typed.split_whitespace().map(str::to_owned).collect();
-        let expected = "rtbench run hall.obj kitchen -o out --export-csv=out/a.csv -oy --config . \
+        let expected = "rtbench run hall.obj kitchen -o out --export-csv=out/a.csv -oy --baselines . \
                         -s grid:a=1 --set uniform-grid.density=4 --export-json - results/one ../b";
         let recorded = recorded(&typed, Some(Path::new("/home/me/rtbench")));
         assert_eq!(recorded, expected.split_whitespace().collect::<Vec<_>>());

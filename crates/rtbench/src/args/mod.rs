@@ -99,9 +99,6 @@ pub struct Cli {
     /// Replace files and results that are there
     #[arg(long, global = true, help_heading = GLOBAL)]
     pub overwrite: bool,
-    /// Sets of scenes and defaults of `run` [default: rtbench.toml here or in a folder above]
-    #[arg(long, global = true, help_heading = GLOBAL, value_name = "FILE")]
-    pub config: Option<PathBuf>,
 }
 
 /// When to use colours.

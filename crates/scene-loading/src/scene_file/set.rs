@@ -16,7 +16,8 @@ pub struct SceneSet {
     pub name: String,
     /// One sentence: what the set is for.
     pub title: String,
-    /// The scenes in order: generator specifications and names of scene files. Sets do not nest.
+    /// The scenes in order: generator specifications, names of scene files, and files relative to
+    /// this one. Sets do not nest.
     pub scenes: Vec<String>,
     /// Options of a run of the set that are not the usual ones, by their long names. What they mean
     /// is the program's business.

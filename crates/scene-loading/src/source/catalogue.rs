@@ -19,7 +19,7 @@ use crate::source::described::Described;
 use crate::source::embedded::{SCENES, SETS};
 use crate::source::formats::{ENDINGS, is_scene_path};
 use crate::source::generated::families;
-use crate::source::names::path_of_name;
+use crate::source::names::{name_of_path, path_of_name};
 use crate::source::scene_ref::{From, SceneRef};
 use crate::source::sizes::{DescribedScenes, SceneSizes, described_of_size, no_sizes, sizes_of};
 
@@ -94,8 +94,14 @@ impl SceneCatalogue {
         Ok(())
     }
 
+    /// Files among a set's scenes are named relative to the set file.
     fn add_set(&mut self, path: &Path, text: &str) -> Result<(), LoadError> {
-        let set = SceneSet::parse(path, text)?;
+        let mut set = SceneSet::parse(path, text)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        // names of scenes have neither dots nor separators
+        for file in set.scenes.iter_mut().filter(|name| name.contains(['/', '\\', '.'])) {
+            *file = name_of_path(folder.join(path_of_name(file)).as_os_str());
+        }
         self.sets.insert(set.name.clone(), set);
         Ok(())
     }

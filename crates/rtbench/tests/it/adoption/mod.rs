@@ -1,9 +1,9 @@
-//! What makes the program easy to take into use: formats, schemas, shards, configuration, pages,
+//! What makes the program easy to take into use: formats, schemas, shards, set files, pages,
 //! and that the documents say what is true.
 
-mod configuration;
 mod documents;
 mod exports;
 mod printed;
+mod set_files;
 mod shards;
 mod widths;

@@ -177,14 +177,8 @@ fn files_that_are_no_plugins_are_refused() {
 }
 
 #[test]
-fn no_file_of_a_stranger_names_a_plugin() {
+fn the_journal_of_a_run_names_no_plugin() {
     let folder = Folder::new();
-    let config = Path::new(&folder.path()).join("rtbench.toml");
-    std::fs::write(&config, "[run]\nplugin = [\"evil.so\"]\n").unwrap();
-    let ended = rtbench(&["list", "rays", "--config", config.to_str().unwrap()]);
-    let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(!ended.status.success() && said.contains("plugin"), "{said}");
-    // nor does the journal of a run
     let Some(plugin) = minimal(&folder) else { return };
     let (out, plugin) = (Folder::new(), plugin.to_str().unwrap());
     let path = out.path();

@@ -79,8 +79,4 @@ fn other_files_of_a_folder_are_files_as_well() {
     let journal = folder.path().join("run.jsonl");
     let (code, err) = ends(format!("run --resume {}", show(&journal)));
     assert!(code == 1 && err.contains("not a regular file"), "{err}");
-    let config = folder.path().join("rtbench.toml");
-    make("pipe", &config);
-    let (code, err) = ends(format!("list sets --config {}", show(&config)));
-    assert!(code != 0 && err.contains("not a regular file"), "{err}");
 }

@@ -1,0 +1,324 @@
+//! Options that a set file has for runs of its set (`scenes/sets/*.json`, `run` and `quick`), added
+//! to a command line that does not give them.
+//!
+//! They become arguments, read by the very parser of the command line. So what is valid there is
+//! valid here, and a run's journal and record hold what it was really asked for.
+
+use std::ffi::OsString;
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Command, CommandFactory};
+use serde_json::Value;
+
+use crate::args::Cli;
+use measurement::plan::error::PlanError;
+use measurement::scenes::SceneSource;
+use measurement::settings::suggest;
+
+/// Options that a set file may not have: scenes are the set's own, output files the user's, and
+/// plugins are code.
+const NOT_IN_SETS: [&str; 11] = [
+    "help",
+    "version",
+    "scenes",
+    "as_set",
+    "output",
+    "overwrite",
+    "resume",
+    "shard",
+    "plugin",
+    "in_process",
+    "plugin_limit",
+];
+
+/// Options of which the later one wins, whatever their names: one typed takes both from the set.
+const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
+
+/// Why the options of a set cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SetOptionsError {
+    /// An option is not valid.
+    #[error("scenes/sets/{set}.json: run: {message}")]
+    Invalid {
+        /// Name of the set.
+        set: String,
+        /// What is wrong, and what is valid.
+        message: String,
+    },
+    /// It names something that is not there.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+/// An option of a set file, as it would have been typed.
+struct SetOption {
+    /// Clap's name of the option.
+    id: String,
+    arguments: Vec<OsString>,
+}
+
+/// The arguments that the set of a run adds to its command line: the one set that it is a run of, or
+/// that of `--as`.
+///
+/// # Errors
+/// [`PlanError::UnknownName`] for a set of `--as` that has no options, [`SetOptionsError::Invalid`].
+pub fn added_by_set(
+    arguments: &[OsString],
+    scenes: &dyn SceneSource,
+) -> Result<Vec<OsString>, SetOptionsError> {
+    let cli = Cli::command();
+    let Ok(matches) = cli.clone().try_get_matches_from(arguments) else { return Ok(Vec::new()) };
+    let Some(run) = run_of(&matches) else { return Ok(Vec::new()) };
+    if is_typed(run, "resume") {
+        return Ok(Vec::new());
+    }
+    let named: Vec<&String> = run.get_many("scenes").into_iter().flatten().collect();
+    let set = match (run.get_one::<String>("as_set"), &named[..]) {
+        (Some(set), _) => set,
+        (None, [only]) => only,
+        _ => return Ok(Vec::new()),
+    };
+    let options = scenes.run_options(set, is_typed(run, "quick")).map_err(PlanError::Scene)?;
+    if options.is_empty() && is_typed(run, "as_set") {
+        return Err(without_options(set, scenes)?.into());
+    }
+    let Some(known) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
+    let mut added = Vec::new();
+    for (name, value) in &options {
+        let option = valid_option(&cli, known, name, value)
+            .map_err(|message| SetOptionsError::Invalid { set: set.clone(), message })?;
+        if !is_given(run, &option.id) {
+            added.extend(option.arguments);
+        }
+    }
+    Ok(added)
+}
+
+/// Puts arguments behind those that were typed, but before `--` and what follows it.
+pub fn join<T: PartialEq<str>>(typed: &mut Vec<T>, added: impl IntoIterator<Item = T>) {
+    let end = typed.iter().position(|a| *a == *"--").unwrap_or(typed.len());
+    typed.splice(end..end, added);
+}
+
+/// Options of a run: of `run` itself, or of the one that a baseline is made by.
+fn run_of(matches: &ArgMatches) -> Option<&ArgMatches> {
+    match matches.subcommand()? {
+        ("run", run) => Some(run),
+        ("baseline", baseline) => match baseline.subcommand()? {
+            ("save", run) => Some(run),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Whether the command line has the option, or an alternative to it.
+fn is_given(run: &ArgMatches, id: &str) -> bool {
+    let alternatives = ALTERNATIVES.iter().find(|all| all.contains(&id));
+    is_typed(run, id) || alternatives.is_some_and(|all| all.iter().any(|id| is_typed(run, id)))
+}
+
+/// Whether an argument was given on the command line.
+fn is_typed(matches: &ArgMatches, id: &str) -> bool {
+    let known = matches.try_contains_id(id).unwrap_or(false);
+    known && matches.value_source(id) == Some(ValueSource::CommandLine)
+}
+
+/// The option that a key with a value stands for, if the command line takes it.
+///
+/// # Errors
+/// What is wrong, and what is valid.
+fn valid_option(
+    cli: &Command,
+    run: &Command,
+    name: &str,
+    value: &Value,
+) -> Result<SetOption, String> {
+    let option = option(run, name, value)?;
+    let typed = ["rtbench", "run"].map(OsString::from).into_iter();
+    let alone = cli.clone().try_get_matches_from(typed.chain(option.arguments.clone()));
+    alone.map_err(|error| {
+        let text = error.render().to_string();
+        let first = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        format!("{name}: {first}")
+    })?;
+    Ok(option)
+}
+
+fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String> {
+    let long_of = |a: &clap::Arg| a.get_long().unwrap_or(a.get_id().as_str()).to_owned();
+    let Some(known) = run.get_arguments().find(|a| long_of(a) == name) else {
+        let options = run.get_arguments().filter(|a| !NOT_IN_SETS.contains(&a.get_id().as_str()));
+        let valid: Vec<String> = options.map(long_of).collect();
+        let hint = suggest::hint(name, valid.iter().map(String::as_str));
+        return Err(format!("unknown option '{name}'{hint}; valid: {}", valid.join(", ")));
+    };
+    let id = known.get_id().to_string();
+    if NOT_IN_SETS.contains(&&*id) {
+        return Err(format!("{name}: not an option of sets"));
+    }
+    if !known.get_action().takes_values() {
+        let is_set = value.as_bool().ok_or_else(|| format!("{name}: expected true or false"))?;
+        let arguments = if is_set { vec![format!("--{name}").into()] } else { Vec::new() };
+        return Ok(SetOption { id, arguments });
+    }
+    let is_list = matches!(known.get_action(), clap::ArgAction::Append);
+    let values = match value {
+        Value::Array(values) if is_list => values.as_slice(),
+        value => std::slice::from_ref(value),
+    };
+    let mut arguments = Vec::new();
+    for value in values {
+        let text = match value {
+            Value::String(text) => text.clone(),
+            Value::Number(number) => number.to_string(),
+            _ if is_list => return Err(format!("{name}: expected texts: [\"a\", \"b\"]")),
+            _ => return Err(format!("{name}: expected a text or a number")),
+        };
+        arguments.push(format!("--{name}={text}").into());
+    }
+    Ok(SetOption { id, arguments })
+}
+
+fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, SetOptionsError> {
+    let mut valid = Vec::new();
+    for (name, _) in scenes.sets().map_err(PlanError::Scene)? {
+        if !scenes.run_options(&name, false).map_err(PlanError::Scene)?.is_empty() {
+            valid.push(name);
+        }
+    }
+    Ok(PlanError::UnknownName {
+        what: "set with options of its own",
+        name: set.to_owned(),
+        hint: suggest::hint(set, valid.iter().map(String::as_str)),
+        valid: valid.join(", "),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Map, json};
+
+    use super::*;
+    use measurement::scenes::{Installed, KnownScene, LoadError};
+
+    /// A source with one set that has options.
+    struct One(serde_json::Value);
+
+    impl SceneSource for One {
+        fn resolve(&self, _: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
+            Ok(Vec::new())
+        }
+
+        fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
+            Ok(Vec::new())
+        }
+
+        fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
+            Ok(vec![("own".into(), Vec::new()), ("plain".into(), Vec::new())])
+        }
+
+        fn run_options(
+            &self,
+            set: &str,
+            quick: bool,
+        ) -> Result<Map<String, serde_json::Value>, LoadError> {
+            let mut options = Map::new();
+            if set == "own" {
+                options.extend(self.0.as_object().unwrap().clone());
+                options.extend(quick.then(|| ("size".to_owned(), json!(64))));
+            }
+            Ok(options)
+        }
+    }
+
+    fn joined(options: serde_json::Value, typed: &str) -> Result<String, String> {
+        let mut arguments: Vec<OsString> = typed.split_whitespace().map(Into::into).collect();
+        let added = added_by_set(&arguments, &One(options)).map_err(|e| e.to_string())?;
+        join(&mut arguments, added);
+        Ok(arguments.iter().map(|a| a.to_str().unwrap()).collect::<Vec<_>>().join(" "))
+    }
+
+    #[test]
+    fn the_set_says_what_the_command_line_does_not() {
+        let of = |typed| {
+            let options = json!({"size": 1024, "order": "both", "structures": ["hug", "octree"],
+                                 "by-kind": true});
+            joined(options, typed).unwrap()
+        };
+        let all = "--by-kind --order=both --size=1024 --structures=hug --structures=octree";
+        for typed in [
+            "rtbench run own",
+            "rtbench run tetra balls --as own",
+            "rtbench baseline save main own",
+        ] {
+            assert_eq!(of(typed), format!("{typed} {all}"));
+        }
+        assert_eq!(
+            of("rtbench run own -s octree --order scanline"),
+            "rtbench run own -s octree --order scanline --by-kind --size=1024"
+        );
+        assert!(of("rtbench run own --quick").contains("--size=64"));
+        // no other runs, no other commands
+        for typed in [
+            "rtbench run",
+            "rtbench run own tetra",
+            "rtbench run plain",
+            "rtbench list sets",
+            "rtbench baseline list",
+        ] {
+            assert_eq!(of(typed), typed);
+        }
+    }
+
+    #[test]
+    fn flags_alternatives_and_separators_are_respected() {
+        let of = |options, typed| joined(options, typed).unwrap();
+        let options = || json!({"rounds": 7, "quick": false, "seed": 3});
+        assert_eq!(of(options(), "rtbench run own"), "rtbench run own --rounds=7 --seed=3");
+        assert_eq!(
+            of(options(), "rtbench run own --time-budget 9s"),
+            "rtbench run own --time-budget 9s --seed=3"
+        );
+        assert_eq!(
+            of(options(), "rtbench run --rounds 2 -- own"),
+            "rtbench run --rounds 2 --seed=3 -- own"
+        );
+        for typed in ["rtbench run --resume x", "rtbench run own --bogus"] {
+            assert_eq!(of(options(), typed), typed);
+        }
+    }
+
+    #[test]
+    fn what_is_not_known_is_an_error_that_names_the_set() {
+        let of = |options| joined(options, "rtbench run own").unwrap_err();
+        let error = of(json!({"szie": 9}));
+        let said = "own.json: run: unknown option 'szie' (did you mean 'size'?)";
+        assert!(error.contains(said), "{error}");
+        assert!(of(json!({"size": 0})).contains("own.json: run: size: "));
+        assert!(of(json!({"scenes": ["tetra"]})).contains("scenes: not an option of sets"));
+        assert!(of(json!({"size": null})).contains("size: expected a text or a number"));
+        assert!(of(json!({"by-kind": "yes"})).contains("by-kind: expected true or false"));
+        assert!(of(json!({"structures": [1, {}]})).contains("structures: expected texts"));
+        assert!(of(json!({"plugin": ["evil.so"]})).contains("plugin: not an option of sets"));
+        assert!(of(json!({"resume": "x"})).contains("resume: not an option of sets"));
+        let error = joined(json!({"size": 9}), "rtbench run tetra --as onw").unwrap_err();
+        assert!(error.contains("'onw' (did you mean 'own'?); valid: own"), "{error}");
+    }
+
+    #[test]
+    fn the_sets_that_the_program_carries_are_valid() {
+        let mut with_options = Vec::new();
+        for (set, _) in Installed.sets().unwrap() {
+            for quick in ["", "--quick"] {
+                let words = ["rtbench", "run", &set, quick];
+                let words = words.into_iter().filter(|word| !word.is_empty());
+                let arguments: Vec<OsString> = words.map(Into::into).collect();
+                if !added_by_set(&arguments, &Installed).unwrap().is_empty() {
+                    with_options.push(set.clone());
+                }
+            }
+        }
+        assert_eq!(with_options, ["speed", "speed"]);
+    }
+}
