@@ -34,13 +34,12 @@ pub mod exit_code;
 pub mod exports;
 pub mod foreign_row;
 pub mod gate;
-mod given_view;
 pub mod git;
+mod given_view;
 pub mod history;
 pub mod like;
 mod measure;
 pub mod plugin_rows;
-pub mod profile;
 pub mod program;
 mod recorded_command;
 pub mod report;
@@ -283,9 +282,6 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
         Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
-        Command::Profile(args) => {
-            commands::profile::run(context, args, cli.color).map(|()| SUCCESS)
-        }
         Command::Check(args) => {
             commands::check::run(context, args, Thresholds::default(), cli.color)
         }

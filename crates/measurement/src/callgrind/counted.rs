@@ -75,7 +75,7 @@ fn count_scene<S: Buildable>(
     calls: &mut usize,
     counted: &mut Vec<Counted>,
 ) -> Result<(), MeasureError> {
-    with_rays::<S, ()>(plan, loaded, SIZE, pool, |geometry, lights, all| {
+    with_rays::<S>(plan, loaded, pool, |geometry, lights, all| {
         for row in &plan.rows {
             let most = if row.is_sampled() { FEW_RAYS } else { RAYS };
             let asked = all.restricted(|kind| row.answers(kind));
@@ -105,22 +105,18 @@ fn count_scene<S: Buildable>(
     })
 }
 
-/// Makes the rays of the plan in a scene, of an image of at most `size` pixels across, and works with
+/// Makes the rays of the plan in a scene, of an image of at most [`SIZE`] pixels across, and works with
 /// them: with the primitives, the lights asked, and the rays in the order of the image.
-///
-/// # Errors
-/// [`MeasureError`] for a scene without geometry, or over which no structure can be built.
-pub fn with_rays<S: Buildable, R>(
+fn with_rays<S: Buildable>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
-    size: u32,
     pool: &ThreadPool,
-    work: impl FnOnce(&Geometry<S>, &[DVec3], BatchSet<'_, S>) -> R,
-) -> Result<R, MeasureError> {
+    work: impl FnOnce(&Geometry<S>, &[DVec3], BatchSet<'_, S>),
+) -> Result<(), MeasureError> {
     let scene = &loaded.scene;
     let geometry = Geometry::<S>::of(scene)?;
     let mut settings = plan.settings;
-    settings.resolution = settings.resolution.map(|n| n.min(size));
+    settings.resolution = settings.resolution.map(|n| n.min(SIZE));
     let mut refused = Vec::new();
     let tracer = plan.answers.iter().find_map(|row| {
         let built = row.entry.build(geometry.prims(), &row.params);
@@ -134,7 +130,8 @@ pub fn with_rays<S: Buildable, R>(
     let answers = pool.install(|| answer(&rays, &plan.kinds, &*tracer));
     let lights = lights_asked(scene, &plan.settings);
     let all = BatchSet::new(&rays, answers, &lights);
-    Ok(work(&geometry, &lights, all))
+    work(&geometry, &lights, all);
+    Ok(())
 }
 
 /// Builds and asks a row; which of both was done.

@@ -6,11 +6,8 @@
 //! function that is never inlined ([`counted::counted_phase`]), which switches the counting on and
 //! off, and each return from it writes a file of its own.
 
-pub mod caches;
 pub mod counted;
-pub mod simulation;
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -62,17 +59,6 @@ pub enum CallgrindError {
         /// Calls it made.
         expected: usize,
         /// Calls that callgrind saw.
-        found: usize,
-    },
-    /// The system does not tell what is to be simulated.
-    #[error(
-        "{}: tells of {found} caches of data; expected at least two levels with level, size, \
-         ways_of_associativity and coherency_line_size", folder.display()
-    )]
-    Caches {
-        /// Where Linux tells it.
-        folder: PathBuf,
-        /// How many it tells of.
         found: usize,
     },
     /// The results that counts were asked for are of another commit.
@@ -186,16 +172,6 @@ fn callgrind(folder: &Scratch) -> Command {
 
 /// The instructions of all files in the folder that a return from the phase function wrote, in order.
 fn totals(folder: &Path) -> Result<Vec<u64>, CallgrindError> {
-    let instructions = |events: Events| events.get("Ir").copied();
-    let of_all = events_of_calls(folder)?.into_iter().map(instructions);
-    of_all.collect::<Option<_>>().ok_or_else(|| CallgrindError::Output("no event 'Ir'".into()))
-}
-
-/// Counts of a call by the names of the events.
-type Events = BTreeMap<String, u64>;
-
-/// The counts of all files in the folder that a return from the phase function wrote, in order.
-fn events_of_calls(folder: &Path) -> Result<Vec<Events>, CallgrindError> {
     let io = |path: &Path| {
         let path = path.to_owned();
         move |source| CallgrindError::Io { path, source }
@@ -207,11 +183,12 @@ fn events_of_calls(folder: &Path) -> Result<Vec<Events>, CallgrindError> {
         parts.extend(part(&text).map_err(CallgrindError::Output)?);
     }
     parts.sort_unstable_by_key(|(number, _)| *number);
-    Ok(parts.into_iter().map(|(_, events)| events).collect())
+    Ok(parts.into_iter().map(|(_, instructions)| instructions).collect())
 }
 
-/// The number of a file's part and its totals; none for the part that the end of the program wrote.
-fn part(text: &str) -> Result<Option<(u64, Events)>, String> {
+/// The number of a file's part and its instructions; none for the part that the end of the program
+/// wrote.
+fn part(text: &str) -> Result<Option<(u64, u64)>, String> {
     let value =
         |key: &str| text.lines().find_map(|line| Some(line.strip_prefix(key)?.trim().to_owned()));
     let line = |key: &str| value(key).ok_or_else(|| format!("no line '{key}'"));
@@ -222,17 +199,12 @@ fn part(text: &str) -> Result<Option<(u64, Events)>, String> {
     if !trigger.starts_with("--dump-after") {
         return Ok(None);
     }
-    let (names, totals) = (line("events:")?, line("totals:")?);
-    let counts = totals.split_whitespace().map(|text| number("totals:", text));
-    let counts = counts.collect::<Result<Vec<_>, _>>()?;
-    let names: Vec<&str> = names.split_whitespace().collect();
-    if counts.len() > names.len() {
-        return Err(format!("'totals: {totals}': expected one count for each of {names:?}"));
+    let events = line("events:")?;
+    if events != "Ir" {
+        return Err(format!("'events: {events}': expected 'Ir' alone"));
     }
-    // callgrind leaves out zeros at the end
-    let counts = counts.into_iter().chain(std::iter::repeat(0));
-    let events = names.into_iter().map(str::to_owned).zip(counts).collect();
-    Ok(Some((number("part:", &line("part:")?)?, events)))
+    let instructions = number("totals:", &line("totals:")?)?;
+    Ok(Some((number("part:", &line("part:")?)?, instructions)))
 }
 
 /// A folder for callgrind's files, removed when it is dropped.
@@ -267,16 +239,14 @@ mod tests {
 
     #[test]
     fn a_part_has_a_number_and_a_total() {
-        assert_eq!(part(PART), Ok(Some((3, [("Ir".to_owned(), 1234)].into()))));
-        let more = PART.replace("events: Ir", "events: Ir Dr D1mr").replace("1234", "9 8");
-        let events = [("Ir", 9), ("Dr", 8), ("D1mr", 0)].map(|(name, n)| (name.to_owned(), n));
-        assert_eq!(part(&more), Ok(Some((3, events.into()))));
+        assert_eq!(part(PART), Ok(Some((3, 1234))));
         let end = PART.replace("--dump-after=x", "Program termination");
         assert_eq!(part(&end), Ok(None));
         for damaged in [
             PART.replace("totals: 1234", ""),
             PART.replace("1234", "12 34"),
             PART.replace("1234", "x"),
+            PART.replace("events: Ir", "events: Ir Dr"),
             PART.replace("part: 3", "part: three"),
         ] {
             assert!(part(&damaged).is_err(), "{damaged}");

@@ -204,12 +204,6 @@ pub enum ChildAction {
     Build(TrialArgs),
     /// Answer rays with a plugin, as a run asks over a socket; ends when standard input ends
     Plugin(ServeArgs),
-    /// Build each row and ask it a window of each batch of rays, for a simulation of caches
-    AskWindows {
-        /// Rays of a window.
-        #[arg(long)]
-        rays: u32,
-    },
 }
 
 /// Percent as typed, `3` or `3%`, as a share.

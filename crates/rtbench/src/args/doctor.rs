@@ -10,7 +10,4 @@ pub struct DoctorArgs {
     /// As text or as JSON
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
-    /// Also time loads that wait for one another, by size of memory: 256 MiB and some seconds
-    #[arg(long)]
-    pub memory: bool,
 }

@@ -19,7 +19,6 @@ mod merge;
 mod parsers;
 mod plugins;
 mod printed;
-mod profile;
 mod render;
 mod report;
 mod reproduce;
@@ -52,7 +51,6 @@ pub use measuring::MeasuringArgs;
 pub use merge::MergeArgs;
 pub use plugins::{PluginArgs, ServeArgs};
 pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
-pub use profile::ProfileArgs;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
@@ -64,8 +62,6 @@ pub use sweep::SweepArgs;
 pub use tables::TableArgs;
 pub use verify::VerifyArgs;
 pub use view::ViewArgs;
-
-use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
@@ -180,8 +176,6 @@ pub enum Command {
     History(HistoryArgs),
     /// Compare our figures with published ones
     Reproduce(ReproduceArgs),
-    /// What the time of a run's fastest rows is spent on: work, and lines from caches and memory
-    Profile(ProfileArgs),
     /// Compare this program with a baseline or with an older binary: the gate of a CI job
     #[command(
         after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check --against ./old --new ./new -- --frames 9"
@@ -240,7 +234,6 @@ impl Command {
                 | Self::Accuracy(_)
                 | Self::Verify(_)
                 | Self::Reproduce(_)
-                | Self::Profile(_)
                 | Self::Check(_)
                 | Self::Bisect(_)
                 | Self::Baseline(_)

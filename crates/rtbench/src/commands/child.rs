@@ -14,7 +14,6 @@ use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::outputs::Outputs;
 use crate::like::{self, Narrowed};
-use measurement::callgrind::caches::ask_all;
 use measurement::callgrind::counted::count_all;
 use measurement::plan::OneProcess;
 use measurement::plan::strides::FixedStrides;
@@ -72,10 +71,6 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
         ChildAction::CountInstructions => {
             let plan = like::plan(&record()?, &Narrowed::default(), context)?;
             (serde_json::to_string(&count_all(&plan)?), 0)
-        }
-        ChildAction::AskWindows { rays } => {
-            let plan = like::plan(&record()?, &Narrowed::default(), context)?;
-            (serde_json::to_string(&ask_all(&plan, *rays as usize)?), 0)
         }
     };
     writeln!(context.out, "{}", answer.map_err(json)?)?;

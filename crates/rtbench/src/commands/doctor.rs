@@ -5,21 +5,19 @@ use std::io::Write;
 use crate::args::{Color, DoctorArgs, Format};
 use crate::context::Context;
 use crate::doctor::finding::Level;
-use crate::doctor::memory::{self, LINE};
 use crate::doctor::system::System;
 use crate::doctor::{Diagnosis, diagnose};
 use crate::error::Error;
+use presentation::json;
 use presentation::table::Style;
 use presentation::text::painted;
-use presentation::{json, numbers};
 
 /// Looks and prints.
 ///
 /// # Errors
 /// [`Error::Output`].
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
-    let sizes: &[usize] = if args.memory { &memory::SIZES } else { &[] };
-    let diagnosis = diagnose(&System::of(context.world), context.clock, sizes);
+    let diagnosis = diagnose(&System::of(context.world), context.clock);
     match args.format {
         Format::Json => context.out.write_all(json::written(&diagnosis)?.as_bytes())?,
         Format::Text => write(context.out, &diagnosis, context.terminal.colors(color))?,
@@ -44,14 +42,5 @@ fn write(out: &mut dyn Write, diagnosis: &Diagnosis, colors: bool) -> std::io::R
         }
     }
     let warnings = findings.iter().filter(|f| f.level == Level::Warning).count();
-    writeln!(out, "{warnings} of {} may disturb measurements", findings.len())?;
-    if diagnosis.memory.is_empty() {
-        return Ok(());
-    }
-    writeln!(out, "\nloads that wait for one another, at random among lines of {LINE} bytes:")?;
-    for latency in &diagnosis.memory {
-        let (kibibytes, ns) = (latency.bytes >> 10, 1e9 * latency.load_s);
-        writeln!(out, "{kibibytes:>9} KiB  {:>7} ns", numbers::short(ns))?;
-    }
-    Ok(())
+    writeln!(out, "{warnings} of {} may disturb measurements", findings.len())
 }

@@ -22,7 +22,6 @@ mod merge_machines;
 pub mod named_files;
 pub mod printed;
 mod processes;
-pub mod profile;
 pub mod render;
 pub mod report;
 pub mod reproduce;

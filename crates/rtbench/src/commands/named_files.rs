@@ -39,7 +39,6 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
             cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
         }
         Command::Verify(args) => cloned(&[&args.export_csv, &args.export_json]),
-        Command::Profile(args) => cloned(&[&args.export_markdown]),
         Command::Reproduce(args) => match &args.publication {
             Publication::Havran1999(args) => cloned(&[&args.export_csv]),
             Publication::Zachmann2007(args) => cloned(&[&args.export_csv]),

@@ -1,14 +1,12 @@
 //! What may disturb measurements on a machine: one finding per line, with what it means and what to do.
 
 pub mod finding;
-pub mod memory;
 pub mod noise;
 pub mod system;
 
 use serde::Serialize;
 
 use crate::doctor::finding::Finding;
-use crate::doctor::memory::Latency;
 use crate::doctor::noise::Noise;
 use crate::doctor::system::System;
 use measurement::system::clock::Clock;
@@ -20,15 +18,12 @@ pub struct Diagnosis {
     pub noise: Noise,
     /// One for each thing looked at.
     pub findings: Vec<Finding>,
-    /// What a load takes that waits for the one before, by the size of memory; where asked for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub memory: Vec<Latency>,
 }
 
-/// Looks at the system and times the loop, and loads among those sizes of memory.
-pub fn diagnose(system: &System, clock: &dyn Clock, memory: &[usize]) -> Diagnosis {
+/// Looks at the system and times the loop.
+pub fn diagnose(system: &System, clock: &dyn Clock) -> Diagnosis {
     let noise = noise::measure(clock);
     let mut findings = system.findings();
     findings.push(noise.finding());
-    Diagnosis { noise, findings, memory: memory::measure(memory, clock) }
+    Diagnosis { noise, findings }
 }

@@ -54,8 +54,7 @@ fn scenes_and_options_are_those_of_the_set_file() {
     assert!(line.ends_with("--rounds=2 --size=8 --structures=obvhs-cwbvh"), "{line}");
     // what is typed goes before
     let typed = place.rtbench("run mine --rounds 3 --export-json -");
-    let record: measurement::record::RunRecord =
-        serde_json::from_slice(&typed.stdout).unwrap();
+    let record: measurement::record::RunRecord = serde_json::from_slice(&typed.stdout).unwrap();
     assert_eq!(record.scenes[0].rows[0].samples.len(), 3);
 
     let sets = text(&place.rtbench("list sets").stdout);
