@@ -293,7 +293,9 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Merge(args) => commands::merge::run(context, args, cli.color),
         Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Schema(args) => commands::printed::schema(context, args).map(|()| SUCCESS),
-        Command::Completions(args) => commands::completions::run(context, args).map(|()| SUCCESS),
+        Command::Completions(args) => {
+            commands::printed::completions(context, args).map(|()| SUCCESS)
+        }
         Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
     }
 }

@@ -10,7 +10,6 @@ pub mod check;
 pub mod child;
 pub mod compare;
 pub mod compare_tracers;
-pub mod completions;
 pub mod cost;
 pub mod doctor;
 pub mod explain;

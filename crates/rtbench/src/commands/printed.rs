@@ -1,18 +1,15 @@
-//! `rtbench schema` and `man`: what is printed of the program itself.
+//! `rtbench schema`, `completions` and `man`: what is printed of the program itself.
 
 use clap::CommandFactory;
 use clap_mangen::Man;
 
-use crate::args::{Cli, ManArgs, SchemaArgs, SchemaOf};
+use crate::args::{Cli, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 use crate::context::Context;
 use crate::error::Error;
 use crate::schema;
 use measurement::plan::error::PlanError;
 use measurement::settings::suggest;
 use measurement::system::files::WriteError;
-
-/// The program's name, in pages and completions.
-pub(super) const NAME: &str = "rtbench";
 
 /// Prints a schema.
 ///
@@ -26,6 +23,18 @@ pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error>
         SchemaOf::Scene => schema::SCENE,
     };
     context.out.write_all(text.as_bytes())?;
+    Ok(context.out.flush()?)
+}
+
+/// Prints completions of commands and options.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<(), Error> {
+    // the library takes no error of its writer
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "rtbench", &mut text);
+    context.out.write_all(&text)?;
     Ok(context.out.flush()?)
 }
 
