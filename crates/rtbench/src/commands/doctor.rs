@@ -4,9 +4,7 @@ use std::io::Write;
 
 use crate::args::{Color, DoctorArgs, Format};
 use crate::context::Context;
-use crate::doctor::finding::Level;
-use crate::doctor::system::System;
-use crate::doctor::{Diagnosis, diagnose};
+use crate::doctor::{Diagnosis, Level, System, diagnose};
 use crate::error::Error;
 use presentation::json;
 use presentation::table::Style;
@@ -29,12 +27,12 @@ fn write(out: &mut dyn Write, diagnosis: &Diagnosis, colors: bool) -> std::io::R
     let findings = &diagnosis.findings;
     let width = findings.iter().map(|f| f.name.chars().count()).max().unwrap_or(0);
     for finding in findings {
-        let style = match finding.level {
-            Level::Good => Style::Plain,
-            Level::Warning => Style::Bad,
-            Level::Unknown => Style::Dim,
+        let (level, style) = match finding.level {
+            Level::Good => ("good", Style::Plain),
+            Level::Warning => ("warning", Style::Bad),
+            Level::Unknown => ("unknown", Style::Dim),
         };
-        let level = painted(&format!("{:<7}", finding.level.name()), style, colors);
+        let level = painted(&format!("{level:<7}"), style, colors);
         writeln!(out, "{level}  {:<width$}  {}", finding.name, finding.value)?;
         if let Some(advice) = finding.advice {
             writeln!(out, "{:9}{:width$}  {}", "", "", finding.meaning)?;

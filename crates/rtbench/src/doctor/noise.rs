@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use serde::Serialize;
 
-use crate::doctor::finding::{Finding, Level};
+use crate::doctor::{Finding, Level};
 use measurement::system::clock::Clock;
 use statistics::estimate::median;
 
