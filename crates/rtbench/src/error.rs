@@ -23,8 +23,8 @@ use studies::animate::AnimateError;
 use studies::error::{StudyError, UnsavedImage};
 use studies::explain::ExplainError;
 use studies::reproduce::ReproduceError;
-use studies::scale::ScaleError;
 use studies::sweep::SweepError;
+use studies::sweep::sizes::SizesError;
 
 use crate::bisect::BisectError;
 use crate::comparison::CompareError;
@@ -50,7 +50,7 @@ pub enum Error {
     Sweep(Box<SweepError>),
     /// Nothing that can be scaled.
     #[error(transparent)]
-    Scale(Box<ScaleError>),
+    Sizes(Box<SizesError>),
     /// Nothing that can be animated.
     #[error(transparent)]
     Animate(Box<AnimateError>),
@@ -219,12 +219,12 @@ impl From<ExplainError> for Error {
     }
 }
 
-impl From<ScaleError> for Error {
-    fn from(error: ScaleError) -> Self {
+impl From<SizesError> for Error {
+    fn from(error: SizesError) -> Self {
         match error {
-            ScaleError::Plan(error) => Self::Plan(error),
-            ScaleError::Scene(error) => Self::Load(error),
-            other => Self::Scale(Box::new(other)),
+            SizesError::Plan(error) => Self::Plan(error),
+            SizesError::Scene(error) => Self::Load(error),
+            other => Self::Sizes(Box::new(other)),
         }
     }
 }
@@ -291,7 +291,7 @@ impl Error {
             Self::Bisect(error) if error.is_usage() => USAGE,
             Self::Plan(_)
             | Self::Sweep(_)
-            | Self::Scale(_)
+            | Self::Sizes(_)
             | Self::Explain(_)
             | Self::Animate(_)
             | Self::SetOptions(_) => USAGE,

@@ -3,8 +3,7 @@
 //! The way of a run: [`args`] (syntax) -> [`measurement::settings`] -> [`measurement::plan`]
 //! (validated) -> [`measurement::rounds`]: what is right, is each row right, rounds in seeded random
 //! order -> [`measurement::record`] -> the journal, tables ([`studies::run`]) and [`exports`]. A sweep
-//! is such a run whose rows are the values of one parameter, a scale one whose scenes are the sizes of
-//! one scene. [`comparison`] puts records side by side, the [`gate`] compares a run with an earlier
+//! is such a run whose rows are the values of one parameter, or whose scenes are the sizes of one scene. [`comparison`] puts records side by side, the [`gate`] compares a run with an earlier
 //! one, a [`report`] is made of a folder of them.
 
 // What a command line or a file says can make nothing panic. Modules that index lists of their own
@@ -259,7 +258,6 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     match &cli.command {
         Command::Run(args) => commands::run::run(context, args, cli.color),
         Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
-        Command::Scale(args) => commands::scale::run(context, args, cli.color),
         Command::Animate(args) => {
             commands::animate::run(context, args, cli.color, &cli.view.options())
         }

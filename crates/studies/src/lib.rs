@@ -24,7 +24,6 @@ pub mod explain;
 pub mod image_error;
 pub mod reproduce;
 pub mod run;
-pub mod scale;
 #[allow(clippy::indexing_slicing)]
 pub mod showing;
 #[allow(clippy::indexing_slicing)]

@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::journal::seal::Seal;
 use crate::record::{Compiler, Machine, RowRecord, SCHEMA_VERSION, SceneRecord, Settings, Tool};
-use crate::settings::asked::Asked;
+use crate::settings::RunSettings;
 use presentation::format_error::FormatError;
 
 /// What a run is: two runs whose manifests agree may be parts of one.
@@ -40,7 +40,7 @@ pub struct Manifest {
     pub rows: Vec<String>,
     /// What was asked for: by this the run is gone on with. Earlier versions had its arguments.
     #[serde(default)]
-    pub asked: Option<Asked>,
+    pub asked: Option<RunSettings>,
     /// Its plugins, by name.
     #[serde(default)]
     pub plugins: Vec<String>,

@@ -132,12 +132,6 @@ pub enum PlanError {
         /// Of both.
         name: String,
     },
-    /// An output of a run, asked for when a scale is resumed.
-    #[error("{option} writes a run, and what is resumed is a scale: leave it out")]
-    NotOfScale {
-        /// The option.
-        option: &'static str,
-    },
     /// Two outputs would be mixed up.
     #[error("more than one output is to go to standard output (-); name files for the others")]
     OneStdout,

@@ -99,7 +99,7 @@ pub struct RunRecord {
     /// How far a copy of the program was from the program; none where none was timed.
     #[serde(default)]
     pub floor: Option<FloorRecord>,
-    /// The sizes and slopes, where the scenes are the sizes of one (`rtbench scale`).
+    /// The sizes and slopes, where the scenes are the sizes of one (`rtbench sweep --sizes`).
     #[serde(default)]
     pub scale: Option<ScaleRecord>,
 }

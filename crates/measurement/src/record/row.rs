@@ -138,7 +138,7 @@ pub struct RowRecord {
     #[serde(default)]
     pub outliers: Outliers,
     /// Bytes that a process of its own took more at the peak of the build than before it; measured
-    /// by `rtbench scale` only.
+    /// by `rtbench sweep --sizes` only.
     #[serde(default)]
     pub peak_build_bytes: Option<u64>,
     /// The plugin that it is of; none for what is of this program.

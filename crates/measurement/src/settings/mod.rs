@@ -1,12 +1,9 @@
 //! What a run is asked for, whoever asks: the command line, a file or an earlier record.
 
-pub mod asked;
 pub mod choice;
 pub mod duration;
 pub mod quantity;
-pub mod scale;
 pub mod shard;
-pub mod sizes;
 pub mod suggest;
 mod typed;
 
@@ -154,6 +151,44 @@ impl RunSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn run() -> RunSettings {
+        RunSettings {
+            scenes: vec!["balls:4".into()],
+            overrides: vec!["uniform-grid.density=4".into()],
+            measuring: MeasuringSettings {
+                rays: vec!["shadow".into()],
+                order: Orders::Both,
+                lights: Lights::First,
+                pass_limit: Some(Duration::from_millis(100)),
+                rounds: Some(7),
+                precision: Precision::F64,
+                max_memory: Some(u64::MAX),
+                ..MeasuringSettings::default()
+            },
+            shard: Some(Shard { index: 2, count: 8 }),
+            ..RunSettings::default()
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let text = serde_json::to_string(&run()).unwrap();
+        assert_eq!(serde_json::from_str::<RunSettings>(&text).unwrap(), run(), "{text}");
+    }
+
+    #[test]
+    fn what_cannot_be_typed_cannot_be_read() {
+        let text = serde_json::to_string(&run()).unwrap();
+        for (from, to, said) in [
+            ("2/8", "0/0", "expected I/N"),
+            ("\"both\"", "\"none\"", "'none' is no value"),
+            ("\"seed\":1", "\"seed\":-1", "expected u64"),
+        ] {
+            let error = serde_json::from_str::<RunSettings>(&text.replace(from, to)).unwrap_err();
+            assert!(error.to_string().contains(said), "{said}: {error}");
+        }
+    }
 
     #[test]
     fn values_are_found_by_what_is_typed() {

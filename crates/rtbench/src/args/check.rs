@@ -9,7 +9,7 @@ use clap::{Args, Subcommand};
 use crate::args::baseline::FolderArgs;
 use crate::args::parsers::{choice, scene_name};
 use crate::args::plugins::{PluginArgs, ServeArgs};
-use crate::args::scale::TrialArgs;
+use crate::args::trial::TrialArgs;
 use crate::gate::thresholds::Thresholds;
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 
@@ -167,7 +167,7 @@ impl CheckArgs {
     }
 }
 
-/// What `check` and `scale` start.
+/// What `check` and `sweep` start.
 #[derive(Debug, Clone, Args)]
 pub struct ChildArgs {
     /// Structures of the parent's plugins.

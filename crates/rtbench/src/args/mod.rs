@@ -23,11 +23,11 @@ mod render;
 mod report;
 mod reproduce;
 mod run;
-mod scale;
 mod scenes;
 pub mod show;
 mod sweep;
 mod tables;
+mod trial;
 mod verify;
 mod view;
 
@@ -55,11 +55,11 @@ pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use report::ReportArgs;
 pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use run::RunArgs;
-pub use scale::{ScaleArgs, ScaleExportArgs, TrialArgs};
 pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
 pub use show::ShowArgs;
 pub use sweep::SweepArgs;
 pub use tables::TableArgs;
+pub use trial::TrialArgs;
 pub use verify::VerifyArgs;
 pub use view::ViewArgs;
 
@@ -116,16 +116,11 @@ pub enum Command {
         after_help = "Examples:\n  rtbench run my.obj                                  which structure for this file\n  rtbench run teapot -s kd-tree,wide-bvh -o out       two structures, results in a folder\n  rtbench run teapot --quick --sort memory            a first look, the smallest first\n  rtbench run tree -s uniform-grid:density=4          a structure with a setting"
     )]
     Run(RunArgs),
-    /// Measure one parameter of a structure over its values
+    /// Measure one parameter of a structure over its values, or one scene in several sizes
     #[command(
-        after_help = "Examples:\n  rtbench sweep teapot -s uniform-grid -p density --from 0.1 --to 100"
+        after_help = "Examples:\n  rtbench sweep teapot -s uniform-grid -p density --from 0.1 --to 100\n  rtbench sweep tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
     )]
     Sweep(SweepArgs),
-    /// Measure one scene in several sizes: how build, trace and memory grow
-    #[command(
-        after_help = "Examples:\n  rtbench scale tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
-    )]
-    Scale(ScaleArgs),
     /// Measure a scene that moves, frame by frame: updates, rays, and which row has the most frames per second
     #[command(
         after_help = "Examples:\n  rtbench animate marbles                                every structure, every way to update it\n  rtbench animate city -s wide-bvh:update=refit,uniform-grid:update=incremental -o out\n  rtbench animate 'frame%04d.obj' --frames 0..9 -j 2     a sequence of files, with one thread and with two"
@@ -188,7 +183,7 @@ pub enum Command {
     Bisect(BisectArgs),
     /// Keep results to check against
     Baseline(BaselineArgs),
-    /// What `check` and `scale` start as processes of their own
+    /// What `check` and `sweep` start as processes of their own
     #[command(hide = true)]
     Child(ChildArgs),
     /// Join the parts of a run that `--shard` made
@@ -226,7 +221,6 @@ impl Command {
             self,
             Self::Run(_)
                 | Self::Sweep(_)
-                | Self::Scale(_)
                 | Self::Animate(_)
                 | Self::Explain(_)
                 | Self::Cost(_)

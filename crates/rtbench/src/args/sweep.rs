@@ -1,46 +1,49 @@
 //! `rtbench sweep`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
+use measurement::plan::error::PlanError;
 use measurement::settings::MeasuringSettings;
 use studies::sweep::SweepSettings;
+use studies::sweep::sizes::SizeSettings;
+use studies::sweep::sizes::targets::Sizes;
 
 use crate::args::measuring::MeasuringArgs;
-use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
 
 /// `rtbench sweep`.
 #[derive(Debug, Clone, Args)]
 pub struct SweepArgs {
-    /// Scenes, scene sets or scene files
+    /// Scenes, scene sets or scene files; with --sizes one generated scene: balls, tree-tess, hare
     #[arg(value_name = "SCENE|SET", required = true, value_parser = scene_name())]
     pub scenes: Vec<String>,
-    /// The structure, with its other settings if any: uniform-grid:resolution=woo
-    #[arg(short, long, value_name = "STRUCTURE")]
-    pub structure: String,
+    /// The structure, with its other settings if any: uniform-grid:resolution=woo; with --sizes
+    /// several, or occluders [default: each at its defaults]
+    #[arg(
+        short,
+        long = "structure",
+        visible_alias = "structures",
+        value_name = "STRUCTURE",
+        value_delimiter = ',',
+        required_unless_present = "sizes"
+    )]
+    pub structures: Vec<String>,
     /// The parameter
-    #[arg(short, long, value_name = "PARAM")]
-    pub parameter: String,
+    #[arg(short, long, value_name = "PARAM", required_unless_present = "sizes")]
+    pub parameter: Option<String>,
     /// Its values: none,array,hash
     #[arg(long, value_name = "VALUE", value_delimiter = ',',
           conflicts_with_all = ["from", "to", "steps", "linear"])]
     pub values: Vec<String>,
     /// Its first value, a number
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        required_unless_present = "values",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "NUMBER", required_unless_present_any = ["values", "sizes"],
+          allow_negative_numbers = true)]
     pub from: Option<f64>,
     /// Its last value
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        required_unless_present = "values",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "NUMBER", required_unless_present_any = ["values", "sizes"],
+          allow_negative_numbers = true)]
     pub to: Option<f64>,
     /// Number of values
     #[arg(long, value_name = "N", default_value_t = 9,
@@ -49,22 +52,41 @@ pub struct SweepArgs {
     /// Equal steps between values [default: equal ratios]
     #[arg(long)]
     pub linear: bool,
-    /// Sets another parameter of the structure: resolution=woo
+    /// Sets another parameter of the structure: resolution=woo; with --sizes of any:
+    /// uniform-grid.density=4
     #[arg(long = "set", value_name = "PARAM=VALUE")]
     pub settings: Vec<String>,
+    /// Instead of a parameter, numbers of primitives: 1e3..1e7, or 1k,20k,1M; the nearest size of
+    /// the scene stands for each
+    #[arg(long, value_name = "FROM..TO|N,N,...", value_parser = Sizes::parse,
+          conflicts_with_all = ["parameter", "values", "from", "to", "steps", "linear"])]
+    pub sizes: Option<Sizes>,
+    /// How many sizes a factor of ten, where --sizes is a range
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "sizes",
+          value_parser = clap::value_parser!(u32).range(1..=20))]
+    pub per_decade: u32,
+    /// Longest build of a size; a row that takes longer is not measured, nor tried at larger sizes
+    #[arg(long, value_name = "TIME", default_value = "60s", requires = "sizes",
+          value_parser = measurement::settings::duration::parse)]
+    pub time_limit: Duration,
     /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-    /// How much memory a structure may take.
-    #[command(flatten)]
-    pub memory: MemoryArgs,
+    /// Most memory of a structure; a row that would take more is shown as `out of memory` [default:
+    /// half of the machine's memory, or of the control group's limit if that is less]; with --sizes
+    /// of a process that loads the scene and builds one row, `over limit` [default: 8GiB]
+    #[arg(long, value_name = "BYTES", value_parser = measurement::settings::quantity::bytes)]
+    pub max_memory: Option<u64>,
     /// Print all columns [default: those that fit the terminal, or 120 characters]
     #[arg(long)]
     pub wide: bool,
     /// Write one CSV row per scene and value; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    /// Write a plot, one panel per scene; or -
+    /// Write one CSV row per slope over the sizes; or -
+    #[arg(long, value_name = "FILE", requires = "sizes")]
+    pub export_slopes: Option<PathBuf>,
+    /// Write a plot, one panel per scene, or per quantity that grows with the size; or -
     #[arg(long, value_name = "FILE")]
     pub export_svg: Option<PathBuf>,
     /// Write the tables in Markdown; or -
@@ -76,22 +98,54 @@ pub struct SweepArgs {
 }
 
 impl SweepArgs {
-    /// What was typed, but for the files to write.
-    pub fn settings(&self) -> SweepSettings {
-        SweepSettings {
+    /// The sweep over a parameter that was typed.
+    ///
+    /// # Errors
+    /// [`PlanError::Malformed`] for several structures.
+    pub fn settings(&self) -> Result<SweepSettings, PlanError> {
+        let [structure] = &self.structures[..] else {
+            return Err(PlanError::Malformed {
+                text: self.structures.join(","),
+                expected: "one structure, whose parameter is swept",
+            });
+        };
+        Ok(SweepSettings {
             scenes: self.scenes.clone(),
-            structure: self.structure.clone(),
-            parameter: self.parameter.clone(),
+            structure: structure.clone(),
+            parameter: self.parameter.clone().unwrap_or_default(),
             values: self.values.clone(),
             from: self.from,
             to: self.to,
             steps: self.steps,
             linear: self.linear,
             settings: self.settings.clone(),
-            measuring: MeasuringSettings {
-                max_memory: self.memory.max_memory,
-                ..self.measuring.settings()
-            },
-        }
+            measuring: self.measuring(),
+        })
+    }
+
+    /// The sweep over sizes that was typed.
+    ///
+    /// # Errors
+    /// [`PlanError::Malformed`] for several scenes.
+    pub fn size_settings(&self, sizes: &Sizes) -> Result<SizeSettings, PlanError> {
+        let [scene] = &self.scenes[..] else {
+            return Err(PlanError::Malformed {
+                text: self.scenes.join(" "),
+                expected: "one generated scene, like balls",
+            });
+        };
+        Ok(SizeSettings {
+            scene: scene.clone(),
+            sizes: sizes.clone(),
+            per_decade: self.per_decade,
+            structures: self.structures.clone(),
+            overrides: self.settings.clone(),
+            measuring: self.measuring(),
+            time_limit: self.time_limit,
+        })
+    }
+
+    fn measuring(&self) -> MeasuringSettings {
+        MeasuringSettings { max_memory: self.max_memory, ..self.measuring.settings() }
     }
 }

@@ -1,5 +1,5 @@
 //! What `rtbench check` starts as processes of their own: a record on standard input says what to
-//! do, the answer goes to standard output as JSON. And what `rtbench scale` starts, which needs no
+//! do, the answer goes to standard output as JSON. And what `rtbench sweep --sizes` starts, which needs no
 //! record: see `trial_build`. And the process of a plugin's row: see [`plugins::serve`].
 
 use std::io::Read;

@@ -34,7 +34,7 @@ use measurement::system::pools::Pools;
 use measurement::system::world::World;
 use renderer::ShadowRays;
 use studies::run::conclusions::{conclude_run, conclude_scene};
-use studies::scale::{admission, quantities};
+use studies::sweep::sizes::{admission, quantities};
 
 /// What came of a plan.
 #[derive(Debug)]

@@ -28,7 +28,6 @@ mod resumable;
 pub mod row_deaths;
 pub mod run;
 mod run_outputs;
-pub mod scale;
 pub mod scene_pictures;
 pub mod scenes;
 pub mod show;

@@ -19,19 +19,16 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
             BaselineAction::Save(args) => exports(&args.run.exports),
             _ => Vec::new(),
         },
-        Command::Sweep(args) => {
-            cloned(&[&args.export_csv, &args.export_svg, &args.export_markdown, &args.export_json])
-        }
+        Command::Sweep(args) => cloned(&[
+            &args.export_csv,
+            &args.export_slopes,
+            &args.export_svg,
+            &args.export_markdown,
+            &args.export_json,
+        ]),
         Command::Explain(args) => {
             cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
         }
-        Command::Scale(args) => cloned(&[
-            &args.exports.export_csv,
-            &args.exports.export_slopes,
-            &args.exports.export_svg,
-            &args.exports.export_markdown,
-            &args.exports.export_json,
-        ]),
         Command::Compare(args) => {
             cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
         }

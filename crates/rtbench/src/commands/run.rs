@@ -1,4 +1,4 @@
-//! `rtbench run`: measure, print, export; and go on where an earlier run, or `rtbench scale`, ended.
+//! `rtbench run`: measure, print, export; and go on where an earlier run ended.
 
 use std::path::Path;
 
@@ -6,7 +6,6 @@ use crate::args::{Color, ExportArgs, RunArgs, TableArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
 use crate::commands::resumable::{Begun, go_on, manifest, watch};
 use crate::commands::run_outputs;
-use crate::commands::scale;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
@@ -15,7 +14,6 @@ use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use measurement::settings::RunSettings;
-use measurement::settings::asked::Asked;
 use studies::run::text;
 use studies::run::view::View;
 
@@ -33,7 +31,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
     let record = begin(context.world, &context.command_line, &plan);
     let mut kept = Kept::default();
     let manifest = Manifest {
-        asked: Some(Asked::Run(settings)),
+        asked: Some(settings),
         exports: run_outputs::named(&args.exports),
         ..manifest(context, &plan, &record)
     };
@@ -60,7 +58,7 @@ fn resume(
     let (journal, found) = Journal::resume(folder)?;
     let differs =
         |differences: String| JournalError::Differs { folder: folder.into(), differences };
-    let Some(asked) = found.manifest.asked.clone() else {
+    let Some(settings) = found.manifest.asked.clone() else {
         return Err(JournalError::NotAsked { path: journal.path().to_owned() }.into());
     };
     let (had, has) = (found.manifest.plugins.join(", "), context.plugins.names().join(", "));
@@ -70,12 +68,6 @@ fn resume(
         return Err(differs(message).into());
     }
     let begun = Begun { folder, journal, found };
-    let settings = match asked {
-        Asked::Run(settings) => settings,
-        Asked::Scale(settings) => {
-            return scale::resume(context, &settings, exports, color, begun);
-        }
-    };
     let mut plan = plan_of(context, &settings)?;
     plan.set_view(&begun.found.manifest.settings.view);
     let record = begin(context.world, &context.command_line, &plan);

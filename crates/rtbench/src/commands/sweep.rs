@@ -1,26 +1,43 @@
-//! `rtbench sweep`: measure one parameter over its values, print, export, plot.
+//! `rtbench sweep`: measure one parameter over its values, or one scene in several sizes; print,
+//! export, plot.
 
 use crate::args::{Color, SweepArgs};
-use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::commands::measuring::{
+    Kept, Measured, begin, exit_code, measure_rest, measure_scenes, warn_of,
+};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
+use measurement::record::RunRecord;
 use presentation::json;
 use presentation::text::Screen;
-use studies::sweep::Sweep;
-use studies::sweep::{csv, plot, table};
+use studies::sweep::sizes::targets::Sizes;
+use studies::sweep::sizes::{self, SizeSweep};
+use studies::sweep::{Sweep, csv, plot, table};
 
 /// Sweeps and returns the exit code.
 ///
 /// # Errors
 /// [`Error`] for what ends the sweep early: the command line, an output.
 pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<u8, Error> {
-    let sweep = Sweep::new(&args.settings(), context.registry, context.scenes)?;
-    context.warn_of_instructions();
     let mut screen = context.terminal.screen(color);
     if args.wide {
         screen.width = Screen::WIDE;
     }
+    let measured = match &args.sizes {
+        Some(asked) => over_sizes(context, args, asked, screen),
+        None => over_values(context, args, screen),
+    }?;
+    Ok(exit_code(&measured))
+}
+
+fn over_values(
+    context: &mut Context<'_>,
+    args: &SweepArgs,
+    screen: Screen,
+) -> Result<Measured, Error> {
+    let sweep = Sweep::new(&args.settings()?, context.registry, context.scenes)?;
+    context.warn_of_instructions();
     let mut outputs = Outputs::default();
     outputs.add(args.export_csv.as_ref(), |run| csv::to_string(&sweep, run))?;
     outputs.add(args.export_svg.as_ref(), |run| Ok(plot::to_svg(&sweep, run)))?;
@@ -39,23 +56,63 @@ pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<
         table::write_glossary(context.out, screen)?;
         context.out.flush()?;
     }
-    Ok(exit_code(&measured))
+    Ok(measured)
+}
+
+fn over_sizes(
+    context: &mut Context<'_>,
+    args: &SweepArgs,
+    asked: &Sizes,
+    screen: Screen,
+) -> Result<Measured, Error> {
+    let settings = args.size_settings(asked)?;
+    let sweep = SizeSweep::new(&settings, context.registry, context.occluders, context.scenes)?;
+    context.warn_of_instructions();
+    let mut outputs = Outputs::default();
+    outputs.add(args.export_csv.as_ref(), sizes::csv::sizes)?;
+    outputs.add(args.export_slopes.as_ref(), sizes::csv::slopes)?;
+    outputs.add(args.export_svg.as_ref(), |run| Ok(sizes::plot::to_svg(run)))?;
+    outputs.add(args.export_markdown.as_ref(), |run| Ok(sizes::table::to_markdown(run)))?;
+    outputs.add(args.export_json.as_ref(), json::written)?;
+    let has_tables = !outputs.are_printed();
+    let record = RunRecord {
+        scale: Some(sweep.record.clone()),
+        ..begin(context.world, &context.command_line, &sweep.plan)
+    };
+    let show = |context: &mut Context<'_>, run: &RunRecord, scene: &_| {
+        warn_of(context, scene);
+        if has_tables {
+            sizes::table::write_size(context.out, run, scene, screen)?;
+            context.out.flush()?;
+        }
+        Ok(())
+    };
+    let kept = Kept::default();
+    let measured = measure_rest(context, &sweep.plan, &mut outputs, kept, record, show)?;
+    if has_tables && !measured.record.scenes.is_empty() {
+        sizes::table::write_slopes(context.out, &measured.record, screen)?;
+        context.out.flush()?;
+    }
+    Ok(measured)
 }
 
 #[cfg(test)]
 mod tests {
+    use accel_core::occluders;
     use accel_core::structures::REGISTRY;
     use clap::Parser;
 
     use crate::args::{Cli, Command};
     use measurement::scenes::Installed;
+    use studies::sweep::sizes::SizeSweep;
     use studies::sweep::{Abscissa, Sweep};
 
     fn sweep(arguments: &str) -> Result<Sweep<'static>, String> {
         let words = ["rtbench", "sweep", "tetra:2"].into_iter().chain(arguments.split(' '));
         let cli = Cli::try_parse_from(words).map_err(|e| e.to_string())?;
         let Command::Sweep(args) = cli.command else { return Err("another command".into()) };
-        Sweep::new(&args.settings(), REGISTRY, &Installed).map_err(|e| e.to_string())
+        let settings = args.settings().map_err(|e| e.to_string())?;
+        Sweep::new(&settings, REGISTRY, &Installed).map_err(|e| e.to_string())
     }
 
     fn labels(sweep: &Sweep<'_>) -> Vec<String> {
@@ -108,5 +165,67 @@ mod tests {
         let s = sweep("-s uniform-grid -p order --values file --reference obvhs-bvh2").unwrap();
         assert_eq!(s.plan.rows[s.plan.baseline].label(), "obvhs-bvh2");
         assert_eq!(s.lines.len(), s.plan.rows.len());
+    }
+
+    fn sizes(arguments: &str) -> Result<SizeSweep<'static>, String> {
+        let words = ["rtbench", "sweep"].into_iter().chain(arguments.split(' '));
+        let cli = Cli::try_parse_from(words).map_err(|e| e.to_string())?;
+        let Command::Sweep(args) = cli.command else { return Err("another command".into()) };
+        let settings = args.size_settings(args.sizes.as_ref().unwrap());
+        let settings = settings.map_err(|e| e.to_string())?;
+        SizeSweep::new(&settings, REGISTRY, occluders::REGISTRY, &Installed)
+            .map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn sizes_are_the_nearest_ones_each_once() {
+        let s = sizes("balls-tess --sizes 1e3..1e7 -s uniform-grid").unwrap();
+        let names: Vec<&str> = s.plan.scenes.iter().map(|scene| scene.name()).collect();
+        let expected = [1, 2, 3, 4, 5].map(|n| format!("balls-tess:{n}"));
+        assert_eq!(names, expected);
+        assert_eq!(s.record.sizes[3].primitives, 1_417_154);
+        let s = sizes("balls --sizes 1e3..1e4 --per-decade 4 -s uniform-grid").unwrap();
+        let asked: Vec<usize> = s.record.sizes.iter().map(|size| size.asked.len()).collect();
+        assert_eq!((s.record.sizes[0].name.as_str(), asked), ("balls:3", vec![2, 3]));
+        assert_eq!(
+            s.plan.kinds.iter().map(|k| k.name()).collect::<Vec<_>>(),
+            ["primary", "shadow"]
+        );
+        assert_eq!(s.plan.settings.resolution, [256, 256]);
+    }
+
+    #[test]
+    fn all_structures_are_measured_at_their_defaults() {
+        let s = sizes("tetra --sizes 64..1024 --quick").unwrap();
+        let labels: Vec<String> = s.plan.rows.iter().map(|row| row.label()).collect();
+        assert_eq!(labels.len(), REGISTRY.len() + occluders::REGISTRY.len());
+        assert!(REGISTRY.iter().all(|e| labels.iter().any(|l| l == e.info.name)), "{labels:?}");
+        let s = sizes("tetra --sizes 64 --set uniform-grid.density=4 --rays primary").unwrap();
+        assert!(s.plan.rows.iter().any(|row| row.label() == "uniform-grid density=4"));
+        assert_eq!(s.plan.rows.len(), REGISTRY.len(), "no shadow rays, no occluder");
+    }
+
+    #[test]
+    fn limits_are_read() {
+        let s = sizes("tetra --sizes 64 --time-limit 2m --max-memory 1.5GiB").unwrap();
+        let limits = s.plan.build_limits.unwrap();
+        assert_eq!((limits.seconds, limits.bytes), (120.0, 3 << 29));
+    }
+
+    #[test]
+    fn what_comes_in_no_such_sizes_says_why() {
+        for (arguments, said) in [
+            ("kitchen --sizes 1e3", "does not come in sizes; those that do: balls"),
+            ("kitchn --sizes 1e3", "unknown scene"),
+            ("hare --sizes 1e3..1e9", "its sizes go from 8 to 19996488"),
+            ("balls --sizes 1", "the nearest size of balls has 11 primitives"),
+            ("hare --sizes 1e6..1e3", "is not below"),
+            ("hare --sizes 1e3..1e6 --per-decade 0", "per-decade"),
+            ("hare --sizes 1e3 --max-memory 8", "8GiB"),
+            ("hare --sizes 1e3 -s unifrom-grid", "did you mean 'uniform-grid'?"),
+        ] {
+            let error = sizes(arguments).unwrap_err();
+            assert!(error.contains(said), "{arguments}: {error}");
+        }
     }
 }

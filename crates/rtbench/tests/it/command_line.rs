@@ -94,7 +94,6 @@ fn what_is_refused_leaves_no_file_and_harms_none() {
         ("run tetra:2 -o OUT --export-csv DIR/file/below", true),
         ("run tetra:2 --export-csv OUT.csv --export-json DIR/file/below", false),
         ("run tetra:2 -s unifrom-grid --export-csv OUT.csv", false),
-        ("scale balls -o OUT --export-json DIR/file/below", true),
         (
             "sweep tetra:2 -s uniform-grid -p density --values 1,2 --export-csv OUT.csv \
              --export-svg DIR/file/below",

@@ -71,13 +71,17 @@ const SNAPSHOTS: &[Snapshot] = &[
     of("explain-mixed", "explain balls:2 --size 16 --rounds 3 -s wide-bvh:query=batch"),
     of("planted-explain", "explain tetra:2 --size 16 --rounds 3 -s dropper"),
     Snapshot {
-        files: &["scale.csv", "slopes.csv"],
+        files: &["sizes.csv", "slopes.csv"],
         ..of(
-            "scale",
-            "scale tetra --sizes 16,60,250 -s uniform-grid,obvhs-cwbvh --size 16 --rounds 2 -o DIR",
+            "sweep-sizes",
+            "sweep tetra --sizes 16,60,250 -s uniform-grid,obvhs-cwbvh --size 16 --rounds 2 \
+             --export-csv DIR/sizes.csv --export-slopes DIR/slopes.csv",
         )
     },
-    of("planted-scale", "scale tetra --sizes 16..64 -s dropper,obvhs-cwbvh --size 16 --rounds 1"),
+    of(
+        "planted-sweep-sizes",
+        "sweep tetra --sizes 16..64 -s dropper,obvhs-cwbvh --size 16 --rounds 1",
+    ),
     Snapshot { before: RUNS, ..of("compare", "compare DIR/a DIR/b") },
     Snapshot { before: RUNS, ..of("compare-csv", "compare DIR/a DIR/b --format csv -q") },
     Snapshot {

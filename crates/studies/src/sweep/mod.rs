@@ -1,4 +1,5 @@
-//! One parameter of one structure over its values: the plan of `rtbench sweep`.
+//! One parameter of one structure over its values: the plan of `rtbench sweep`; [`sizes`] has that
+//! over the sizes of a scene.
 //!
 //! Every value is a row of an ordinary [`Plan`], so that all of them are checked, interleaved and
 //! timed as rows of a run are. Beside them stand rows to compare with: the parameter's default,
@@ -9,6 +10,7 @@ pub mod csv;
 pub mod judgement;
 pub mod plot;
 mod rules;
+pub mod sizes;
 pub mod table;
 pub mod values;
 

@@ -22,7 +22,7 @@ fn tables_of_all_commands_that_judge_fit() {
             ["density ", "ratio [95%]", "to best", "mark"],
         ),
         (
-            "scale tetra --sizes 4..64 --quick -s uniform-grid,kd-tree --rounds 3".to_owned(),
+            "sweep tetra --sizes 4..64 --quick -s uniform-grid,kd-tree --rounds 3".to_owned(),
             ["ns/ray", "ratio [95%]", "verdict", "trace [95%]"],
         ),
         (

@@ -125,32 +125,3 @@ fn output_files_come_from_the_command_line() {
     assert_eq!(code, 0, "{err}");
     assert_eq!(std::fs::read_to_string(&second).unwrap(), csv(folder.path()));
 }
-
-/// What a scale was asked for has the bounds of the command line, whoever wrote it.
-#[test]
-fn what_no_scale_is_asked_for_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    // as a process: it starts others, which build
-    let ended = std::process::Command::new(env!("CARGO_BIN_EXE_rtbench"))
-        .args(
-            "scale tetra --sizes 16,64 --per-decade 2 --size 8 --rounds 2 -s obvhs-cwbvh -o"
-                .split(' '),
-        )
-        .arg(folder.path())
-        .output()
-        .unwrap();
-    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
-    let journal = std::fs::read_to_string(folder.path().join(NAME)).unwrap();
-    for (from, to, said) in [
-        ("\"per_decade\":2", "\"per_decade\":0", "per-decade"),
-        ("\"per_decade\":2", "\"per_decade\":21", "per-decade"),
-        ("\"time_limit\":{\"secs\":", "\"time_limit\":{\"secs\":9999999999", "time-limit"),
-        ("\"time_limit\":{\"secs\":", "\"time_limit\":{\"secs\":-", "line 1"),
-        ("\"scene\":\"tetra\"", "\"scene\":\"tetre\"", "tetra"),
-    ] {
-        let edited = journal.replace(from, to);
-        assert_ne!(edited, journal, "{from}");
-        let (code, err) = resumed(folder.path(), &resealed(&edited));
-        assert!(code != 0 && err.contains(said), "{to}: {code} {err}");
-    }
-}

@@ -90,7 +90,6 @@ fn every_command_that_fills_a_folder_asks() {
     }
     for command in [
         format!("run tetra:1 {SMALL} -o DIR"),
-        format!("scale tetra --sizes 4,16 {SMALL} -o DIR"),
         format!("merge {0}/1 {0}/2 -o DIR", parts.path()),
         format!("baseline save x tetra:1 {SMALL} --force --baselines DIR/of -o DIR"),
         "accuracy mailbox --quick --scene tetra:1 --trials 100 --rounds 3 -o DIR".to_owned(),
@@ -135,10 +134,10 @@ fn every_command_that_writes_a_file_asks() {
     let sweep = "sweep tetra:1 -s uniform-grid -p density --values 1,2 --rounds 1 --size 4";
     for option in ["--export-csv", "--export-svg", "--export-markdown", "--export-json"] {
         commands.push((format!("{sweep} {option} DIR/file"), "file"));
-        let scale = format!("scale tetra --sizes 4,16 {SMALL} {option} DIR/file");
-        commands.push((scale, "file"));
+        let sizes = format!("sweep tetra --sizes 4,16 {SMALL} {option} DIR/file");
+        commands.push((sizes, "file"));
     }
-    commands.push((format!("scale tetra --sizes 4,16 {SMALL} --export-slopes DIR/file"), "file"));
+    commands.push((format!("sweep tetra --sizes 4,16 {SMALL} --export-slopes DIR/file"), "file"));
     for option in ["--export-csv", "--export-markdown", "--export-json"] {
         commands.push((format!("compare {record} {record} {option} DIR/file"), "file"));
         let check = format!("check -b {record} --rounds 2 {option} DIR/file");

@@ -51,7 +51,6 @@ fn results_that_are_no_files_are_refused_at_once() {
             format!("baseline save x --from {here} --baselines {here}/baselines"),
             format!("run tetra:1 -s obvhs-cwbvh --size 4 -o {here}"),
             format!("run tetra:1 -s obvhs-cwbvh --size 4 -o {here} --overwrite"),
-            format!("scale tetra --sizes 4 -s obvhs-cwbvh --size 4 -o {here}"),
         ] {
             if kind == "folder" && command.starts_with("compare") && command.contains("json") {
                 // a folder named so is the output folder of a run

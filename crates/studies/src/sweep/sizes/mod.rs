@@ -1,7 +1,7 @@
-//! One scene in several sizes: the plan of `rtbench scale`.
+//! One scene in several sizes: the plan of `rtbench sweep --sizes`.
 //!
-//! Every size is a scene of an ordinary [`Plan`], so that rows are checked, interleaved, timed, kept
-//! and resumed as those of a run are. What is asked is the same at each size: the primary rays of
+//! Every size is a scene of an ordinary [`Plan`], so that rows are checked, interleaved and timed as
+//! those of a run are. What is asked is the same at each size: the primary rays of
 //! one image, and the shadow rays of what they hit. Before a size is loaded, a [`measurement::rounds::trial`]
 //! builds each row in a process of its own, which finds its peak memory and keeps the time and memory limits.
 
@@ -10,19 +10,20 @@ pub mod columns;
 pub mod csv;
 pub mod plot;
 pub mod quantities;
-pub mod sizes;
 pub mod table;
+pub mod targets;
+
+use std::time::Duration;
 
 use accel_core::occluders;
 use accel_core::structures::Entry;
 
-use crate::scale::sizes::targets;
+use crate::sweep::sizes::targets::Sizes;
 use measurement::plan::error::PlanError;
-use measurement::plan::{Plan, time_within, within};
+use measurement::plan::{Plan, time_within};
 use measurement::record::scale::{ScaleRecord, SizeRecord};
 use measurement::rounds::trial::BuildLimits;
 use measurement::scenes::{LoadError, SceneSource};
-use measurement::settings::scale::ScaleSettings;
 use measurement::settings::{MeasuringSettings, RunSettings};
 
 /// Width and height of the image.
@@ -34,10 +35,32 @@ const RAYS: [&str; 2] = ["primary", "shadow"];
 /// From this ratio on a size is no answer to what was asked for: half a decade.
 const FAR: f64 = 3.163;
 
-/// What cannot be scaled.
+/// Most memory of a trial build, in place of none.
+const MAX_MEMORY: u64 = 8 << 30;
+
+/// What a sweep over sizes is asked for.
+#[derive(Debug, Clone)]
+pub struct SizeSettings {
+    /// A generated scene, without a size.
+    pub scene: String,
+    /// Numbers of primitives; the nearest size of the scene stands for each.
+    pub sizes: Sizes,
+    /// How many sizes a factor of ten, where the sizes are a range.
+    pub per_decade: u32,
+    /// Structures and occluders, each with its settings if any; none means each at its defaults.
+    pub structures: Vec<String>,
+    /// Overrides of defaults: `uniform-grid.density=4`.
+    pub overrides: Vec<String>,
+    /// How to measure; `max_memory` is that of the process that loads the scene and builds.
+    pub measuring: MeasuringSettings,
+    /// Longest build, without loading.
+    pub time_limit: Duration,
+}
+
+/// What has no sizes to sweep over.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ScaleError {
+pub enum SizesError {
     /// No size of the scene is near.
     #[error(
         "--sizes {asked}: the nearest size of {scene} has {nearest} primitives; its sizes go from \
@@ -65,25 +88,24 @@ pub enum ScaleError {
 
 /// A validated run over the sizes of a scene.
 #[derive(Debug)]
-pub struct Scale<'r> {
+pub struct SizeSweep<'r> {
     /// The sizes as scenes, the rows, and how they are measured.
     pub plan: Plan<'r>,
     /// What the record says of the sizes.
     pub record: ScaleRecord,
 }
 
-impl<'r> Scale<'r> {
+impl<'r> SizeSweep<'r> {
     /// Validates what is asked for.
     ///
     /// # Errors
-    /// [`ScaleError`] naming what is valid.
+    /// [`SizesError`] naming what is valid.
     pub fn new(
-        args: &ScaleSettings,
+        args: &SizeSettings,
         registry: &'r [Entry],
         occluders: &'r [occluders::Entry],
         scenes: &dyn SceneSource,
-    ) -> Result<Self, ScaleError> {
-        within("per-decade", args.per_decade.into(), ScaleSettings::MOST_PER_DECADE.into())?;
+    ) -> Result<Self, SizesError> {
         time_within("time-limit", Some(args.time_limit))?;
         let sizes = sizes_of(args, scenes)?;
         let mut structures = args.structures.clone();
@@ -106,7 +128,8 @@ impl<'r> Scale<'r> {
         let mut plan = Plan::new(&of_run, registry, occluders, scenes)?;
         // whole images are not compared
         plan.limits.render_pass = 0.0;
-        let limits = BuildLimits { seconds: args.time_limit.as_secs_f64(), bytes: args.max_memory };
+        let bytes = args.measuring.max_memory.unwrap_or(MAX_MEMORY);
+        let limits = BuildLimits { seconds: args.time_limit.as_secs_f64(), bytes };
         plan.build_limits = Some(limits);
         let record = ScaleRecord {
             scene: args.scene.clone(),
@@ -120,16 +143,16 @@ impl<'r> Scale<'r> {
 }
 
 /// The nearest size to each number of primitives asked for.
-fn sizes_of(args: &ScaleSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, ScaleError> {
+fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, SizesError> {
     let sizes = scenes.sizes(&args.scene)?;
     let mut found: Vec<SizeRecord> = Vec::new();
-    for asked in targets(&args.sizes, args.per_decade) {
+    for asked in args.sizes.targets(args.per_decade) {
         let (name, primitives) = sizes.nearest(asked);
         let off = primitives.max(1) as f64 / asked as f64;
         if off.max(off.recip()) > FAR {
             let [least, most] = sizes.ends();
             let scene = args.scene.clone();
-            let error = ScaleError::NoneNear { scene, asked, nearest: primitives, least, most };
+            let error = SizesError::NoneNear { scene, asked, nearest: primitives, least, most };
             return Err(error);
         }
         match found.last_mut().filter(|last| last.name == name) {
@@ -147,7 +170,7 @@ fn rays_of(args: &MeasuringSettings) -> Vec<String> {
 
 /// The options that all commands have which measure, with this one's defaults.
 fn measuring(args: &MeasuringSettings) -> MeasuringSettings {
-    let mut args = MeasuringSettings { rays: rays_of(args), ..args.clone() };
+    let mut args = MeasuringSettings { rays: rays_of(args), max_memory: None, ..args.clone() };
     if !args.quick {
         args.size.get_or_insert(SIZE);
     }

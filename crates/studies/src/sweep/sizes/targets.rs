@@ -1,15 +1,13 @@
-//! The sizes asked for, as typed: `1e3..1e7` or `1k,20k,1M`.
+//! The numbers of primitives that sizes are asked for with: `1e3..1e7` or `1k,20k,1M`.
 
-use serde::{Deserialize, Serialize};
-
-use crate::settings::quantity;
+use crate::sweep::values::Range;
+use measurement::settings::quantity;
 
 /// What is valid.
 const EXPECTED: &str = "expected FROM..TO, like 1e3..1e7, or counts with commas: 1k,20k,1M";
 
-/// Numbers of primitives; in files as typed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+/// Numbers of primitives.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Sizes {
     /// From one to another, both included.
     Range {
@@ -44,21 +42,18 @@ impl Sizes {
         list.dedup();
         Ok(Self::List(list))
     }
-}
 
-impl TryFrom<String> for Sizes {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        Self::parse(&text)
-    }
-}
-
-impl From<Sizes> for String {
-    fn from(sizes: Sizes) -> Self {
-        match sizes {
-            Sizes::Range { from, to } => format!("{from}..{to}"),
-            Sizes::List(list) => list.iter().map(u64::to_string).collect::<Vec<_>>().join(","),
+    /// Each of them, ascending: of a range `per_decade` for each factor of ten, or as near to that as
+    /// equal ratios between its ends allow.
+    pub fn targets(&self, per_decade: u32) -> Vec<u64> {
+        match self {
+            Self::List(list) => list.clone(),
+            Self::Range { from, to } => {
+                let (from, to) = (*from as f64, *to as f64);
+                let steps = ((to / from).log10() * f64::from(per_decade)).round().max(1.0);
+                let range = Range { from, to, steps: steps as usize + 1, is_linear: false };
+                range.whole_numbers().iter().filter_map(|n| n.parse().ok()).collect()
+            }
         }
     }
 }
@@ -68,12 +63,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_written_as_they_can_be_typed() {
-        for (text, written) in [("1k..100k", "1000..100000"), ("10M,1k,1e3", "1000,10000000")] {
-            let sizes = Sizes::parse(text).unwrap();
-            assert_eq!(String::from(sizes.clone()), written);
-            assert_eq!(Sizes::parse(written), Ok(sizes));
-        }
+    fn ranges_and_lists() {
+        let targets = |text, per_decade| Sizes::parse(text).unwrap().targets(per_decade);
+        assert_eq!(targets("1e3..1e6", 1), [1000, 10_000, 100_000, 1_000_000]);
+        assert_eq!(targets("1k..100k", 2), [1000, 3162, 10_000, 31_623, 100_000]);
+        assert_eq!(targets("1000..2k", 1), [1000, 2000], "both ends at least");
+        assert_eq!(targets("10M,1k,1e3", 1), [1000, 10_000_000]);
+        assert_eq!(targets("64", 5), [64]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! `rtbench scale` end to end: sizes, slopes, limits, wrong rows, resuming, processes.
+//! `rtbench sweep --sizes` end to end: slopes, limits, wrong rows, processes.
 
 use std::collections::HashMap;
 use std::process::Command;
@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 use std::time::Duration;
 
 use crate::common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
-use crate::resuming::unsealed;
 use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
@@ -22,9 +21,18 @@ use measurement::system::clock::{Clock, SteppingClock};
 use measurement::system::world::FixedWorld;
 
 /// Three sizes of 16, 64 and 256 triangles, on few rays.
-const SIZES: &str = "scale tetra --sizes 16..256 --per-decade 2 --size 16 --rounds 2";
+const SIZES: &str = "sweep tetra --sizes 16..256 --per-decade 2 --size 16 --rounds 2";
 
 type Row = HashMap<String, String>;
+
+/// The options that write all files.
+fn exports(folder: &Folder) -> String {
+    let path = folder.path();
+    format!(
+        "--export-csv {path}/sizes.csv --export-slopes {path}/slopes.csv --export-svg \
+         {path}/sizes.svg --export-markdown {path}/sizes.md --export-json {path}/results.json"
+    )
+}
 
 fn csv(folder: &Folder, name: &str) -> Vec<Row> {
     csv::Reader::from_reader(folder.text(name).as_bytes())
@@ -49,10 +57,10 @@ fn slope(record: &RunRecord, row: &str, quantity: &str) -> Option<(f64, Option<[
 #[test]
 fn sizes_become_rows_slopes_and_plots() {
     let folder = Folder::new();
-    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
+    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
     let ended = run_stepping(&command);
     assert_eq!(ended.code, 0, "{}", ended.err);
-    let rows = csv(&folder, "scale.csv");
+    let rows = csv(&folder, "sizes.csv");
     let of = |column: &str| rows.iter().map(|r| r[column].clone()).collect::<Vec<_>>();
     assert_eq!(of("scene"), ["tetra:2", "tetra:2", "tetra:3", "tetra:3", "tetra:4", "tetra:4"]);
     assert_eq!(of("asked_primitives")[2..5], ["64", "64", "256"]);
@@ -76,14 +84,14 @@ fn sizes_become_rows_slopes_and_plots() {
     let memory = slope(&record, "uniform-grid", "memory").unwrap().0;
     assert!((0.5..1.5).contains(&memory), "{memory}");
     assert_eq!(csv(&folder, "slopes.csv").len(), 2 * 4);
-    let svg = folder.text("scale.svg");
+    let svg = folder.text("sizes.svg");
     let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
     let texts: Vec<&str> = tree.descendants().filter_map(|n| n.text()).collect();
     for text in ["tetra: build time (s)", "uniform-grid (0.00)", "primitives"] {
         assert!(texts.contains(&text), "{text}: {texts:?}");
     }
     for text in ["tetra: slopes over", "[95%]", "tetra:4: 256 primitives"] {
-        assert!(ended.out.contains(text) && folder.text("scale.md").contains(text), "{text}");
+        assert!(ended.out.contains(text) && folder.text("sizes.md").contains(text), "{text}");
     }
 }
 
@@ -114,7 +122,7 @@ static QUADRATIC_INFO: StructureInfo = planted("quadratic", "takes its time");
 
 static SLOW: &[Entry] = &[
     accel_core::entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
-    accel_core::entry!(crate::scale::Quadratic, QUADRATIC_INFO),
+    accel_core::entry!(crate::sweep_sizes::Quadratic, QUADRATIC_INFO),
 ];
 
 /// What builds took, and a microsecond for each reading.
@@ -130,7 +138,7 @@ impl Clock for WorkClock {
 fn a_quadratic_build_has_the_slope_two() {
     let folder = Folder::new();
     let clock = WorkClock(SteppingClock::new(Duration::from_micros(1)));
-    let command = format!("{SIZES} --rays primary -s quadratic -o {}", folder.path());
+    let command = format!("{SIZES} --rays primary -s quadratic {}", exports(&folder));
     let ended = run_with(SLOW, &Installed, &clock, &command);
     assert_eq!(ended.code, 0, "{}", ended.err);
     let record = folder.record();
@@ -144,14 +152,14 @@ fn a_quadratic_build_has_the_slope_two() {
 fn wrong_answers_are_shown_as_such_and_have_no_slope() {
     let folder = Folder::new();
     // of more triangles, so few rays do not meet the first
-    let few = "scale tetra --sizes 16,64 --size 16 --rounds 2";
-    let ended = run_stepping(&format!("{few} -s dropper,uniform-grid -o {}", folder.path()));
+    let few = "sweep tetra --sizes 16,64 --size 16 --rounds 2";
+    let ended = run_stepping(&format!("{few} -s dropper,uniform-grid {}", exports(&folder)));
     assert_eq!(ended.code, 4, "{}", ended.out);
     let record = folder.record();
     assert_eq!(verdicts(&record, "dropper"), [Verdict::Wrong; 2]);
     assert_eq!(slope(&record, "dropper", "build"), None);
     assert!(slope(&record, "uniform-grid", "build").is_some());
-    let rows = csv(&folder, "scale.csv");
+    let rows = csv(&folder, "sizes.csv");
     let wrong = rows.iter().filter(|row| row["structure"] == "dropper");
     assert!(wrong.clone().all(|row| row["build_s"].is_empty() && row["verdict"] == "wrong"));
     assert!(ended.out.contains("wrong: "), "{}", ended.out);
@@ -172,7 +180,7 @@ fn what_is_over_a_limit_is_said_and_not_tried_again() {
         _ => Outcome::Ended { peak_bytes: None },
     };
     let folder = Folder::new();
-    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
+    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
     let ended = run_tried(trials, &command);
     assert_eq!(ended.code, 0, "a limit is no failure: {}", ended.err);
     let record = folder.record();
@@ -180,7 +188,7 @@ fn what_is_over_a_limit_is_said_and_not_tried_again() {
     assert_eq!(verdicts(&record, "uniform-grid"), [ok, over, over]);
     assert_eq!(verdicts(&record, "obvhs-cwbvh"), [ok; 3]);
     let reasons: Vec<String> =
-        csv(&folder, "scale.csv").into_iter().map(|mut r| r.remove("reason").unwrap()).collect();
+        csv(&folder, "sizes.csv").into_iter().map(|mut r| r.remove("reason").unwrap()).collect();
     assert_eq!(reasons[2], "building took more than 60 s");
     assert_eq!(
         reasons[4],
@@ -189,7 +197,7 @@ fn what_is_over_a_limit_is_said_and_not_tried_again() {
     assert!(ended.out.contains(&reasons[2]) && ended.out.contains(&reasons[4]), "{}", ended.out);
     assert_eq!(slope(&record, "uniform-grid", "build"), None, "one size");
     assert_eq!(slope(&record, "obvhs-cwbvh", "peak"), None, "no peak is known");
-    let svg = folder.text("scale.svg");
+    let svg = folder.text("sizes.svg");
     assert!(svg.contains("not ok at some size: uniform-grid"));
     assert!(!svg.contains("peak memory"), "a panel without points is left out");
 }
@@ -201,7 +209,7 @@ fn a_size_without_a_row_is_not_loaded() {
         _ => Outcome::OverLimit("loading the scene took more than 1 MiB of memory".into()),
     };
     let folder = Folder::new();
-    let ended = run_tried(trials, &format!("{SIZES} -s obvhs-cwbvh -o {}", folder.path()));
+    let ended = run_tried(trials, &format!("{SIZES} -s obvhs-cwbvh {}", exports(&folder)));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let record = folder.record();
     assert_eq!((record.scenes[2].primitives, record.scenes[2].rays.len()), (256, 0));
@@ -217,41 +225,11 @@ fn a_trial_that_dies_costs_its_row_and_is_a_failure() {
         _ => Outcome::Ended { peak_bytes: None },
     };
     let folder = Folder::new();
-    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
+    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
     let ended = run_tried(trials, &command);
     assert_eq!(ended.code, 1, "{}", ended.err);
     assert_eq!(verdicts(&folder.record(), "uniform-grid"), [Verdict::Panicked; 3]);
     assert!(ended.out.contains("signal 6"), "{}", ended.out);
-}
-
-#[test]
-fn what_was_broken_off_is_resumed_with_its_limits() {
-    let trials = |trial: &TrialBuild| match (trial.row.as_str(), trial.scene.as_str()) {
-        ("uniform-grid", "tetra:2") => Outcome::OverLimit("too slow".into()),
-        _ => Outcome::Ended { peak_bytes: None },
-    };
-    let folder = Folder::new();
-    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
-    assert_eq!(run_tried(trials, &command).code, 0);
-    let whole = folder.record();
-    // as if it had been killed in the second size
-    let journal = folder.text("run.jsonl");
-    let first =
-        journal.lines().take_while(|line| !unsealed(line).starts_with("{\"scene\":1")).count();
-    // the manifest; of the first size its beginning, twice that of its only row left and that it passed (checked,
-    // timed), its record
-    assert_eq!(first, 7, "{journal}");
-    let kept: String = journal.lines().take(first + 1).map(|line| format!("{line}\n")).collect();
-    std::fs::write(format!("{}/run.jsonl", folder.path()), kept).unwrap();
-    std::fs::remove_file(format!("{}/results.json", folder.path())).unwrap();
-    let ended = run_tried(trials, &format!("run --resume {}", folder.path()));
-    assert_eq!(ended.code, 0, "{}", ended.err);
-    assert!(ended.err.contains("tetra:3"), "it says where it died: {}", ended.err);
-    let resumed = folder.record();
-    assert_eq!(resumed.scale, whole.scale);
-    assert_eq!(verdicts(&resumed, "uniform-grid"), [Verdict::OverLimit; 3]);
-    assert_eq!(resumed.scenes[0], whole.scenes[0]);
-    assert_eq!(csv(&folder, "scale.csv").len(), 6);
 }
 
 /// The program as a process, which starts others.
@@ -269,7 +247,7 @@ fn process(arguments: &str) -> RunRecord {
 #[test]
 #[cfg(target_os = "linux")]
 fn processes_measure_the_peak_and_keep_the_limits() {
-    let record = process("scale hare --sizes 20k -s uniform-grid,light-buffer,obvhs-cwbvh");
+    let record = process("sweep hare --sizes 20k -s uniform-grid,light-buffer,obvhs-cwbvh");
     for row in &record.scenes[0].rows {
         let (peak, bytes) =
             (row.peak_build_bytes.unwrap(), row.stats.as_ref().unwrap().memory_bytes);
@@ -279,10 +257,10 @@ fn processes_measure_the_peak_and_keep_the_limits() {
         let row = &record.scenes[0].rows[0];
         (row.verdict, row.error.clone().unwrap_or_default())
     };
-    let (verdict, reason) = of(&process("scale tetra --sizes 64 -s obvhs-cwbvh --max-memory 1MiB"));
+    let (verdict, reason) = of(&process("sweep tetra --sizes 64 -s obvhs-cwbvh --max-memory 1MiB"));
     assert_eq!(verdict, Verdict::OverLimit);
     assert!(reason.contains("more than 1.00 MiB of memory"), "{reason}");
-    let (verdict, reason) = of(&process("scale hare --sizes 20k -s kd-tree --time-limit 1us"));
+    let (verdict, reason) = of(&process("sweep hare --sizes 20k -s kd-tree --time-limit 1us"));
     assert_eq!(verdict, Verdict::OverLimit);
     assert!(reason.starts_with("building took more than"), "{reason}");
 }
@@ -303,15 +281,18 @@ fn a_process_that_is_no_rtbench_is_found_out() {
 }
 
 #[test]
-fn what_cannot_be_scaled_is_a_usage_error() {
+fn what_comes_in_no_such_sizes_is_a_usage_error() {
     for (arguments, said) in [
-        ("kitchen", "those that do: balls, gears"),
+        ("kitchen --sizes 1e3", "those that do: balls, gears"),
         ("hare --sizes 1e3..1e9", "its sizes go from 8"),
         ("hare --sizes many", "1e3..1e7"),
-        ("hare -s light-buffer --rays primary", "answers shadow rays only"),
-        ("hare --max-memory lots", "8GiB"),
+        ("hare balls --sizes 1e3", "one generated scene"),
+        ("hare --sizes 1e3 -s kd-tree -p max-leaf", "cannot be used with"),
+        ("hare -s kd-tree,octree -p max-leaf --values 1", "one structure"),
+        ("hare --sizes 1e3 -s light-buffer --rays primary", "answers shadow rays only"),
+        ("hare --sizes 1e3 --max-memory lots", "8GiB"),
     ] {
-        let ended = run(&format!("scale {arguments}"));
+        let ended = run(&format!("sweep {arguments}"));
         assert_eq!((ended.code, ended.out.as_str()), (2, ""), "{arguments}: {}", ended.err);
         assert!(ended.err.contains(said), "{arguments}: {}", ended.err);
     }

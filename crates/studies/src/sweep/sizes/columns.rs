@@ -4,7 +4,7 @@ use measurement::record::scale::SizeRecord;
 use presentation::column::{Column, Unit, Value};
 
 use crate::run::columns::RowOf;
-use crate::scale::quantities::trace_s_per_ray;
+use crate::sweep::sizes::quantities::trace_s_per_ray;
 
 /// A row of a size.
 #[derive(Debug, Clone, Copy)]

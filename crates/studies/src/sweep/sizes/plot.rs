@@ -1,6 +1,6 @@
 //! A scene in several sizes as plots: a panel for each quantity, both axes logarithmic.
 
-use crate::scale::quantities::{QUANTITIES, Quantity, points, rows};
+use crate::sweep::sizes::quantities::{QUANTITIES, Quantity, points, rows};
 use measurement::record::{RowRecord, RunRecord, Verdict};
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
 

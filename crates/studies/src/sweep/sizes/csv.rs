@@ -2,7 +2,7 @@
 
 use crate::run::columns::RowOf;
 use crate::run::csv as run_csv;
-use crate::scale::columns::{SizeRow, columns};
+use crate::sweep::sizes::columns::{SizeRow, columns};
 use measurement::record::RunRecord;
 use presentation::column;
 use presentation::csv::{number, written};

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use crate::run::columns::{RATIO, RowOf, columns as run_columns};
 use crate::run::markdown;
 use crate::run::tables::{scene_notes, scene_title};
-use crate::scale::columns::{SizeRow, asked, columns};
-use crate::scale::quantities::{QUANTITIES, rows};
+use crate::sweep::sizes::columns::{SizeRow, asked, columns};
+use crate::sweep::sizes::quantities::{QUANTITIES, rows};
 use measurement::record::scale::SlopeRecord;
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use presentation::column::headed;
@@ -40,7 +40,7 @@ pub fn write_slopes(out: &mut dyn Write, run: &RunRecord, screen: Screen) -> io:
 pub fn to_markdown(run: &RunRecord) -> String {
     let sizes = run.scenes.iter().map(|scene| size_table(run, scene));
     let tables: Vec<Table> = std::iter::once(slope_table(run)).chain(sizes).collect();
-    markdown::document("rtbench scale", run, &tables, GLOSSARY)
+    markdown::document("rtbench sweep", run, &tables, GLOSSARY)
 }
 
 /// The columns of a size: its own, and those of a run.
