@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Draws the pictures of README.md and docs/ anew, into docs/pictures/ (or the folder given). Fails when one
-# is larger than 300 KiB. No time of this machine is in them: of heat maps only tests are kept, and plots of
-# times are those of recorded runs.
-# usage: [RTBENCH=target/release/rtbench] scripts/pictures.sh [DIR]
+# is larger than 300 KiB. No time of this machine is in them: of heat maps only tests are kept. Plots of times
+# are drawn where a new record is made: RUN is the folder of `run -o` that results/structures has, ACCURACY that
+# of `accuracy -o` that results/accuracy has.
+# usage: [RTBENCH=target/release/rtbench] [RUN=DIR ACCURACY=DIR] scripts/pictures.sh [DIR]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-docs/pictures}
@@ -32,12 +33,14 @@ show ray.svg teapot:5 -s uniform-grid,kd-tree,obvhs-bvh2 --ray 230,235 --size 30
 mv "$work/maps/tests.png" "$out/stadium-tests.png"
 show stadium.svg stadium:12 -s uniform-grid,recursive-grid --size 360
 # the README's table as a plot, and an accuracy front
-mkdir -p "$work/recorded/accuracy"
-cp results/2026-11-26-structures/results.json "$work/recorded"
-cp results/2026-11-25-accuracy/accuracy.json "$work/recorded/accuracy"
-"$RTBENCH" report "$work/recorded" --plots "$work/plots" > /dev/null
-mv "$work/plots/bars-teapot.svg" "$out/answer.svg"
-mv "$work/plots/accuracy-soft-shadows-teapot.svg" "$out/accuracy-front.svg"
+if [ -n "${RUN:-}" ] && [ -n "${ACCURACY:-}" ]; then
+    mkdir -p "$work/recorded/accuracy"
+    cp "$RUN/results.json" "$work/recorded"
+    cp "$ACCURACY/accuracy.json" "$work/recorded/accuracy"
+    "$RTBENCH" report "$work/recorded" --plots "$work/plots" > /dev/null
+    mv "$work/plots/bars-teapot.svg" "$out/answer.svg"
+    mv "$work/plots/accuracy-soft-shadows-teapot.svg" "$out/accuracy-front.svg"
+fi
 for picture in "$out"/*; do
     bytes=$(wc -c < "$picture")
     echo "$picture $bytes"

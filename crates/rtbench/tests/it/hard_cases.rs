@@ -360,7 +360,7 @@ fn k2_a_signal_makes_a_folder_again_that_was_removed() {
     assert_eq!((found.finished.len(), found.died_in), (1, None), "{err}");
 }
 
-/// `RTBENCH_KILLS` sets how many kills (scripts/kill-test.sh: 1,000).
+/// `RTBENCH_KILLS` sets how many kills.
 #[test]
 fn k3_kill_9_loses_no_finished_row() {
     let kills: usize =

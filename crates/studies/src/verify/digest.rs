@@ -1,5 +1,5 @@
 //! A number that stands for answers: the same for the same answers, whatever the number of threads,
-//! and to be compared between builds for other instruction sets (`scripts/one-answer.sh`).
+//! and to be compared between builds for other instruction sets.
 
 use accel_core::{Hit, Scalar};
 
