@@ -16,7 +16,7 @@ use crate::error::Error;
 use measurement::plan::error::PlanError;
 use measurement::settings::suggest;
 use presentation::json;
-use studies::accuracy::axis::AXES;
+use studies::accuracy::axes::AXES;
 
 /// Lists.
 ///

@@ -67,7 +67,7 @@ pub struct System {
 pub fn diagnose(system: &System, clock: &dyn Clock) -> Diagnosis {
     let noise = noise::measure(clock);
     let mut findings = system.findings();
-    findings.push(noise.finding());
+    findings.push(NOISE.finding(Some(noise.judged())));
     Diagnosis { noise, findings }
 }
 
@@ -79,6 +79,33 @@ struct Check {
     advice: &'static str,
     look: fn(&System) -> Option<(bool, String)>,
 }
+
+impl Check {
+    fn finding(&self, found: Option<(bool, String)>) -> Finding {
+        let is_bad = found.as_ref().is_some_and(|(is_good, _)| !is_good);
+        Finding {
+            name: self.name,
+            level: match &found {
+                None => Level::Unknown,
+                Some(_) if is_bad => Level::Warning,
+                Some(_) => Level::Good,
+            },
+            value: found.map_or("the system does not say".to_owned(), |(_, words)| words),
+            meaning: self.meaning,
+            advice: is_bad.then_some(self.advice),
+        }
+    }
+}
+
+/// No file tells it: it is timed.
+const NOISE: Check = Check {
+    name: "noise",
+    meaning: "times of the same work differ by so much: differences below it are not seen in a few \
+              rounds",
+    advice: "end other programs, or take more rounds (--time-budget 10m) and trust ratios and \
+             counters, not seconds",
+    look: |_| None,
+};
 
 const CHECKS: [Check; 10] = [
     Check {
@@ -214,22 +241,7 @@ impl System {
 
     /// One finding for each thing looked at.
     pub fn findings(&self) -> Vec<Finding> {
-        let found = |check: &Check| {
-            let found = (check.look)(self);
-            let is_bad = found.as_ref().is_some_and(|(is_good, _)| !is_good);
-            Finding {
-                name: check.name,
-                level: match &found {
-                    None => Level::Unknown,
-                    Some(_) if is_bad => Level::Warning,
-                    Some(_) => Level::Good,
-                },
-                value: found.map_or("the system does not say".to_owned(), |(_, words)| words),
-                meaning: check.meaning,
-                advice: is_bad.then_some(check.advice),
-            }
-        };
-        CHECKS.iter().map(found).collect()
+        CHECKS.iter().map(|check| check.finding((check.look)(self))).collect()
     }
 
     fn read(&self, path: &str) -> Option<String> {

@@ -7,7 +7,6 @@ use std::hint::black_box;
 
 use serde::Serialize;
 
-use crate::doctor::{Finding, Level};
 use measurement::system::clock::Clock;
 use statistics::estimate::median;
 
@@ -77,26 +76,16 @@ fn of_times(mut seconds: Vec<f64>) -> Noise {
 }
 
 impl Noise {
-    /// As a line of the diagnosis.
-    pub fn finding(&self) -> Finding {
-        let is_quiet = self.spread <= QUIET;
-        Finding {
-            name: "noise",
-            level: if is_quiet { Level::Good } else { Level::Warning },
-            value: format!(
-                "{:.2}% (the middle half of {} loops of {:.2} ms), the slowest {:.0}% slower",
-                100.0 * self.spread,
-                self.loops,
-                1e3 * self.loop_s,
-                100.0 * self.slowest
-            ),
-            meaning: "times of the same work differ by so much: differences below it are not seen \
-                      in a few rounds",
-            advice: (!is_quiet).then_some(
-                "end other programs, or take more rounds (--time-budget 10m) and trust ratios and \
-                 counters, not seconds",
-            ),
-        }
+    /// Whether the machine is quiet, and the score in words.
+    pub fn judged(&self) -> (bool, String) {
+        let words = format!(
+            "{:.2}% (the middle half of {} loops of {:.2} ms), the slowest {:.0}% slower",
+            100.0 * self.spread,
+            self.loops,
+            1e3 * self.loop_s,
+            100.0 * self.slowest
+        );
+        (self.spread <= QUIET, words)
     }
 }
 
@@ -112,8 +101,7 @@ mod tests {
         let noise = measure(&SteppingClock::new(Duration::from_millis(2)));
         assert_eq!((noise.loops, noise.spread, noise.slowest), (LOOPS, 0.0, 0.0));
         assert!((noise.loop_s - 2e-3).abs() < 1e-12);
-        assert_eq!(noise.finding().level, Level::Good);
-        assert_eq!(noise.finding().advice, None);
+        assert!(noise.judged().0);
     }
 
     #[test]
@@ -121,12 +109,11 @@ mod tests {
         let times = (0..100).map(|i| if i % 3 == 0 { 1.2 } else { 1.0 }).chain([3.0]).collect();
         let noise = of_times(times);
         assert!((noise.spread - 0.2).abs() < 1e-12 && (noise.slowest - 2.0).abs() < 1e-12);
-        let finding = noise.finding();
-        assert_eq!(finding.level, Level::Warning);
-        assert!(finding.value.starts_with("20.00%") && finding.advice.is_some());
+        let (is_quiet, words) = noise.judged();
+        assert!(!is_quiet && words.starts_with("20.00%"), "{words}");
         // one slow loop alone is no reason: medians do not see it
         let times = std::iter::repeat_n(1.0, 99).chain([9.0]).collect();
-        assert_eq!(of_times(times).finding().level, Level::Good);
+        assert!(of_times(times).judged().0);
     }
 
     #[test]

@@ -1,11 +1,8 @@
-//! The axes, one line each.
+//! An axis of accuracy: what varies on it, and how its variants are measured.
 
-use crate::accuracy::axes;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Prepared, Stage};
 use crate::error::StudyError;
-use measurement::plan::error::PlanError;
-use measurement::settings::suggest;
 
 /// One way to be more or less accurate.
 #[derive(Debug)]
@@ -66,74 +63,6 @@ impl Measure {
             Self::Each { measure, .. } => {
                 Ok(SceneOutcome { subject: subject.replace(':', " "), ..measure(stage, subject)? })
             }
-        }
-    }
-}
-
-/// Every axis: one line each.
-pub static AXES: &[&Axis] = &[
-    &axes::triangle_test::AXIS,
-    &axes::box_test::AXIS,
-    &axes::cell_insertion::AXIS,
-    &axes::voxel_traversal::AXIS,
-    &axes::sphere_test::AXIS,
-    &axes::ray_offset::AXIS,
-    &axes::smallest_offset::AXIS,
-    &axes::refracted_shift::AXIS,
-    &axes::shadow_terminator::AXIS,
-    &axes::mailbox::AXIS,
-    &axes::light_buffer::AXIS,
-    &axes::precision::AXIS,
-    &axes::cone_and_beam::AXIS,
-    &axes::effects::SOFT_SHADOWS,
-    &axes::effects::GLOSS,
-    &axes::effects::MOTION,
-    &axes::effects::FOCUS,
-    &axes::time_segments::AXIS,
-    &axes::gating::AXIS,
-    #[cfg(feature = "compiled-tests")]
-    &axes::right_answers::AXIS,
-];
-
-/// The axes of these names, each once; all when there are none.
-///
-/// # Errors
-/// [`PlanError::UnknownAxis`] naming what is valid.
-pub fn select(names: &[String]) -> Result<Vec<&'static Axis>, PlanError> {
-    if let Some(name) = names.iter().find(|name| AXES.iter().all(|axis| axis.name != *name)) {
-        let valid: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();
-        return Err(PlanError::UnknownAxis {
-            hint: suggest::hint(name, valid.iter().copied()),
-            name: name.clone(),
-            valid: valid.join(", "),
-        });
-    }
-    let is_asked = |axis: &&&Axis| names.is_empty() || names.iter().any(|n| n == axis.name);
-    Ok(AXES.iter().filter(is_asked).copied().collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_found_and_others_refused() {
-        let names = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
-        assert_eq!(select(&[]).unwrap().len(), AXES.len());
-        assert_eq!(select(&names(&["mailbox", "mailbox"])).unwrap().len(), 1);
-        let error = select(&names(&["mailboxes"])).unwrap_err().to_string();
-        assert!(error.contains("did you mean 'mailbox'?") && error.contains("focus"), "{error}");
-    }
-
-    #[test]
-    fn every_axis_has_two_scenes_of_spd_and_a_modelled_one() {
-        for axis in AXES {
-            let of_spd = |s: &&&str| {
-                let family = s.split([':', '-']).next().unwrap_or_default();
-                scene_loading::procedural::SPD.iter().any(|f| f.name == family)
-            };
-            assert!(axis.scenes.iter().filter(of_spd).count() >= 2, "{}", axis.name);
-            assert!(axis.scenes.contains(&"pavilion"), "{}", axis.name);
         }
     }
 }

@@ -8,6 +8,8 @@ pub type Path = Vec<String>;
 pub struct Imports {
     /// Paths that it uses.
     pub used: Vec<Path>,
+    /// Names that a `use` makes known in it, and their paths.
+    pub known_as: Vec<(String, Path)>,
     /// Paths that it gives on under a name of its own: the name and the path.
     pub given_on: Vec<(String, Path)>,
     /// The text without them, comments, strings and tests.
@@ -33,7 +35,8 @@ pub fn read(source: &str) -> Imports {
             if is_given_on {
                 imports.given_on.push((name, path));
             } else {
-                imports.used.push(path);
+                imports.used.push(path.clone());
+                imports.known_as.push((name, path));
             }
         }
         rest = after;
@@ -209,5 +212,7 @@ mod tests {
         let given: Vec<_> =
             imports.given_on.iter().map(|(n, p)| (n.as_str(), p.join("::"))).collect();
         assert_eq!(given, [("H", "crate::g::H".to_owned()), ("i", "i".to_owned())]);
+        let known: Vec<&str> = imports.known_as.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(known, ["a", "C", "E", "f"]);
     }
 }

@@ -4,6 +4,7 @@
 //! (`pub use`) leads to the module that has it.
 
 mod imports;
+mod results;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -76,10 +77,15 @@ fn absolute(modules: &Crate, own: &str, path: &[String]) -> Option<Vec<String>> 
             }
         }
         first => {
-            // a module below, or one that is known here by its name
+            // a module below, or one that a `use` makes known here by its name
             let below = from.iter().map(String::as_str).chain([first]).collect::<Vec<_>>();
             if !modules.contains_key(&below.join("::")) {
-                return None;
+                let known = modules.get(own)?.known_as.iter();
+                let mut named = known.filter(|(name, to)| name == first && to != path);
+                let (_, to) = named.next().filter(|(_, to)| to.first().unwrap() != first)?;
+                let mut to = absolute(modules, own, to)?;
+                to.extend(path[1..].iter().cloned());
+                return Some(to);
             }
         }
     }
@@ -231,6 +237,8 @@ fn a_planted_cycle_is_named() {
         ("c", "use crate::a::A;"),
         ("c", "fn f() { crate::a::f() }"),
         ("c", "pub use super::a::A; fn f(_: A) {}"),
+        // by the name that a module above has here, alone or under another
+        ("c", "use crate as all; fn f() { all::a::f() }"),
     ] {
         let mut files = sound;
         files.iter_mut().filter(|f| f.0 == module).for_each(|f| f.1 = fault);
@@ -242,6 +250,15 @@ fn a_planted_cycle_is_named() {
     files[4].1 = "use crate::a::Given;";
     let found = cycles(&arrows(&planted(&files)));
     assert_eq!(found, [["a::inner", "c"].map(str::to_owned).into()]);
+    // what is reached through a module that a `use` names
+    for fault in
+        ["use crate::a; fn f() { a::inner::f() }", "use super::a as x; fn f(_: x::inner::T) {}"]
+    {
+        files[4].1 = fault;
+        let found = cycles(&arrows(&planted(&files)));
+        let circle = ["a::inner", "c"].map(str::to_owned);
+        assert!(circle.iter().all(|module| found[0].contains(module)), "{fault}: {found:?}");
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The axes, one per file.
+//! The axes, one per file, and the list of them.
 
 pub mod box_test;
 pub mod cell_insertion;
@@ -25,3 +25,75 @@ pub mod time_segments;
 pub mod triangle_aims;
 pub mod triangle_test;
 pub mod voxel_traversal;
+
+use crate::accuracy::axis::Axis;
+use measurement::plan::error::PlanError;
+use measurement::settings::suggest;
+
+/// Every axis: one line each.
+pub static AXES: &[&Axis] = &[
+    &triangle_test::AXIS,
+    &box_test::AXIS,
+    &cell_insertion::AXIS,
+    &voxel_traversal::AXIS,
+    &sphere_test::AXIS,
+    &ray_offset::AXIS,
+    &smallest_offset::AXIS,
+    &refracted_shift::AXIS,
+    &shadow_terminator::AXIS,
+    &mailbox::AXIS,
+    &light_buffer::AXIS,
+    &precision::AXIS,
+    &cone_and_beam::AXIS,
+    &effects::SOFT_SHADOWS,
+    &effects::GLOSS,
+    &effects::MOTION,
+    &effects::FOCUS,
+    &time_segments::AXIS,
+    &gating::AXIS,
+    #[cfg(feature = "compiled-tests")]
+    &right_answers::AXIS,
+];
+
+/// The axes of these names, each once; all when there are none.
+///
+/// # Errors
+/// [`PlanError::UnknownAxis`] naming what is valid.
+pub fn select(names: &[String]) -> Result<Vec<&'static Axis>, PlanError> {
+    if let Some(name) = names.iter().find(|name| AXES.iter().all(|axis| axis.name != *name)) {
+        let valid: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();
+        return Err(PlanError::UnknownAxis {
+            hint: suggest::hint(name, valid.iter().copied()),
+            name: name.clone(),
+            valid: valid.join(", "),
+        });
+    }
+    let is_asked = |axis: &&&Axis| names.is_empty() || names.iter().any(|n| n == axis.name);
+    Ok(AXES.iter().filter(is_asked).copied().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_and_others_refused() {
+        let names = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
+        assert_eq!(select(&[]).unwrap().len(), AXES.len());
+        assert_eq!(select(&names(&["mailbox", "mailbox"])).unwrap().len(), 1);
+        let error = select(&names(&["mailboxes"])).unwrap_err().to_string();
+        assert!(error.contains("did you mean 'mailbox'?") && error.contains("focus"), "{error}");
+    }
+
+    #[test]
+    fn every_axis_has_two_scenes_of_spd_and_a_modelled_one() {
+        for axis in AXES {
+            let of_spd = |s: &&&str| {
+                let family = s.split([':', '-']).next().unwrap_or_default();
+                scene_loading::procedural::SPD.iter().any(|f| f.name == family)
+            };
+            assert!(axis.scenes.iter().filter(of_spd).count() >= 2, "{}", axis.name);
+            assert!(axis.scenes.contains(&"pavilion"), "{}", axis.name);
+        }
+    }
+}
