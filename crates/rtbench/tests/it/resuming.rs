@@ -196,7 +196,7 @@ pub fn refusals() {
         ("\"rounds\":null", "\"rounds\":0", "rounds: 0, expected a number from 1"),
         ("\"pass_limit\":null", "\"pass_limit\":{\"secs\":0,\"nanos\":0}", "pass-limit: 0"),
         ("\"each\",\"pass_limit\"", "\"up\",\"pass_limit\"", "line 1: 'up' is no value"),
-        ("\"run\":{\"scenes\"", "\"sweep\":{\"scenes\"", "line 1: unknown variant"),
+        ("\"asked\":{\"scenes\"", "\"asked\":{\"scene\"", "line 1: missing field `scenes`"),
     ] {
         assert!(whole.contains(from), "{from}: {whole}");
         std::fs::write(folder.path().join(NAME), resealed(&whole.replacen(from, to, 1))).unwrap();
