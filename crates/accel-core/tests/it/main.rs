@@ -11,8 +11,12 @@ mod edge_on;
 mod frames;
 mod grids;
 mod instances;
+/// The exact cells of a ray, which the study of accuracy has, too.
+#[path = "../../../studies/src/accuracy/integer_ray.rs"]
+mod integer_ray;
 mod leaving_faces;
 mod lines_of_registries;
+mod mailbox_numbers;
 mod mailboxes;
 mod memory;
 mod motion;
@@ -30,5 +34,6 @@ mod test_scenes;
 mod threads;
 mod time_segments;
 mod volumes;
+mod voxel_traversals;
 
 use accel_core::{geometry, primitives, query, registry, structures};

@@ -37,9 +37,6 @@ pub struct VerifyArgs {
     /// exit code 5 if nothing is wrong; Ctrl-C does the same, with 130
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub time_limit: Option<Duration>,
-    /// Print what zero, infinite and NaN rays cost each structure, over normal rays
-    #[arg(long)]
-    pub timing: bool,
     /// Repeat one trial: a line that an earlier run printed
     #[arg(long, value_name = "LINE")]
     pub replay: Option<String>,

@@ -17,12 +17,12 @@ use measurement::system::pools::deep_pool;
 use measurement::system::progress::Progress;
 use presentation::outside::line;
 use presentation::text::write_table;
+use studies::verify::catalogue::{find, select};
 use studies::verify::check::{CheckPlan, PRECISIONS, Replayed, replay};
-use studies::verify::registry::{Case, find, select};
+use studies::verify::registry::Case;
 use studies::verify::replay::{Replay, precision_name};
 use studies::verify::report::Report;
 use studies::verify::subject::Subject;
-use studies::verify::timing;
 use studies::verify::watch::{Cut, Watch};
 
 /// Verifies, or repeats one trial, and returns the exit code: for wrong hits 4, though a signal's
@@ -51,10 +51,6 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     write_table(context.out, &report.table(), colors)?;
     for example in report.examples() {
         writeln!(context.out, "{}", line(&example.to_string()))?;
-    }
-    if args.timing && report.cut.is_none() {
-        writeln!(context.out)?;
-        write_table(context.out, &timing::table(&report.timing), colors)?;
     }
     context.out.flush()?;
     Ok(match report.cut {
@@ -108,8 +104,6 @@ fn checked(
         report.cut = watch.cut();
     } else if report.lines.is_empty() {
         return Err(PlanError::NothingAsked.into());
-    } else if args.timing {
-        report.timing = timing::timed(&plan.subjects, context.clock, plan.seed)?;
     }
     report.seconds = context.clock.seconds_since(start);
     save(args, &report)?;
@@ -135,9 +129,7 @@ fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
         })?;
     let out = &mut *context.out;
     writeln!(out, "{}: {} (oracle: {})", case.id, case.summary, case.oracle)?;
-    if let Some(question) = question {
-        writeln!(out, "{question}")?;
-    }
+    writeln!(out, "{question}")?;
     let verdict = refused.map(|why| format!("refused: {why}")).or_else(|| wrong.clone());
     writeln!(out, "{}: {}", subject.label(), verdict.as_deref().unwrap_or("right"))?;
     out.flush()?;

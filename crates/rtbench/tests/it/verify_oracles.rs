@@ -1,18 +1,13 @@
 //! The oracles of `rtbench verify` refute what is wrong: each is shown a planted fault, and the
 //! right answer beside it.
 
-use accel_core::grid::cell_traversal::{CellPosition, CellTraversal};
-use accel_core::grid::distance_field::{Metric, distances};
-use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::primitives::{PrimSet, TriangleSet};
-use accel_core::query::mailbox::{Mailbox, MailboxSource, Stamps};
 use accel_core::{Hit, Ray, Vector};
 use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
 use studies::verify::cases::shells::shells_under;
+use studies::verify::catalogue::find;
 use studies::verify::model::Model;
-use studies::verify::parts::{clouds, kernels, mailboxes, traversals};
-use studies::verify::registry::{Ask, find};
 use studies::verify::round::Round;
 
 /// Rays of a round.
@@ -20,7 +15,7 @@ const RAYS: usize = 400;
 
 /// Some rounds of a case in single precision.
 fn rounds(id: &str) -> Vec<Round<f32>> {
-    let Ask::Rays { single, .. } = find(id).unwrap().1.ask else { panic!("{id} asks no rays") };
+    let single = find(id).unwrap().1.ask.single;
     let draw = |number| single(&mut Random::new(number, "planted"), RAYS).unwrap();
     (0..6).map(draw).collect()
 }
@@ -214,172 +209,4 @@ fn a_fixed_offset_skips_shells() {
     assert!(skipped(OffsetRule::Fixed(1e-4)) > 100);
     // met twice: the one that is left
     assert!(skipped(OffsetRule::None) > 100);
-}
-
-/// The watertight test with its edge functions contracted, as another instruction set might.
-fn contracted(triangles: &[(u32, [[f32; 3]; 3])], ray: &Ray<f32>, best: &mut Hit<f32>) -> bool {
-    let mut any = false;
-    for (id, triangle) in triangles {
-        let Some(t) = woop(triangle, ray, |[a, b, c, d]| a.mul_add(b, -(c * d))) else { continue };
-        any |= t <= ray.t_max;
-        if t < best.t || t == best.t && *id < best.id {
-            *best = Hit { t, id: *id };
-        }
-    }
-    any
-}
-
-#[test]
-fn a_kernel_that_differs_by_instruction_set_is_refuted() {
-    let Ask::Parts([block]) = find("T8").unwrap().1.ask else { panic!("T8 asks one part") };
-    for examine in [block.single, block.double] {
-        let right = examine(&mut Random::new(1, "kernels"), 3000);
-        assert!(right.trials == 3000 && right.wrong.is_empty(), "{:?}", right.wrong.first());
-    }
-    let random = &mut Random::new(1, "kernels");
-    let wrong = kernels::examine::<f32>(random, 3000, contracted).wrong;
-    assert!(wrong.len() > 100, "{}", wrong.len());
-}
-
-/// A traversal that adds up parameters, as the paper does.
-struct Accumulating {
-    cell: [i32; 3],
-    n: i32,
-    step: [i32; 3],
-    next: [f32; 3],
-    delta: [f32; 3],
-}
-
-impl Accumulating {
-    fn start(frame: &GridFrame<f32>, ray: &Ray<f32>) -> Option<Self> {
-        let cell = frame.traversal(ray)?.coords();
-        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
-        let step = d.map(|x| if x == 0.0 { 0 } else { x.signum() as i32 });
-        let plane = |k: usize| (cell[k] + i32::from(step[k] > 0)) as f32;
-        let parameter = |k: usize| match step[k] {
-            0 => f32::INFINITY,
-            _ => (plane(k) - o[k]) / d[k],
-        };
-        let n = frame.resolution()[0] as i32;
-        Some(Self {
-            cell,
-            n,
-            step,
-            next: std::array::from_fn(parameter),
-            delta: d.map(|x| (1.0 / x).abs()),
-        })
-    }
-
-    fn axis(&self) -> usize {
-        (0..3).min_by(|&a, &b| self.next[a].total_cmp(&self.next[b])).unwrap()
-    }
-}
-
-impl CellPosition for Accumulating {
-    fn index(&self) -> usize {
-        ((self.cell[2] * self.n + self.cell[1]) * self.n + self.cell[0]) as usize
-    }
-    fn coords(&self) -> [i32; 3] {
-        self.cell
-    }
-}
-
-impl CellTraversal<f32> for Accumulating {
-    fn t_exit(&self) -> f32 {
-        self.next[self.axis()]
-    }
-    fn advance(&mut self) -> bool {
-        let k = self.axis();
-        let next = self.cell[k] + self.step[k];
-        if !(0..self.n).contains(&next) {
-            return false;
-        }
-        self.cell[k] = next;
-        self.next[k] += self.delta[k];
-        true
-    }
-}
-
-/// The real traversal, but for one of its cells.
-struct Hasty<W>(W, u32);
-
-impl<W: CellPosition> CellPosition for Hasty<W> {
-    fn index(&self) -> usize {
-        self.0.index()
-    }
-    fn coords(&self) -> [i32; 3] {
-        self.0.coords()
-    }
-}
-
-impl<W: CellTraversal<f32>> CellTraversal<f32> for Hasty<W> {
-    fn t_exit(&self) -> f32 {
-        self.0.t_exit()
-    }
-    fn advance(&mut self) -> bool {
-        self.1 += 1;
-        self.0.advance() && (self.1 != 9 || self.0.advance())
-    }
-}
-
-#[test]
-fn traversals_that_drift_or_skip_are_refuted() {
-    let random = || Random::new(1, "walks");
-    let drawn = traversals::lattice_rays;
-    let right = traversals::examine::<f32, _>(&mut random(), 150, drawn, |f, r| f.traversal(r));
-    assert!(right.wrong.is_empty() && right.trials == 7 * 150, "{:?}", right.wrong.first());
-    let drifts = traversals::examine::<f32, _>(&mut random(), 150, drawn, Accumulating::start);
-    let missed =
-        drifts.wrong.iter().filter(|m| m.what.contains("missed") || m.what.contains("not within"));
-    assert!(missed.count() > 0 && drifts.wrong.len() < 7 * 150);
-    let skips = |f: &GridFrame<f32>, r: &Ray<f32>| f.traversal(r).map(|w| Hasty(w, 0));
-    let skips = traversals::examine::<f32, _>(&mut random(), 50, drawn, skips);
-    assert!(skips.wrong.iter().any(|m| m.what.contains("a step from")));
-}
-
-/// Stamps of 8 bits that start again without being cleared.
-struct Stale {
-    stamps: Vec<u8>,
-    ray: u8,
-}
-
-impl Mailbox for &mut Stale {
-    const ENABLED: bool = true;
-    fn is_new(&mut self, id: u32) -> bool {
-        std::mem::replace(&mut self.stamps[id as usize], self.ray) != self.ray
-    }
-}
-
-impl MailboxSource for Stale {
-    type Mailbox<'r> = &'r mut Self;
-    fn next_ray(&mut self) -> &mut Self {
-        self.ray = self.ray.wrapping_add(1);
-        self
-    }
-}
-
-#[test]
-fn a_mailbox_that_skips_wrongly_is_refuted() {
-    let random = || Random::new(1, "mailboxes");
-    let stale = Stale { stamps: vec![0; 4000], ray: 0 };
-    assert!(!mailboxes::examine::<f32, _>(&mut random(), 1500, stale).wrong.is_empty());
-    let cleared = Stamps::<u8>::dense(4000);
-    let right = mailboxes::examine::<f32, _>(&mut random(), 1500, cleared);
-    assert!(right.wrong.is_empty() && right.trials == 1500);
-}
-
-#[test]
-fn clouds_that_promise_too_much_are_refuted() {
-    let random = || Random::new(1, "clouds");
-    for metric in [Metric::CityBlock, Metric::Chessboard, Metric::Euclidean] {
-        let right = clouds::examine::<f32>(&mut random(), 800, metric, distances);
-        assert!(right.wrong.is_empty() && right.trials == 800, "{:?}", right.wrong.first());
-        let promised = |occupied: &[bool], n: [u32; 3], metric, octant| {
-            let field = distances(occupied, n, metric, octant);
-            field.into_iter().map(|d| if d > 0 { d.saturating_add(1) } else { 0 }).collect()
-        };
-        let wrong = clouds::examine::<f32>(&mut random(), 800, metric, promised).wrong;
-        assert!(wrong.iter().any(|m| m.what.contains("from the next, not")), "{metric:?}");
-        assert!(wrong.iter().any(|m| m.what.contains("jumps past")), "{metric:?}");
-    }
 }

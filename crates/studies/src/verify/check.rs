@@ -1,16 +1,14 @@
 //! All cases against all subjects.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use accel_core::Ray;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
 use rayon::prelude::*;
 
+use super::catalogue::Listed;
 use super::judge::{Judge, Judged, Mismatch};
-use super::parts::{Examine, Findings};
-use super::registry::{Ask, Case, Draw, Listed};
+use super::registry::{Case, Draw};
 use super::replay::Replay;
 use super::report::{Line, Tally};
 use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
@@ -81,14 +79,9 @@ impl CheckPlan<'_> {
                     return vec![Tally::default(); subjects.len()];
                 }
                 let drawn = Drawing { id: case.id, seed: self.seed, number, rays };
-                let of_round = match (&case.ask, precision) {
-                    (Ask::Rays { single, .. }, Precision::F32) => {
-                        drawn.ask(*single, &subjects, watch)
-                    }
-                    (Ask::Rays { double, .. }, Precision::F64) => {
-                        drawn.ask(*double, &subjects, watch)
-                    }
-                    (Ask::Parts(_), _) => drawn.examine(case, precision, &subjects, watch),
+                let of_round = match precision {
+                    Precision::F32 => drawn.ask(case.ask.single, &subjects, watch),
+                    Precision::F64 => drawn.ask(case.ask.double, &subjects, watch),
                 };
                 watch.round();
                 of_round
@@ -155,45 +148,6 @@ impl Drawing<'_> {
             Err(error) => failed(error.to_string()),
         }
     }
-
-    /// One round of trials with the parts among the subjects.
-    fn examine(
-        &self,
-        case: &Case,
-        precision: Precision,
-        subjects: &[Subject<'_>],
-        watch: &Watch<'_>,
-    ) -> Vec<Tally> {
-        let found = |subject: &Subject<'_>| {
-            if watch.cut().is_some() {
-                return None;
-            }
-            let examine = examine_of(case, precision, subject)?;
-            Some(Tally::found(self.number, self.findings(examine)))
-        };
-        subjects.iter().map(|s| found(s).unwrap_or_default()).collect()
-    }
-
-    /// A panic is a mismatch of the first trial.
-    fn findings(&self, examine: Examine) -> Findings {
-        catch_unwind(AssertUnwindSafe(|| examine(&mut self.random(), self.rays))).unwrap_or_else(
-            |_| {
-                let mut findings = Findings::default();
-                findings.record(Err("panicked".to_owned()));
-                findings
-            },
-        )
-    }
-}
-
-/// What examines a part for a case; `None` when the case does not concern the subject.
-fn examine_of(case: &Case, precision: Precision, subject: &Subject<'_>) -> Option<Examine> {
-    let (Ask::Parts(parts), Subject::Part(name)) = (&case.ask, subject) else { return None };
-    let part = parts.iter().find(|part| part.name == *name)?;
-    Some(match precision {
-        Precision::F32 => part.single,
-        Precision::F64 => part.double,
-    })
 }
 
 /// The tallies of two sets of rounds.
@@ -207,8 +161,8 @@ fn added(mut all: Vec<Tally>, more: Vec<Tally>) -> Vec<Tally> {
 /// What came of one trial.
 #[derive(Debug)]
 pub struct Replayed {
-    /// The ray and what was expected of it; nothing for parts, whose mismatches say all.
-    pub question: Option<String>,
+    /// The ray and what was expected of it.
+    pub question: String,
     /// Why the answer is wrong, or `None`.
     pub wrong: Option<String>,
     /// Why the scene was refused, if so.
@@ -226,16 +180,9 @@ pub fn replay(
 ) -> Result<Option<Replayed>, BuildError> {
     let &Replay { seed, round: number, rays, .. } = line;
     let drawing = Drawing { id: case.id, seed, number, rays };
-    match (&case.ask, line.precision) {
-        (Ask::Rays { single, .. }, Precision::F32) => asked(line, drawing, *single, subject),
-        (Ask::Rays { double, .. }, Precision::F64) => asked(line, drawing, *double, subject),
-        (Ask::Parts(_), precision) => {
-            let Some(examine) = examine_of(case, precision, subject) else { return Ok(None) };
-            let findings = drawing.findings(examine);
-            let is_there = (line.ray as u64) < findings.trials;
-            let wrong = of_ray(findings.wrong, line.ray);
-            Ok(is_there.then_some(Replayed { question: None, wrong, refused: None }))
-        }
+    match line.precision {
+        Precision::F32 => asked(line, drawing, case.ask.single, subject),
+        Precision::F64 => asked(line, drawing, case.ask.double, subject),
     }
 }
 
@@ -256,7 +203,7 @@ fn asked<S: Buildable>(
         Judged::Refused(why) => (None, Some(why)),
         Judged::NotAsked => (None, Some("has no such primitives".to_owned())),
     };
-    let question = Some(format!("ray {}\nexpected: {expected:?}", told(ray)));
+    let question = format!("ray {}\nexpected: {expected:?}", told(ray));
     Ok(Some(Replayed { question, wrong, refused }))
 }
 

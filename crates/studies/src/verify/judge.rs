@@ -169,7 +169,6 @@ impl<'a, S: Buildable> Judge<'a, S> {
         let ask = || match subject {
             Subject::Structure(_) => self.of_structure(subject),
             Subject::Control => self.of_control(subject),
-            Subject::Part(_) => Ok(Judged::NotAsked),
         };
         let panicked = |_| {
             Judged::Asked(vec![Mismatch { ray: 0, what: "panicked".into() }], Digest::default())

@@ -1,13 +1,13 @@
 //! Do structures stay right on the hard cases? The catalogue as a registry, its oracles, and the
 //! machinery that asks every structure and can repeat any single trial.
 //!
-//! The way of a check: [`registry`] (one line per case) -> a case draws a [`round::Round`] from a
+//! The way of a check: [`catalogue`] (one line per case) -> a case draws a [`round::Round`] from a
 //! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
-//! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. Cases of
-//! [`parts`] (traversals, mailboxes, clouds) make their trials themselves. A [`replay::Replay`] names
-//! one trial. [`timing`] says what meaningless rays cost.
+//! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
+//! [`replay::Replay`] names one trial.
 
 pub mod cases;
+pub mod catalogue;
 pub mod check;
 pub mod closed_form;
 mod company;
@@ -22,12 +22,10 @@ pub mod metamorphic;
 mod mismatch;
 pub mod model;
 mod own_bounds;
-pub mod parts;
 mod rays;
 pub mod registry;
 pub mod replay;
 pub mod report;
 pub mod round;
 pub mod subject;
-pub mod timing;
 pub mod watch;

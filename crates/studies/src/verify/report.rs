@@ -6,10 +6,8 @@ use serde::Serialize;
 
 use super::digest::Digest;
 use super::judge::{Judged, Mismatch};
-use super::parts::Findings;
 use super::replay::{Replay, precision_name};
 use super::subject::{CONTROL, Subject};
-use super::timing::Timed;
 use super::watch::Cut;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};
@@ -25,7 +23,6 @@ const SHOWN: usize = 3;
 pub struct Tally {
     trials: u64,
     mismatches: u64,
-    tolerated: u64,
     refused: u64,
     /// Rounds that were asked.
     rounds: u64,
@@ -57,14 +54,6 @@ impl Tally {
         }
     }
 
-    /// Of one round of trials with a part.
-    pub fn found(round: u64, Findings { trials, wrong, tolerated }: Findings) -> Self {
-        let mut answers = Digest::default();
-        [trials, wrong.len() as u64, tolerated].into_iter().for_each(|n| answers.word(n));
-        let asked = Self::of(round, trials as usize, Judged::Asked(wrong, answers));
-        Self { tolerated, ..asked }
-    }
-
     /// Of a round that was refused.
     pub fn refused(round: u64, why: String) -> Self {
         Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
@@ -79,7 +68,6 @@ impl Tally {
     pub fn add(&mut self, other: Self) {
         self.trials += other.trials;
         self.mismatches += other.mismatches;
-        self.tolerated += other.tolerated;
         self.refused += other.refused;
         self.rounds += other.rounds;
         self.answers.add(other.answers);
@@ -116,8 +104,6 @@ pub struct Line {
     pub trials: u64,
     /// Rays answered wrongly.
     pub mismatches: u64,
-    /// Departures from the oracle within the tolerance that the case states.
-    pub tolerated: u64,
     /// Rounds whose scene was refused with a typed error.
     pub refused: u64,
     /// Why the first of them was.
@@ -152,7 +138,6 @@ impl Line {
             known_defect: subject.known_defect(),
             trials: tally.trials,
             mismatches: tally.mismatches,
-            tolerated: tally.tolerated,
             refused: tally.refused,
             reason: tally.reason.as_ref().map(|(_, why)| why.clone()),
             rounds: tally.rounds,
@@ -186,8 +171,6 @@ pub struct Report {
     pub rounds_asked: u64,
     /// One line per case, precision and subject.
     pub lines: Vec<Line>,
-    /// What odd rays cost; nothing where it was not asked for.
-    pub timing: Vec<Timed>,
 }
 
 impl Report {
@@ -268,11 +251,6 @@ impl Report {
         if self.is_powerless() {
             notes.push("the negative control missed nothing: this run proves nothing".into());
         }
-        let tolerated = self.lines.iter().filter(|l| l.tolerated > 0);
-        notes.extend(tolerated.map(|l| {
-            let Line { case, precision, structure, tolerated, .. } = l;
-            format!("{case} {precision} {structure}: {tolerated} departures within the tolerance")
-        }));
         notes.extend(self.refusals());
         notes
     }
@@ -338,7 +316,7 @@ impl Report {
 
 /// The columns of the CSV file.
 #[rustfmt::skip]
-fn columns() -> [Column<Line>; 13] {
+fn columns() -> [Column<Line>; 12] {
     use Unit::None;
     use Value::{Count, Text};
     let c = Column::new;
@@ -353,7 +331,6 @@ fn columns() -> [Column<Line>; 13] {
         c(&["bound_95"], "", None, |line| {
             Value::of(bound(line.trials, line.mismatches).map(|b| format!("{b:.3e}")), Text)
         }),
-        c(&["tolerated"], "", None, |line| Count(line.tolerated)),
         c(&["refused_rounds"], "", None, |line| Count(line.refused)),
         c(&["rounds"], "", None, |line| Count(line.rounds)),
         c(&["answers"], "", None, |line| Text(line.answers.clone())),

@@ -1,4 +1,4 @@
-//! What is put to the test: a structure, a part of structures, or the negative control.
+//! What is put to the test: a structure, or the negative control.
 
 use accel_core::primitives::PrimsRef;
 use accel_core::query::tracer::Tracer;
@@ -7,7 +7,7 @@ use accel_core::structure::BuildError;
 use accel_core::structures::{Entry, find};
 
 use super::model::Model;
-use super::registry::{Ask, Case, parts};
+use super::registry::Case;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{Row, select};
 
@@ -22,13 +22,11 @@ pub enum Subject<'r> {
     /// Brute force over plain Moeller-Trumbore tests, which leak at edges: where it misses
     /// nothing, the rays have no power.
     Control,
-    /// A part that cases examine by themselves.
-    Part(&'static str),
 }
 
 impl<'r> Subject<'r> {
-    /// The structures and parts that `-s` asks for; all of them and the control where it asks for
-    /// nothing in particular. With `also_tested` structures that are named without settings have
+    /// The structures that `-s` asks for; all of them and the control where it asks for nothing in
+    /// particular. With `also_tested` structures that are named without settings have
     /// their further settings asked too.
     ///
     /// # Errors
@@ -38,15 +36,10 @@ impl<'r> Subject<'r> {
         structures: &[String],
         also_tested: bool,
     ) -> Result<Vec<Self>, PlanError> {
-        let is_part = |name: &String| parts().any(|part| part == name);
-        let (named, rest): (Vec<String>, Vec<String>) =
-            structures.iter().cloned().partition(is_part);
-        let mut subjects = Vec::new();
-        if structures.is_empty() || !rest.is_empty() {
-            subjects.extend(select(registry, &rest, &[])?.into_iter().map(Self::Structure));
-        }
+        let rows = select(registry, structures, &[])?;
+        let mut subjects: Vec<Self> = rows.into_iter().map(Self::Structure).collect();
         let is_named = |entry: &&Entry| {
-            structures.is_empty() || rest.iter().any(|n| n == "all" || n == entry.info.name)
+            structures.is_empty() || structures.iter().any(|n| n == "all" || n == entry.info.name)
         };
         for entry in registry.iter().filter(is_named).filter(|_| also_tested) {
             for settings in entry.info.also_tested {
@@ -59,8 +52,6 @@ impl<'r> Subject<'r> {
         if structures.is_empty() {
             subjects.push(Self::Control);
         }
-        let is_asked = |part: &&str| structures.is_empty() || named.iter().any(|n| n == part);
-        subjects.extend(parts().filter(is_asked).map(Self::Part));
         Ok(subjects)
     }
 
@@ -73,22 +64,14 @@ impl<'r> Subject<'r> {
         subjects: &[Subject<'r>],
         registry: &'r [Entry],
     ) -> Result<Vec<Self>, PlanError> {
-        let of_its_own = match case.ask {
-            Ask::Rays { rows: [], .. } => {
-                let answers = |s: &&Self| !matches!(s, Self::Part(_));
-                return Ok(subjects.iter().filter(answers).cloned().collect());
-            }
-            Ask::Parts(parts) => {
-                let names = parts.iter().map(|part| Self::Part(part.name));
-                return Ok(names.filter(|part| subjects.contains(part)).collect());
-            }
-            Ask::Rays { rows, .. } => rows,
-        };
+        if case.ask.rows.is_empty() {
+            return Ok(subjects.to_vec());
+        }
         let is_asked = |name: &str| {
             subjects.iter().any(|s| matches!(s, Self::Structure(row) if row.structure() == name))
         };
         let name = |label: &&&str| label.split(' ').next().is_some_and(is_asked);
-        of_its_own.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
+        case.ask.rows.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
     }
 
     /// The one of that label.
@@ -99,9 +82,6 @@ impl<'r> Subject<'r> {
         if label == CONTROL {
             return Ok(Self::Control);
         }
-        if let Some(part) = parts().find(|part| *part == label) {
-            return Ok(Self::Part(part));
-        }
         Row::parse(registry, label).map(Self::Structure)
     }
 
@@ -110,7 +90,6 @@ impl<'r> Subject<'r> {
         match self {
             Self::Structure(row) => row.label(),
             Self::Control => CONTROL.to_owned(),
-            Self::Part(name) => (*name).to_owned(),
         }
     }
 
@@ -119,7 +98,6 @@ impl<'r> Subject<'r> {
         match self {
             Self::Structure(row) => row.known_defect(),
             Self::Control => Some("negative control: leaks at edges"),
-            Self::Part(_) => None,
         }
     }
 
@@ -150,7 +128,6 @@ impl<'r> Subject<'r> {
                 let leaky = [("triangle-test", CONTROL)];
                 brute_force(model.prims(), &leaky, ask).map(Some)
             }
-            Self::Part(_) => Ok(None),
         }
     }
 }

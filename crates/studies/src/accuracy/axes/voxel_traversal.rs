@@ -17,12 +17,12 @@ use renderer::RayKind;
 
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
+use crate::accuracy::integer_ray::IntegerRay;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
 use crate::accuracy::timing::{Said, Variant, timed};
 use crate::error::StudyError;
 use crate::verify::draw::point;
-use crate::verify::parts::integer_traversal::IntegerRay;
 
 /// Registry line.
 pub static AXIS: Axis = Axis {

@@ -14,7 +14,6 @@ use crate::case;
 use crate::verify::draw::{one_of, point, single, unit};
 use crate::verify::meshes::{sheet, soup};
 use crate::verify::model::{Corners, Model};
-use crate::verify::parts::{clouds, mailboxes};
 use crate::verify::registry::{Case, Group};
 use crate::verify::round::{Expected, Round};
 use statistics::random::Random;
@@ -22,7 +21,7 @@ use statistics::random::Random;
 /// The group.
 pub static GROUP: Group = Group {
     name: "grid",
-    cases: &[GR1, GR2, GR3, GR4, GR5, GR6, GR7, GR8, GR8_WRAPS, GR9, GR10, nested_planes::GR12],
+    cases: &[GR1, GR2, GR3, GR4, GR5, GR6, GR7, GR8, GR10, nested_planes::GR12],
 };
 
 const GR1: Case = case!(
@@ -70,18 +69,6 @@ const GR8: Case = case!(
         "kd-tree mailbox=hash mailbox-slots=1",
         "octree mailbox=hash mailbox-slots=1"
     ]
-);
-const GR8_WRAPS: Case = case!(
-    "Gr8wraps",
-    "brute force",
-    parts mailboxes::WRAPPING,
-    "mailboxes that number rays with 8 bits, at least 1,000 rays"
-);
-const GR9: Case = case!(
-    "Gr9",
-    "search, single steps",
-    parts clouds::CLOUDS,
-    "no distance beyond that of a search, no jump past an occupied cell"
 );
 const GR10: Case = case!(
     "Gr10",

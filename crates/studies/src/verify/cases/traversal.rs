@@ -12,32 +12,13 @@ use crate::verify::draw::{one_of, unit, whole};
 use crate::verify::every_hit::{every_hit, first_within};
 use crate::verify::meshes::soup;
 use crate::verify::metamorphic::Original;
-use crate::verify::parts::{kernels, traversals};
 use crate::verify::registry::{Case, Group};
 use crate::verify::round::Round;
 use statistics::random::Random;
 
 /// The group.
-pub static GROUP: Group = Group { name: "traversal", cases: &[T1, T2, T3, T4, T5, T6, T7, T8] };
+pub static GROUP: Group = Group { name: "traversal", cases: &[T2, T5, T6, T7] };
 
-const T1: Case = case!(
-    "T1",
-    "whole numbers",
-    parts traversals::LATTICE_RAYS,
-    "grids of 16^3 to 1024^3, so many rays for each: every cell that is crossed is visited"
-);
-const T3: Case = case!(
-    "T3",
-    "whole numbers",
-    parts traversals::PUBLISHED_RAYS,
-    "two rays that broke other traversals, and rays like them"
-);
-const T4: Case = case!(
-    "T4",
-    "the ray in f64",
-    parts traversals::FAR_ORIGINS,
-    "origins 10^6 grids away, aimed at the grid's outer planes"
-);
 const T2: Case = case!(
     "T2",
     "exact",
@@ -53,13 +34,6 @@ const T7: Case = case!(
     "all tests",
     any_and_closest,
     "the closest hit is the least of all, any hit is one of them; intervals that begin at hits"
-);
-
-const T8: Case = case!(
-    "T8",
-    "the test of one",
-    parts kernels::KERNELS,
-    "eight triangles at once are answered as one after the other, to the last bit"
 );
 
 fn lattice_ties<S: Buildable>(

@@ -1,0 +1,100 @@
+//! Mailboxes whose numbers run out (HARD_CASES Gr8): rays are numbered with 8 bits, so that a thousand
+//! of them start again several times. A primitive may be tested again, but never skipped wrongly.
+
+use accel_core::params::Params;
+use accel_core::params::config::Settings;
+use accel_core::primitives::{PrimsRef, TriangleSet, Watertight};
+use accel_core::query::mailbox::{Mailbox, MailboxSource, Slots, Stamps};
+use accel_core::query::tracer::Bound;
+use accel_core::registry::Buildable;
+use accel_core::structure::Structure;
+use accel_core::structures::uniform_grid::{INFO, UniformGrid};
+use accel_core::{Hit, Ray, Vec3, Vector};
+
+use crate::common::{Random, build};
+
+/// Triangles; most stand in several cells. Most are met by one ray in some hundreds: a stamp left from
+/// before is not renewed in time.
+const TRIANGLES: usize = 2000;
+/// Large ones among them.
+const LARGE: usize = 10;
+
+fn scene<S: Buildable>(random: &mut Random) -> TriangleSet<S, Watertight> {
+    let triangles = (0..TRIANGLES).map(|i| {
+        let (at, size) = (random.point(), if i < LARGE { 0.6 } else { 0.05 });
+        let corners = [at, at + random.signed() * size, at + random.signed() * size];
+        corners.map(|p| Vec3::<S>::from_dvec3(p).to_array())
+    });
+    TriangleSet::new(triangles.collect(), |_| false).unwrap()
+}
+
+/// Rays through the scene; every other is an earlier one when its number comes again: what that left is met.
+fn rays<S: Buildable>(random: &mut Random) -> Vec<Ray<S>> {
+    let mut rays: Vec<Ray<S>> = Vec::new();
+    for i in 0..1500_usize {
+        let back = 255 + random.one_of(&[0_usize, 1]);
+        let again = i.checked_sub(back).filter(|_| random.unit() < 0.5).map(|i| rays[i]);
+        rays.push(again.unwrap_or_else(|| {
+            let (from, to) = (random.signed() * 2.0, random.point());
+            Ray::new(Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(to - from))
+        }));
+    }
+    rays
+}
+
+/// How many closest hits in a grid with that mailbox are not those of brute force.
+fn wrong<S: Buildable>(mailbox: impl MailboxSource) -> usize {
+    let mut random = Random::new(1);
+    let (set, rays) = (scene::<S>(&mut random), rays::<S>(&mut random));
+    let params = Params::new(INFO.name, INFO.params, [("density", "8")]).unwrap();
+    let grid = UniformGrid::build(&set, &Settings::of(&params)).unwrap();
+    let mut hits = vec![Hit::NONE; rays.len()];
+    Bound::new(&set, grid).count_closest(&rays, &mut hits, mailbox);
+    let mut expected = vec![Hit::NONE; rays.len()];
+    let brute_force = build(PrimsRef::Watertight(&set), "brute-force", "").unwrap();
+    brute_force.closest_hits(&rays, &mut expected);
+    assert!(expected.iter().filter(|hit| hit.is_hit()).count() > 500);
+    let differs = |(hit, right): &(&Hit<S>, &Hit<S>)| {
+        hit.id != right.id || right.is_hit() && hit.t != right.t
+    };
+    hits.iter().zip(&expected).filter(differs).count()
+}
+
+fn none_is_wrong<S: Buildable>() {
+    assert_eq!(wrong::<S>(Stamps::<u8>::dense(TRIANGLES)), 0);
+    assert_eq!(wrong::<S>(Stamps::<u8>::in_records(TRIANGLES, 40)), 0);
+    assert_eq!(wrong::<S>(Slots::<u8>::new(64)), 0);
+    assert_eq!(wrong::<S>(Slots::<u8>::new(1)), 0);
+}
+
+#[test]
+fn numbers_that_come_again_skip_nothing() {
+    none_is_wrong::<f32>();
+    none_is_wrong::<f64>();
+}
+
+/// Stamps of 8 bits that start again without being cleared.
+struct Stale {
+    stamps: Vec<u8>,
+    ray: u8,
+}
+
+impl Mailbox for &mut Stale {
+    const ENABLED: bool = true;
+    fn is_new(&mut self, id: u32) -> bool {
+        std::mem::replace(&mut self.stamps[id as usize], self.ray) != self.ray
+    }
+}
+
+impl MailboxSource for Stale {
+    type Mailbox<'r> = &'r mut Self;
+    fn next_ray(&mut self) -> &mut Self {
+        self.ray = self.ray.wrapping_add(1);
+        self
+    }
+}
+
+#[test]
+fn a_planted_mailbox_that_skips_wrongly_is_found() {
+    assert!(wrong::<f32>(Stale { stamps: vec![0; TRIANGLES], ray: 0 }) > 0);
+}
