@@ -7,6 +7,7 @@ use ::gltf::json::Root;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, quote};
+use crate::gltf::rules::parser_error;
 use crate::input::text::without_mark;
 
 /// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as
@@ -86,7 +87,7 @@ impl<'a> Container<'a> {
         }
         // the crate wants a node in each channel, where an extension may name something else
         let kept = node_channels(self.json).and_then(|json| serde_json::from_slice(&json).ok());
-        kept.ok_or_else(|| super::parser_error(path, error.to_string()))
+        kept.ok_or_else(|| parser_error(path, error.to_string()))
     }
 }
 

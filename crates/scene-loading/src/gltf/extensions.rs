@@ -8,6 +8,7 @@ use ::gltf::json::Root;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, quote};
+use crate::gltf::rules::parser_error;
 
 /// Extensions that are read.
 const READ: [&str; 4] = ["KHR_lights_punctual", "KHR_mesh_quantization", INSTANCING, VISIBILITY];
@@ -155,8 +156,8 @@ impl NodeExtensions {
         if !is_named(INSTANCING) && !is_named(VISIBILITY) {
             return Ok(read);
         }
-        let document: Document = serde_json::from_slice(json)
-            .map_err(|error| super::parser_error(path, error.to_string()))?;
+        let document: Document =
+            serde_json::from_slice(json).map_err(|error| parser_error(path, error.to_string()))?;
         for (node, extensions) in document.nodes.into_iter().enumerate() {
             let Some(Extensions { instancing, visibility }) = extensions.extensions else {
                 continue;

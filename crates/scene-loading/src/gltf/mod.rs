@@ -40,6 +40,7 @@ use crate::gltf::buffers::Buffers;
 use crate::gltf::container::Container;
 use crate::gltf::extensions::NodeExtensions;
 use crate::gltf::nodes::Walker;
+use crate::gltf::rules::parser_error;
 use crate::input::read::{read_file, scene_name};
 use crate::scene::Scene;
 
@@ -75,10 +76,6 @@ fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, LoadError>) -> Resul
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
         Err(parser_error(path, format!("panic: {text}")))
     })
-}
-
-fn parser_error(path: &Path, message: String) -> LoadError {
-    LoadError::Parser { place: FilePlace::file(path), parser: "gltf", message }
 }
 
 /// A file, its parts checked as far as the crate does not.

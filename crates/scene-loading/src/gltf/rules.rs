@@ -24,7 +24,12 @@ pub(super) fn check(path: &Path, json: &Root) -> Result<(), LoadError> {
     if faults.is_empty() {
         return Ok(());
     }
-    Err(super::parser_error(path, format!("invalid glTF: {}", faults.join("; "))))
+    Err(parser_error(path, format!("invalid glTF: {}", faults.join("; "))))
+}
+
+/// An error of the crate, in its words.
+pub(super) fn parser_error(path: &Path, message: String) -> LoadError {
+    LoadError::Parser { place: FilePlace::file(path), parser: "gltf", message }
 }
 
 /// Whether the crate finds a fault where the file can be read all the same.
