@@ -14,6 +14,7 @@ pub mod axis;
 pub mod columns;
 pub mod effect_prices;
 pub mod error_of;
+#[allow(clippy::indexing_slicing)]
 mod integer_ray;
 pub mod pareto;
 pub mod parts;
