@@ -6,20 +6,12 @@
 
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits::{self, MAX_ELEMENTS};
+use crate::obj::contents::{FaceLine, ObjScan, Wanted};
 use crate::obj::rows::words;
-use crate::obj::scan::{FaceLine, ObjScan, Wanted};
 use crate::polygon::ear_clipping::MAX_CORNERS;
 
 /// A corner without normal or texture coordinates.
 pub(crate) const NONE: u32 = u32::MAX;
-
-/// One more than the largest index of each kind that a face has.
-#[derive(Debug, Default)]
-pub(super) struct Needed {
-    positions: usize,
-    texcoords: usize,
-    normals: usize,
-}
 
 /// Adds the face of a row with its corners. `texcoords` counts those so far.
 pub(super) fn add_face(

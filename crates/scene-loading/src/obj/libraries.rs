@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use crate::error::{FilePlace, LoadError};
 use crate::input::read::{confined, is_missing, read_at_most};
 use crate::limits::{self, MAX_MATERIALS};
+use crate::obj::contents::ObjScan;
 use crate::obj::maps::{ColorMaps, Placement};
 use crate::obj::material::{MAX_LIBRARY_BYTES, parse_mtl};
-use crate::obj::scan::{MAX_LIBRARIES, ObjScan};
+use crate::obj::scan::MAX_LIBRARIES;
 use crate::scene::{Material, Scene, Warning};
 
 /// The most names that a warning lists.

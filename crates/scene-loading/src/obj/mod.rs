@@ -15,6 +15,7 @@
 //! Geometry alone is needed: damaged normals, texture coordinates and materials make faces flat or
 //! plain, and a face is left out only where one of its own corners is NaN; all with warnings.
 
+mod contents;
 mod corners;
 pub mod export;
 mod libraries;
@@ -33,9 +34,10 @@ use crate::input::decompress::decompress;
 use crate::input::read::{read_file, scene_name};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, Tally, push_all};
+use crate::obj::contents::{FaceLine, ObjScan};
 use crate::obj::libraries::Materials;
 use crate::obj::material::parse_mtl;
-use crate::obj::scan::{FaceLine, ObjScan, scan};
+use crate::obj::scan::scan;
 use crate::obj::textures::FaceTexcoords;
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{Outline, area_vector};

@@ -1,8 +1,8 @@
 //! The texture coordinates of OBJ faces.
 
+use crate::obj::contents::ObjScan;
 use crate::obj::corners::NONE;
 use crate::obj::maps::Placement;
-use crate::obj::scan::ObjScan;
 use crate::scene::Texcoords;
 
 /// The texture coordinates of one face after the other.

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::ear_clipping::triangulate;
 use super::orientation::orientation;
-use super::{area_vector, is_flat};
+use super::plane::{ZERO_AREA, area_vector, is_flat};
 
 /// Outlines of more corners are not looked at: every edge is compared with every other.
 const MAX_CORNERS: usize = 16;
@@ -65,7 +65,7 @@ fn normal(corners: &[DVec3]) -> Option<DVec3> {
     let crosses = corners.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin));
     let largest = crosses.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
     let extent = corners.iter().map(|p| p.distance(origin)).fold(0.0, f64::max);
-    (largest.length() > super::ZERO_AREA * extent * extent).then_some(largest)
+    (largest.length() > ZERO_AREA * extent * extent).then_some(largest)
 }
 
 /// Two edges that cross in their middles, by their first corners, and where.

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::Reader;
 use crate::error::{FilePlace, LoadError};
 use crate::input::text::without_mark;
 use crate::limits;
 use crate::progress;
+use crate::stl::reader::Reader;
 
 /// Bytes before the first triangle: a free text, then the number of triangles.
 const HEADER: usize = 84;

@@ -8,19 +8,18 @@
 //! NaN are left out.
 
 mod binary;
+mod reader;
 mod text;
 
 use std::path::Path;
 
-use glam::DVec3;
-
-use crate::error::{FilePlace, LoadError};
+use crate::error::LoadError;
 use crate::input::read::scene_name;
 use crate::input::text::text_of;
-use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, Welder, usable};
+use crate::mesh::{FaceCounts, Mesh, Welder};
 use crate::progress;
-use crate::scene::{Material, Scene, Warning};
+use crate::scene::{Material, Scene};
+use crate::stl::reader::Reader;
 
 /// Parses an STL file. `path` gives the scene its name and appears in errors, with the line or the
 /// byte. Scenes have no lights, one material, and a camera that frames them.
@@ -40,34 +39,4 @@ pub fn parse_stl(path: &Path, bytes: Vec<u8>) -> Result<Scene, LoadError> {
     }
     progress::end();
     reader.counts.finish(reader.scene, path)
-}
-
-struct Reader<'a> {
-    path: &'a Path,
-    mesh: Mesh,
-    scene: Scene,
-    welder: Welder,
-    counts: FaceCounts,
-}
-
-impl Reader<'_> {
-    fn add(
-        &mut self,
-        corners: [[f64; 3]; 3],
-        place: impl Fn() -> FilePlace,
-    ) -> Result<(), LoadError> {
-        let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3;
-        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
-        let corners = corners.map(|corner| DVec3::from_array(corner.map(usable)));
-        if corners.iter().any(|corner| corner.is_nan()) {
-            self.counts.unusable(place);
-            return Ok(());
-        }
-        let corners = corners.map(|corner| self.welder.vertex(corner, &mut self.scene));
-        self.mesh.add(&corners, &mut self.scene, &mut self.counts, place)
-    }
-
-    fn warn(&mut self, text: String) {
-        self.scene.warnings.push(Warning(format!("{}: {text}", self.path.display())));
-    }
 }

@@ -1,11 +1,11 @@
 //! STL files as text: `solid NAME`, facets, `endsolid NAME`; several such parts. All white space is
 //! alike, so that a whole file may stand on one line.
 
-use super::Reader;
 use crate::error::{FilePlace, LoadError};
 use crate::input::text::parse_number;
 use crate::nff::tokens::Words;
 use crate::progress;
+use crate::stl::reader::Reader;
 
 impl Reader<'_> {
     pub(super) fn text(&mut self, text: &str) -> Result<(), LoadError> {

@@ -1,0 +1,102 @@
+//! What the first pass over an OBJ file learns.
+
+use glam::DVec3;
+
+use crate::mesh::Tally;
+use crate::scene::Scene;
+
+/// What the first pass learns.
+#[derive(Debug, Default)]
+pub(crate) struct ObjScan {
+    /// Every `v`, divided by its weight; NaN where no face can use it.
+    pub positions: Vec<DVec3>,
+    /// Every `vn`; NaN where it is none.
+    pub normals: Vec<DVec3>,
+    /// The faces in file order.
+    pub faces: Vec<FaceLine>,
+    /// For each corner of each face the index of its position, counted from 0.
+    pub corners: Vec<u32>,
+    /// The same for normals, or `NONE`; empty in files without `vn`.
+    pub normal_corners: Vec<u32>,
+    /// Texture coordinates in file order, with (0, 0) at the lower left, NaN where they are none;
+    /// empty in files without `mtllib`, which cannot have textures.
+    pub texcoords: Vec<[f32; 2]>,
+    /// For each corner the index of its texture coordinates, or `NONE`; empty where `texcoords`
+    /// is.
+    pub texcoord_corners: Vec<u32>,
+    /// What stands behind `mtllib`, each once, with its first line.
+    pub libraries: Vec<(usize, String)>,
+    /// Every material name of a `usemtl`, with the line of its first use, in that order.
+    pub used: Vec<(usize, String)>,
+    /// Every `usemtl`: how many faces come before it, and which of `used` it names, if any.
+    pub switches: Vec<(usize, Option<usize>)>,
+    /// Number of `l` elements.
+    pub lines: usize,
+    /// Number of `p` elements.
+    pub points: usize,
+    /// Number of free-form curves and surfaces.
+    pub curves: usize,
+    /// Number of lines with an unknown keyword, and the first of them.
+    pub unknown: usize,
+    pub first_unknown: Option<(usize, String)>,
+    /// What was not taken as it stands.
+    pub odd: Oddities,
+    pub(super) needed: Needed,
+}
+
+/// Lines that were left out, or read in another way than some readers do.
+#[derive(Debug, Default)]
+pub(crate) struct Oddities {
+    pub positions: Tally,
+    pub normals: Tally,
+    pub texcoords: Tally,
+    /// Indices of normals and texture coordinates that mean none.
+    pub lost_normals: Tally,
+    pub lost_texcoords: Tally,
+    pub early_faces: Tally,
+    pub thin_faces: Tally,
+    pub nameless: Tally,
+    pub kept_apart: Tally,
+}
+
+impl Oddities {
+    /// One warning for each kind.
+    pub fn warn(&self, scene: &mut Scene) {
+        for (tally, what) in [
+            (&self.positions, "vertices with a coordinate or weight that is not usable"),
+            (&self.normals, "normals that are none: faces that have them are flat"),
+            (&self.texcoords, "texture coordinates that are none: faces that have them are plain"),
+            (&self.lost_normals, "indices of normals that mean none: their faces are flat"),
+            (&self.lost_texcoords, "indices of texture coordinates that mean none"),
+            (&self.early_faces, "faces before their vertices: indices count from the file's start"),
+            (&self.thin_faces, "faces with fewer than 3 corners left out"),
+            (&self.nameless, "usemtl or mtllib without a name"),
+            (&self.kept_apart, "comments or names that end in `\\`: they end with their line"),
+        ] {
+            tally.warn(what, scene);
+        }
+    }
+}
+
+/// Where a face stands, its number of corners, and whether each of them has a normal.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FaceLine {
+    pub line: u32,
+    pub corners: u32,
+    pub smooth: bool,
+}
+
+/// Which lists of corners a file can fill.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    pub normals: bool,
+    pub texcoords: bool,
+}
+
+/// One more than the largest index of each kind that a face has.
+#[derive(Debug, Default)]
+pub(super) struct Needed {
+    pub positions: usize,
+    pub texcoords: usize,
+    pub normals: usize,
+}
